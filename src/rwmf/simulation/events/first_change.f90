@@ -16,8 +16,8 @@ module rwmf_simulation_events_first_change
    implicit none
    private
 
-   public :: functions_t, moment_t, span_t, watch_t, changes_in, sample_functions, span_between, &
-      stop_at_change, stop_at_root, value_at
+   public :: functions_t, moment_t, samples_t, span_t, watch_t, changes_in, sample_functions, &
+      span_between, stop_at_change, stop_at_root, value_at
 
    !> Functions at an instant.
    type :: moment_t
@@ -36,9 +36,18 @@ module rwmf_simulation_events_first_change
       !! value and rate at the ends
    end type span_t
 
+   !> Moments of one step that have been sampled: functions that are searched one after the other
+   !> share the halves of the span.
+   type :: samples_t
+      integer :: n = 0
+      type(moment_t), allocatable :: moments(:)
+   end type samples_t
+
    !> Functions of one kind over a step.
    type, abstract :: functions_t
       type(step_view_t) :: step
+      type(samples_t), pointer :: samples => null()
+      !! of this step; not associated: none are kept
    contains
       procedure(evaluate_i), deferred :: evaluate
    end type functions_t
@@ -80,12 +89,33 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       real(wp) :: y(size(functions%step%y_a))
+      integer :: i
 
+      if (associated(functions%samples)) then
+         do i = 1, functions%samples%n
+            if (abs(functions%samples%moments(i)%t - t) > 0) cycle
+            moment = functions%samples%moments(i)
+            return
+         end do
+      end if
       call sample_state(functions%step, t, y, error)
       if (allocated(error)) return
       moment%t = t
       call functions%evaluate(t, y, moment%f)
+      if (associated(functions%samples)) call keep_moment(functions%samples, moment)
    end subroutine sample_functions
+
+   !> Keep a sampled moment while there is room.
+   pure subroutine keep_moment(samples, moment)
+      type(samples_t), intent(inout) :: samples
+      type(moment_t), intent(in) :: moment
+      integer, parameter :: most = 256
+
+      if (.not. allocated(samples%moments)) allocate (samples%moments(most))
+      if (samples%n == most) return
+      samples%n = samples%n + 1
+      samples%moments(samples%n) = moment
+   end subroutine keep_moment
 
    !> The functions between two moments.
    !>
@@ -129,8 +159,8 @@ contains
    !> Round-off of a watched function.
    !>
    !> Functions of a kind are differences of the same states. The polygon of a rate contains five
-   !> times the mean rate, which round-off of the values spoils in a short span. A reversal that it hides
-   !> moves the values by round-off.
+   !> times the mean rate, which round-off of the values spoils in a short span. A reversal that it
+   !> hides moves the values by round-off.
    pure real(wp) function noise_in(span, watch) result(noise)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watch

@@ -342,6 +342,7 @@ contains
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       type(step_view_t) :: rest
       real(wp), dimension(size(piece%y_a)), target :: y_a, y
       real(wp) :: t

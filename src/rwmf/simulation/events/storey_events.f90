@@ -12,7 +12,8 @@ module rwmf_simulation_events_storey_events
    use rwmf_model_equation, only: discrete_state_t, model_t
    use rwmf_model_floor_motion, only: storey_accelerations, storey_motion
    use rwmf_simulation_events_first_change, only: changes_in, functions_t, moment_t, &
-      sample_functions, span_between, span_t, stop_at_change, stop_at_root, value_at, watch_t
+      sample_functions, samples_t, span_between, span_t, stop_at_change, stop_at_root, value_at, &
+      watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, step_view_t
    implicit none
    private
@@ -91,6 +92,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       type(storeys_t) :: storeys
+      type(samples_t), target :: samples
       type(moment_t) :: a, b
       type(span_t) :: span
       real(wp) :: y(size(step%y_a))
@@ -101,6 +103,7 @@ contains
          if (is_quiet(step)) return
       end if
       storeys%step = step
+      storeys%samples => samples
       call sample_functions(storeys, step%t_a, b, error)
       do i = 1, n
          a = b

@@ -120,7 +120,7 @@ contains
    subroutine split_turns(step, direction, t, y, is_split, error)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: direction
-      !! sign of theta' as the step begins; 0: that of its first values
+      !! sign of theta' as the step begins; 0: that of its first values [-]
       real(wp), intent(out) :: t
       !! [s]
       real(wp), intent(out) :: y(:)

@@ -341,6 +341,7 @@ contains
    pure logical function may_hide_turns(team, i) result(may)
       type(team_t), intent(in) :: team
       integer, intent(in) :: i
+      !! number of the lane
       type(polygon_t) :: rate
       real(wp) :: noise
 
