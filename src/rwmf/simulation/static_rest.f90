@@ -176,12 +176,12 @@ contains
       type(path_t), intent(inout) :: path
       real(wp), allocatable, intent(out) :: change(:)
       !! (free positions)
-      real(wp), dimension(size(path%q), size(path%q)) :: stiffness
+      real(wp), allocatable :: stiffness(:, :)
       real(wp) :: rates(size(path%y))
       integer, allocatable :: before(:)
       integer :: i
 
-      allocate (change(size(path%q)))
+      allocate (change(size(path%q)), stiffness(size(path%q), size(path%q)))
       if (model%has_bilinear_springs) call renew_window(model, path%state)
       ! each spring turns at most once, and smooth ones perhaps back again
       do i = 1, 2*(size(path%q) + 2)
@@ -265,7 +265,7 @@ contains
       real(wp), intent(in) :: push(:)
       !! accelerations
       real(wp), intent(out) :: change(:)
-      real(wp) :: a(size(push), size(push))
+      real(wp), allocatable :: a(:, :)
       real(wp) :: damping
       logical :: is_positive
       integer :: i
@@ -300,6 +300,8 @@ contains
          is_positive = a(i, i) > negligible*diagonal(i)
          if (.not. is_positive) return
          do j = i + 1, size(b)
+            ! floors meet their neighbours only
+            if (abs(a(j, i)) <= 0) cycle
             associate (factor => a(j, i)/a(i, i))
                x(j) = x(j) - factor*x(i)
                a(j, i:) = a(j, i:) - factor*a(i, i:)
