@@ -44,6 +44,8 @@ module rwmf_simulation_static_rest
       !! of the masses over the fictitious time of a piece [1/s2]
       integer :: ends = 0
       !! of branches that have followed each other without a way between them
+      integer :: solutions = 0
+      !! of linear systems so far
    end type path_t
 
    !> The branch that ends first.
@@ -62,7 +64,8 @@ module rwmf_simulation_static_rest
 
 contains
 
-   !> Follow a state to rest. Not found: the wall overturns, or nothing balances the loads.
+   !> Follow a state to rest. Not found: the wall overturns, nothing balances the loads, or the
+   !> search takes too long in a frame of hundreds of storeys.
    subroutine come_to_rest(model, state, overturning_angle, y, is_found)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -90,6 +93,7 @@ contains
       is_found = .false.
       do i = 1, most_pieces
          call find_change(model, path, change)
+         if (takes_too_long(path)) return
          largest = max(largest, maxval(abs(lengths(model, path))))
          if (all(abs(change*unit_lengths(model, path)) <= still*largest)) then
             lifts = .false.
@@ -185,6 +189,8 @@ contains
       if (model%has_bilinear_springs) call renew_window(model, path%state)
       ! each spring turns at most once, and smooth ones perhaps back again
       do i = 1, 2*(size(path%q) + 2)
+         path%solutions = path%solutions + 1
+         if (takes_too_long(path)) exit
          call rates_of(model, path, path%y, rates)
          call stiffness_of(model, path, stiffness)
          call solve_stable(stiffness, path%damping, rates(path%v), change)
@@ -193,6 +199,14 @@ contains
          if (all(before == directions(model, path%state))) exit
       end do
    end subroutine find_change
+
+   !> Whether the solutions so far have taken some seconds: each costs the cube of the positions.
+   pure logical function takes_too_long(path)
+      type(path_t), intent(in) :: path
+      real(wp), parameter :: most_operations = 3.0e9_wp
+
+      takes_too_long = path%solutions > max(2.0_wp, most_operations/(size(path%q) + 1.0_wp)**3)
+   end function takes_too_long
 
    !> Directions in which the branches of all springs are loaded, 0 for either.
    pure function directions(model, state) result(direction)
@@ -278,6 +292,11 @@ contains
          end do
          call eliminate(a, push, change, is_positive)
          if (is_positive) return
+         ! a stiffness that is not finite has no solution
+         if (.not. damping < huge(damping)) then
+            change = huge(change)
+            return
+         end if
          damping = max(4*damping, 1.0e-3_wp*maxval(abs(stiffness)), 1.0e-3_wp)
       end do
    end subroutine solve_stable

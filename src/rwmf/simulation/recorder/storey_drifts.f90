@@ -6,7 +6,7 @@ module rwmf_simulation_recorder_storey_drifts
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_math_sign_changes, only: no_change
    use rwmf_simulation_events_first_change, only: changes_in, moment_t, sample_functions, &
-      span_between, span_t, stop_at_change, watch_t
+      samples_t, span_between, span_t, stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
    use rwmf_simulation_events_storey_events, only: storeys_t
    implicit none
@@ -38,6 +38,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       type(storeys_t) :: storeys
+      type(samples_t), target :: samples
       type(moment_t) :: before, after
       type(span_t) :: span
       integer :: n, i, k
@@ -47,6 +48,7 @@ contains
       if (n == 1) then
          if (is_inside(largest, storeys)) return
       end if
+      storeys%samples => samples
       call sample_functions(storeys, step%t_a, after, error)
       do i = 1, n
          if (allocated(error)) return
@@ -84,14 +86,19 @@ contains
       end do
    end function is_inside
 
-   !> Is it plain that a storey does not go farther out than ever in a span?
+   !> Is it plain that a storey does not go farther out than ever in a span? One that hardly moves
+   !> beside the others, before their motion reaches it, has its largest displacement later.
    logical function stays_within(largest, k, span)
       real(wp), intent(in) :: largest
       !! [m]
       integer, intent(in) :: k
       !! number of the storey, from the ground
       type(span_t), intent(in) :: span
+      real(wp), parameter :: hardly = 1.0e-6_wp
+      !! of the largest displacement of all storeys [-]
 
+      stays_within = largest < hardly*span%largest(0)
+      if (stays_within) return
       stays_within = changes_in(span, watch_t(k, 0, level=-largest, side=1.0_wp)) == no_change
       if (stays_within) stays_within = changes_in(span, watch_t(k, 0, level=largest, &
          side=-1.0_wp)) == no_change
