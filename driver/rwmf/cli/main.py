@@ -53,7 +53,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         except ReaderGoneError:
             status = 0
         except Exception as error:
-            status = _report(error)
+            # a library that cleans up after an interrupt may fail in its turn
+            if _follows_interrupt(error):
+                print("rwmf: interrupted", file=sys.stderr)
+                status = Interrupted.exit_status
+            else:
+                status = _report(error)
     if not lost:
         return status
     if isinstance(lost[0], BrokenPipeError):
@@ -90,6 +95,13 @@ def _run(arguments: Sequence[str] | None) -> int:
     status: int = getattr(import_module(f"rwmf.cli.{module}"), function)(options)
     sys.stdout.flush()
     return status
+
+
+def _follows_interrupt(error: BaseException) -> bool:
+    before = error.__context__
+    return before is not None and (
+        isinstance(before, KeyboardInterrupt) or _follows_interrupt(before)
+    )
 
 
 def _report(error: Exception) -> int:

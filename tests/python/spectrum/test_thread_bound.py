@@ -22,7 +22,7 @@ def file(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize("threads", [-1, 100_000, 2**31, 99_999_999_999, 2.5, "two"])
 def test_a_number_that_is_none(threads: int) -> None:
-    with pytest.raises(rwmf.InputError, match=rf"threads = {threads}: must be 0 \(all\) to"):
+    with pytest.raises(rwmf.InputError, match=rf"threads = {threads!r}: must be 0 \(all\) to"):
         rwmf.spectrum(rwmf.Case.from_text(SCENE), threads=threads)
 
 

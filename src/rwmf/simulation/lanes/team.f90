@@ -317,10 +317,10 @@ contains
       end associate
       if (.not. may) return
       rate = rate_in_step(team, i)
-      associate (c => rate%c(:rate%n), margin => rate%margin(:rate%n), n => rate%n)
-         may = .not. maxval(abs(c) + margin) < fastest
-         if (may) may = any(sign(1.0_wp, c(n) - c(0))*(c(1:) - c(:n - 1)) &
-            <= margin(1:) + margin(:n - 1))
+      associate (c => rate%c, margin => rate%margin, n => rate%n)
+         may = .not. maxval(abs(c(:n)) + margin(:n)) < fastest
+         if (may) may = any(sign(1.0_wp, c(n) - c(0))*(c(1:n) - c(:n - 1)) &
+            <= margin(1:n) + margin(:n - 1))
       end associate
    end function may_be_fastest
 
