@@ -122,7 +122,7 @@ def dataset_of(value: object, origin: str, *names: str) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        The same.
+        `value`, once its kind has been checked.
 
     Raises
     ------
@@ -152,7 +152,7 @@ def array_of(value: object, dim: str) -> xr.DataArray:
     Returns
     -------
     xarray.DataArray
-        The same.
+        `value`, once its kind and dimension have been checked.
 
     Raises
     ------
@@ -302,7 +302,7 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     Returns
     -------
     callable
-        The same with `InputError` for arguments of a wrong kind.
+        The function, which raises `InputError` for arguments of a wrong kind.
     """
     signature = inspect.signature(function)
     defaults = {name: item.default for name, item in signature.parameters.items()}

@@ -75,7 +75,7 @@ def to_number(
     Returns
     -------
     float
-        The same, finite.
+        The finite number.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def to_whole(name: str, value: object, lowest: int, highest: int | None = None) 
     Returns
     -------
     int
-        The same.
+        The whole number.
 
     Raises
     ------

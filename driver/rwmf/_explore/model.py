@@ -413,7 +413,7 @@ class Model:
 
 
 def _quoted(text: str) -> str:
-    """Write a text as it stands between the quotes of a namelist."""
+    """Write a text for a place between the quotes of a namelist."""
     return text.replace("'", "''")
 
 

@@ -50,7 +50,7 @@ _MOST_RECORD = 32 * 1024 * 1024
 _MOST_RECORDS = 100
 # connections at the same time; a browser has six for a page
 _MOST_CONNECTIONS = 200
-# how long a request may take to arrive [s]
+# limit of the time in which a request arrives [s]
 _ARRIVAL = 60.0
 _ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 _HEADERS = {
