@@ -131,7 +131,7 @@ def _storeys(dice: random.Random) -> Attack:
     """Choose a tall frame with any coupling, law and method."""
     law = dice.choice([None, *choices("yielding.law")])
     coupling = "full" if law is not None else dice.choice(choices("storeys.coupling"))
-    method = dice.choice(["dop853", "erk54"])
+    method = dice.choice(choices("solver.method"))
     text = building(dice.choice(_STOREYS), coupling, law, method)
     return Attack({"case.nml": text}, "rwmf.simulate(case)\ncase.kernel.inventory()\n")
 

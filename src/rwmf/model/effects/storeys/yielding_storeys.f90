@@ -97,8 +97,11 @@ contains
       !! the loading directions are known: rates within round-off of zero do not change them
       real(wp) :: d(model%floors%n)
       real(wp) :: d_dot(model%floors%n)
+      integer :: highest
+      !! storey that unloads
       integer :: i
 
+      highest = 0
       call storey_motion(model, state%side, y, d, d_dot)
       do i = 1, model%floors%n
          if (allocated(state%storey_signs)) then
@@ -110,10 +113,29 @@ contains
          else if (loading_direction_of(model, state, i)*d_dot(i) < 0 .and. .not. keeps_directions) &
             then
             call turn_spring(model%floors%springs(i), state%storeys(i), d(i))
+            highest = i
          end if
       end do
-      call renew_coefficients(model, state)
+      call renew_storeys(model, state, highest)
    end subroutine settle_storeys
+
+   !> Let the loops over lanes follow the branches of storeys.
+   !>
+   !> Where the floors below the roof have states, the wall bears the uppermost storey alone, and a
+   !> smooth one by its state: what follows for lift-off then stays known. To find it anew after each
+   !> branch takes the cube of the number of storeys.
+   pure subroutine renew_storeys(model, state, highest)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
+      integer, intent(in) :: highest
+      !! of the storeys whose branches have changed, from the ground up
+      logical :: is_known
+
+      is_known = state%bearing_is_known .and. (allocated(state%storey_signs) &
+         .or. highest < model%floors%n)
+      call renew_coefficients(model, state)
+      state%bearing_is_known = is_known
+   end subroutine renew_storeys
 
    !> Displacements between which the branch of a storey holds; a smooth one has no limits.
    pure subroutine branch_limits(equation, storey, low, high)
@@ -203,7 +225,7 @@ contains
       !! d_i grows
 
       call pass_limit(model%floors%springs(storey), state%storeys(storey), is_rising)
-      call renew_coefficients(model, state)
+      call renew_storeys(model, state, storey)
    end subroutine pass_storey_limit
 
    !> A storey turns back, or begins to move: what yielded unloads.
@@ -225,7 +247,7 @@ contains
       end if
       call storey_motion(model, state%side, y, d, d_dot)
       call turn_spring(model%floors%springs(storey), state%storeys(storey), d(storey))
-      call renew_coefficients(model, state)
+      call renew_storeys(model, state, storey)
    end subroutine turn_storey
 
    !> Energy that storeys on straight lines have dissipated by yielding since t = 0 [J/kg].
