@@ -12,7 +12,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_integrator_integrator, only: integrator_t
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_assembly, only: cable_at, enter_interval, enter_side, equation_t, &
-      interval_of, second_derivative
+      interval_of, rates_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_drift_limits, only: count_drifts
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys, start_storeys
@@ -556,7 +556,8 @@ contains
       type(equation_t), intent(inout) :: equation
       !! returns as it was
       type(recorder_t), intent(inout) :: recorder
-      real(wp) :: y(equation%n), pull(2)
+      real(wp), dimension(equation%n) :: y, rates
+      real(wp) :: pull(2)
       !! towards the base on the side that the wall leaves to, and on the other [rad/s2]
       real(wp) :: t, e
       integer :: i
@@ -565,13 +566,16 @@ contains
       y = hybrid%y
       y(:2) = 0
       do i = 1, 2
-         pull(i) = -equation%state%side*second_derivative(equation, hybrid%t, y)
+         call rates_at(equation, hybrid%t, y, rates)
+         pull(i) = -equation%state%side*rates(2)
          call enter_side(equation%model_t, equation%state, -equation%state%side)
       end do
       if (minval(pull) <= 0) return
       e = largest_factor(hybrid%restitution, abs(hybrid%y(2)))
       t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e/pull(2))/(1 - e**2)
       t = min(t, interval_end(equation%motion, interval_of(equation)))
+      ! the floors go on meanwhile
+      y(3:) = y(3:) + (t - hybrid%t)*rates(3:)
       do i = 1, 2
          call observe_still(recorder, equation, t, y)
          call enter_side(equation%model_t, equation%state, -equation%state%side)
