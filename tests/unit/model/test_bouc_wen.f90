@@ -6,7 +6,8 @@ program test_bouc_wen
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: wp
    use rwmf_input_reader, only: read_case_text
-   use rwmf_model_hysteresis_bouc_wen_backbone, only: virgin_displacement
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, &
+      virgin_displacement
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
@@ -16,6 +17,7 @@ program test_bouc_wen
    type(checks_t) :: checks
 
    if (checks%wants('closed_forms')) call check_closed_forms()
+   if (checks%wants('loading_on')) call check_loading_on()
    if (checks%wants('first_loading')) call check_first_loading(1.0_wp, 'n = 1')
    if (checks%wants('first_loading')) call check_first_loading(2.0_wp, 'n = 2')
    if (checks%wants('unloading')) call check_unloading()
@@ -73,6 +75,32 @@ contains
       end do
       call checks%that(abs(virgin_displacement(0.0_wp, 3.0_wp)) <= 0, 'nothing')
    end subroutine check_closed_forms
+
+   !> A force that hardening has turned against z goes by loading on: 1 - z decays with exp(-way) for
+   !> n = 1, z = tanh(atanh(z_0) + way) for n = 2, and z = 1 to round-off stays what it is.
+   subroutine check_loading_on()
+      real(wp), parameter :: x(3) = [-9.5_wp, -15.0_wp, -400.0_wp]
+      real(wp), parameter :: left(5) = [0.4_wp, 1.0e-3_wp, 1.0e-9_wp, 4.0e-16_wp, 0.0_wp]
+      !! 1 - z
+      real(wp), parameter :: a = 0.1_wp
+      real(wp) :: way
+      integer :: i, j, n
+
+      do i = 1, size(x)
+         do j = 1, size(left)
+            way = unloaded_displacement(x(i), 1 - left(j), a, 0.6_wp, 1.0_wp) - x(i)
+            call checks%close_to(a*(x(i) + way), -(1 - a)*(1 - left(j)*exp(-way)), 'n = 1', &
+               rtol=1.0e-13_wp)
+            way = unloaded_displacement(-x(i), left(j) - 1, a, 0.6_wp, 2.0_wp) + x(i)
+            call checks%close_to(a*(way - x(i)), (1 - a)*(1 - left(j) &
+               *2*exp(2*way)/(2 - left(j) + left(j)*exp(2*way))), 'n = 2', rtol=1.0e-13_wp)
+         end do
+         do n = 1, 8
+            call checks%close_to(unloaded_displacement(x(i), 1.0_wp, a, 1.0_wp, real(n, wp)), &
+               -(1 - a)/a, 'no knee is left', rtol=1.0e-13_wp)
+         end do
+      end do
+   end subroutine check_loading_on
 
    !> While u grows, z is a function of u/u_y alone, whatever the motion: 1 - exp(-x) for n = 1,
    !> tanh(x) for n = 2.

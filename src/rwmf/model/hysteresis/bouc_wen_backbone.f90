@@ -4,7 +4,8 @@
 !> With x = u/u_y, and z >= 0 counted from where it is zero, dx = dz/(1 - c z**n); c = 1 while |z|
 !> grows, 1 - 2 beta <= 0 while it falls. With z = 1 - exp(-w) the way is the integral of
 !> h(w) = exp(-w)/(1 - c (1 - exp(-w))**n), which is bounded, for c = 1 by 1/n <= h <= 1, and smooth
-!> but for w = 0: tanh-sinh quadrature gives all digits.
+!> but for w = 0: tanh-sinh quadrature gives all digits. From some w on z is 1 to round-off: h is then
+!> 1/n, or zero while |z| falls.
 module rwmf_model_hysteresis_bouc_wen_backbone
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
@@ -27,8 +28,7 @@ contains
       real(wp) :: w
 
       w = position_of(abs(x), 1.0_wp, n, growing, n*abs(x))
-      ! 1 - exp(-w) without loss of digits
-      z = sign(2*sinh(w/2)*exp(-w/2), x)
+      z = sign(state_of(w), x)
    end function virgin_displacement
 
    !> x = u/u_y where the force a x + (1 - a) z is gone after a slow motion back [-].
@@ -78,16 +78,27 @@ contains
       real(wp) :: excess
       integer :: i
 
-      bracket = bracket_between(level, min(w_max, largest()))
+      bracket = bracket_between(level, w_max)
       w = min(bracket%low, bracket%high)
       do i = 1, most
          if (w <= 0 .or. bracket%high <= bracket%low) exit
-         excess = a*distance(w, n, c) + (1 - a)*2*sinh(w/2)*exp(-w/2) - level
+         excess = a*distance(w, n, c) + (1 - a)*state_of(w) - level
          call narrow(bracket, excess > 0, w)
          if (abs(excess) <= 2*epsilon(level)*level) exit
-         w = keep_inside(bracket, w - excess/(a*integrand(w, n, c) + (1 - a)*exp(-w)))
+         w = keep_inside(bracket, w - excess/(a*integrand(min(w, largest()), n, c) &
+            + (1 - a)*exp(-w)))
       end do
    end function position_of
+
+   !> z = 1 - exp(-w) without loss of digits [-].
+   pure real(wp) function state_of(w) result(z)
+      real(wp), intent(in) :: w
+      !! >= 0 [-]
+
+      associate (part => min(w, largest())/2)
+         z = 2*sinh(part)*exp(-part)
+      end associate
+   end function state_of
 
    !> The w beyond which nothing is left of 1 - z.
    pure real(wp) function largest()
@@ -104,20 +115,24 @@ contains
       real(wp), parameter :: step = 1.0_wp/64
       integer, parameter :: points = 300
       !! on either side; beyond them the weights are below round-off
+      real(wp) :: curved
+      !! the part of w in which h changes
       real(wp) :: t
       real(wp) :: part
-      !! of the way to w [-]
+      !! of the way through it [-]
       real(wp) :: weight
       integer :: i
 
+      curved = min(w, largest())
       distance = 0
       do i = -points, points
          t = i*step
          part = 1/(1 + exp(-pi*sinh(t)))
          weight = pi*cosh(t)*part*(1/(1 + exp(pi*sinh(t))))
-         distance = distance + weight*integrand(w*part, n, c)
+         distance = distance + weight*integrand(curved*part, n, c)
       end do
-      distance = w*step*distance
+      distance = curved*step*distance
+      if (c >= growing) distance = distance + (w - curved)/n
    end function distance
 
    !> h(w) [-]; logarithm and power of numbers close to 1 keep their digits.
