@@ -21,8 +21,8 @@ module rwmf_model_assembly
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
       wall_coefficients
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_scene, only: add_term, first_wall, force_parts_of, frame_term, &
-      linear_cable_term, scene_t, straight_cable_term, term_t
+   use rwmf_model_scene, only: add_term, first_wall, force_parts_of, frame_term, in_cable, &
+      linear_cable_term, scene_t, straight_cable_term, term_t, through_link
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_wall_size, only: half_diagonal
@@ -54,7 +54,7 @@ contains
       allocate (equation%scene%terms(0))
       if (equation%has_wall) call add_wall(case, equation)
       if (equation%has_frame) call add_term(equation%scene, term_t(frame_term, &
-         n_coef=frame_coefficients))
+         n_coef=frame_coefficients, acts=through_link))
       call choose_cable(case, equation)
       call choose_contributions(case, equation)
       equation%n = equation%scene%n
@@ -149,7 +149,7 @@ contains
       end if
       if (has_tendon(case)) call choose_tendon(case, equation)
       call add_term(equation%scene, term_t(merge(straight_cable_term, linear_cable_term, &
-         equation%cable%is_straight), n_coef=cable_coefficients))
+         equation%cable%is_straight), n_coef=cable_coefficients, acts=in_cable))
    end subroutine choose_cable
 
    !> Tendon with the elastic stiffness that eta_0 and eta_alpha say.

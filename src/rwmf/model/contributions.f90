@@ -2,7 +2,8 @@
 !> common.
 module rwmf_model_contributions
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_list, only: effect_count, prepare_effect
+   use rwmf_model_effects_list, only: prepare_effect
+   use rwmf_model_effects_numbers, only: effect_count
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_model_hysteresis_spring_set, only: choose_springs, has_branches
    use rwmf_model_scene, only: add_term, term_t
@@ -56,14 +57,12 @@ contains
       effects(n + 1) = effect
       call move_alloc(effects, equation%effects)
       associate (added => equation%effects(n + 1))
-         ! what acts at both corners of a hinged wall is a couple
-         if (.not. equation%has_impacts) added%force => null()
          if (effect%reads == 0) added%first = equation%scene%n + 1
          added%coef = equation%scene%n_coef + 1
       end associate
       if (.not. associated(effect%coefficients)) return
       call add_term(equation%scene, term_t(number, effect%n, effect%law, effect%n_coef, &
-         effect%states))
+         effect%states, acts=effect%acts))
       if (effect%reads > 0) then
          associate (term => equation%scene%terms(size(equation%scene%terms)))
             term%state = effect%first

@@ -8,8 +8,8 @@ module rwmf_model_equation
       put_wall_side, wall_row
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_scene, only: first_wall, force_parts_t, frame_term, linear_cable_term, scene_t, &
-      straight_cable_term
+   use rwmf_model_scene, only: elsewhere, first_wall, force_parts_t, frame_term, &
+      linear_cable_term, scene_t, straight_cable_term
    use rwmf_motion_ground_motion, only: acceleration, line_of, line_t, motion_t, &
       vertical_acceleration, vertical_line_of
    implicit none
@@ -49,8 +49,8 @@ module rwmf_model_equation
       !! of its own; not associated: stores nothing
       procedure(frame_energy_i), pointer, nopass :: frame_energy => null()
       !! not associated: the frame holds what an elastic one of a single mass does
-      procedure(force_i), pointer, nopass :: force => null()
-      !! asked only for reactions; not associated: no force on the wall
+      integer :: acts = elsewhere
+      !! how the force of its loop reaches the wall
       procedure(frame_force_i), pointer, nopass :: frame_force => null()
       !! asked only for reactions; not associated: no force on the frame
       integer :: states = 0
@@ -327,23 +327,6 @@ module rwmf_model_equation
          real(wp), intent(out) :: sizes(:)
          !! (states of the effect)
       end subroutine sizes_i
-
-      !> Add the force on the wall.
-      subroutine force_i(effect, equation, t, y, y_ddot, force)
-         import :: contribution_t, equation_t, wp
-         implicit none
-         type(contribution_t), intent(in) :: effect
-         type(equation_t), intent(in) :: equation
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(:)
-         !! (states)
-         real(wp), intent(in) :: y_ddot
-         !! theta'' [rad/s2]
-         real(wp), intent(inout) :: force(2)
-         !! over m_w, horizontal (positive as u_g'') and upward; in the frame of the ground, so that
-         !! forces of inertia due to its motion count [m/s2]
-      end subroutine force_i
 
       !> Forces with which an effect resists the displaced frame, or pushes on it where negative.
       function frame_force_i(effect, equation, y) result(force)

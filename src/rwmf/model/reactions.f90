@@ -9,11 +9,12 @@ module rwmf_model_reactions
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: plastic_displacement, uneven_plastic_part
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_reactions_loop, only: push_corner
    implicit none
    private
 
    public :: reactions_t, reactions_at, friction_demand, link_force, cable_force, wall_drift
-   public :: plastic_part, roof_acceleration, link_tilt
+   public :: corner_force, plastic_part, roof_acceleration, link_tilt
 
    !> Forces of the foundation at one instant.
    type :: reactions_t
@@ -45,7 +46,6 @@ contains
       real(wp) :: on_frame(2)
       !! forces of effects on the frame [m/s2]
       real(wp) :: u_ddot
-      integer :: i
 
       on_frame = effects_frame_force(equation, y)
       if (.not. equation%has_wall) then
@@ -58,14 +58,8 @@ contains
          equation%state%side*kin%s*y_ddot - kin%c*y(2)**2]
       mean(1) = mean(1) + ground(equation, t)
       if (equation%has_vertical) mean(2) = mean(2) + vertical_ground(equation, t)
-      applied = link_force(equation, kin, t, y, y_ddot) + cable_force(equation, y(1))
-      if (allocated(equation%effects)) then
-         do i = 1, size(equation%effects)
-            if (associated(equation%effects(i)%force)) then
-               call equation%effects(i)%force(equation%effects(i), equation, t, y, y_ddot, applied)
-            end if
-         end do
-      end if
+      applied = link_force(equation, kin, t, y, y_ddot) + cable_force(equation, y(1)) &
+         + corner_force(equation, y, y_ddot)
       reactions%horizontal = mean(1) - applied(1)
       reactions%normal = mean(2) + equation%p%g - applied(2)
       reactions%base_shear = mean(1)
@@ -208,6 +202,25 @@ contains
       cable = cable_at(equation, theta)
       force = -equation%p%g*cable%force*run/norm2(run)
    end function cable_force
+
+   !> Force of what works under the corners on the wall. On a hinged wall the devices at both
+   !> corners are a couple.
+   function corner_force(equation, y, y_ddot) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' [rad/s2]
+      real(wp) :: force(2)
+      !! [m/s2]
+      real(wp) :: found(1, 2)
+
+      force = 0
+      if (.not. equation%has_impacts .or. size(equation%parts%under_corner%terms) == 0) return
+      call push_corner(equation%parts%under_corner, equation%state%coef, y, &
+         [equation%state%side*y_ddot], found)
+      force = found(1, :)
+   end function corner_force
 
    !> Displacement of the middle of the wall's top over its height; grows with |theta| [-].
    pure real(wp) function wall_drift(equation, theta) result(drift)

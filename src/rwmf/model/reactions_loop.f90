@@ -6,13 +6,14 @@
 module rwmf_model_reactions_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates
+   use rwmf_model_effects_numbers, only: fuse_effect, link_effect
    use rwmf_model_lanes, only: lane_count, lane_motion_t
-   use rwmf_model_scene, only: first_wall, force_parts_t, frame_term, fuse_term, link_term, &
-      scene_t, straight_cable_term
+   use rwmf_model_scene, only: first_wall, force_parts_t, frame_term, scene_t, &
+      straight_cable_term
    implicit none
    private
 
-   public :: lane_reactions
+   public :: lane_reactions, push_corner
    public :: low_normal, demand, shear, reaction_count
 
    integer, parameter :: low_normal = 1
@@ -82,6 +83,29 @@ contains
             abs(force(i, 1)) < force(i, 2)*sqrt(huge(1.0_wp)))
       end do
    end subroutine lane_reactions
+
+   !> Force on the wall of what works under its corners; a motion whose rotation grows with phi.
+   subroutine push_corner(part, coef, y, phi_ddot, force)
+      type(scene_t), intent(in) :: part
+      !! on corners
+      real(wp), intent(in) :: coef(lane_count, part%n_coef)
+      !! coefficients of the loops, on the side and the branches in force
+      real(wp), intent(in) :: y(lane_count, part%n)
+      !! (states)
+      real(wp), intent(in) :: phi_ddot(lane_count)
+      !! [rad/s2]
+      real(wp), intent(out) :: force(lane_count, 2)
+      !! over m_w, horizontal (positive as u_g'') and upward [m/s2]
+      type(lane_motion_t) :: motion
+      real(wp) :: corner(lane_count, 2)
+
+      motion%ground = 0
+      motion%vertical = 0
+      call add_up(part, coef, y, motion, corner)
+      force = 0
+      call press_corner(part, coef, corner, motion, phi_ddot, force)
+      force = -force
+   end subroutine push_corner
 
    !> Moment and inertia that the loops of a part add to those of the wall.
    subroutine add_up(part, coef, y, motion, total)
@@ -165,7 +189,7 @@ contains
          force(i, 2) = force(i, 2) - along*motion%half_cosine(i)
       end do
       do j = 1, size(part%terms)
-         if (part%terms(j)%effect /= fuse_term) cycle
+         if (part%terms(j)%effect /= fuse_effect) cycle
          associate (at_pivot => part%terms(j)%coef + 2)
             !$omp simd
             do i = 1, lane_count
@@ -246,7 +270,7 @@ contains
                   base(i) = base(i) + coef(i, own)*(R*motion%side(i)*(motion%k(i)*motion%rate(i) &
                      *motion%rate(i) + motion%j(i)*phi_ddot(i)) + motion%ground(i))
                end do
-            else if (part%terms(j)%effect == link_term) then
+            else if (part%terms(j)%effect == link_effect) then
                !$omp simd private(v)
                do i = 1, lane_count
                   v = motion%half_sine(i)*(coef(i, own + 3)*motion%half_cosine(i) &

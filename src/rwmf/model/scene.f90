@@ -7,25 +7,25 @@ module rwmf_model_scene
    public :: scene_t, term_t, add_term, is_same_scene
    public :: force_parts_t, force_parts_of
    public :: frame_term, linear_cable_term, straight_cable_term, first_wall
-   public :: link_term, fuse_term
+   public :: elsewhere, under_corner, through_link, in_cable, on_weight
 
    integer, parameter :: frame_term = -1
    integer, parameter :: linear_cable_term = -2
    integer, parameter :: straight_cable_term = -3
-   integer, parameter :: link_term = 2
-   integer, parameter :: damper_term = 3
-   integer, parameter :: inerter_term = 4
-   integer, parameter :: fuse_term = 5
-   integer, parameter :: hysteresis_term = 6
-   integer, parameter :: vertical_term = 7
-   !! numbers in the list of effects
+   integer, parameter :: elsewhere = 0
+   !! a loop acts in more than one way, as floors, leaning columns and hinges do
+   integer, parameter :: under_corner = 1
+   !! along the chord of the corner that lifts
+   integer, parameter :: through_link = 2
+   integer, parameter :: in_cable = 3
+   integer, parameter :: on_weight = 4
    integer, parameter :: first_wall = 2
    !! column of the first coefficient of the wall; column 1 is 1, and 0 while the wall is held
 
    !> A loop over lanes that adds to the equation of motion.
    type :: term_t
       integer :: effect = 0
-      !! its number in the list of effects, or one of the `_term` numbers
+      !! its number (`rwmf_model_effects_numbers`), or one of the `_term` numbers
       integer :: n = 0
       !! how many parts it has (floors)
       integer :: law = 0
@@ -38,6 +38,8 @@ module rwmf_model_scene
       !! column of the first of these coefficients
       integer :: state = 1
       !! number of the first of these states
+      integer :: acts = elsewhere
+      !! how its force reaches the wall
    end type term_t
 
    !> The loops of a scene in their order.
@@ -78,33 +80,25 @@ contains
          .and. one%terms%state == other%terms%state)
    end function is_same_scene
 
-   !> Sort the loops of a scene. Floors, leaning columns and hinges act in more than one way.
+   !> Sort the loops of a scene by the way in which they act.
    pure type(force_parts_t) function force_parts_of(scene) result(parts)
       type(scene_t), intent(in) :: scene
       !! on corners or without wall
-      integer :: i
 
-      parts%is_complete = .true.
-      parts%through_link = scene_t(scene%has_wall, scene%n, scene%n_coef, scene%terms(:0))
-      parts%under_corner = parts%through_link
-      parts%in_cable = parts%through_link
-      do i = 1, size(scene%terms)
-         associate (term => scene%terms(i))
-            select case (term%effect)
-            case (linear_cable_term, straight_cable_term)
-               parts%in_cable%terms = [parts%in_cable%terms, term]
-            case (damper_term, inerter_term, fuse_term)
-               parts%under_corner%terms = [parts%under_corner%terms, term]
-            case (frame_term, link_term, hysteresis_term)
-               parts%through_link%terms = [parts%through_link%terms, term]
-            case (vertical_term)
-               ! acts as a part of the weight
-            case default
-               parts%is_complete = .false.
-            end select
-         end associate
-      end do
+      parts%is_complete = all(scene%terms%acts /= elsewhere)
+      parts%through_link = part_of(scene, through_link)
+      parts%under_corner = part_of(scene, under_corner)
+      parts%in_cable = part_of(scene, in_cable)
    end function force_parts_of
+
+   !> The loops of a scene that act in one way.
+   pure type(scene_t) function part_of(scene, acts) result(part)
+      type(scene_t), intent(in) :: scene
+      integer, intent(in) :: acts
+
+      part = scene_t(scene%has_wall, scene%n, scene%n_coef, pack(scene%terms, scene%terms%acts &
+         == acts))
+   end function part_of
 
    !> Add a loop with its coefficients and states behind those that are there.
    pure subroutine add_term(scene, term)

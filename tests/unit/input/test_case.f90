@@ -6,7 +6,7 @@ program test_case
    use rwmf_input_describe, only: describe_case
    use rwmf_input_reader, only: read_case_file, read_case_text
    use rwmf_input_schema, only: all_keys, group_names, write_schema
-   use rwmf_model_effects_list, only: effect_count
+   use rwmf_model_effects_numbers, only: effect_count
    use rwmf_problem_case, only: case_t
    use rwmf_problem_key, only: key_t
    use rwmf_text_strings, only: integer_to_text

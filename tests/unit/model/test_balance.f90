@@ -15,8 +15,8 @@ program test_balance
    use rwmf_model_hysteresis_spring_set, only: load_to, plastic_parts
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: of_viscous, power_count
-   use rwmf_model_reactions, only: cable_force, friction_demand, link_force, reactions_at, &
-      reactions_t
+   use rwmf_model_reactions, only: cable_force, corner_force, friction_demand, &
+      link_force, reactions_at, reactions_t
    use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
       reaction_count, shear_of_base => shear
    use rwmf_model_wall_sections, only: links_t, section_forces
@@ -96,13 +96,7 @@ contains
             y = [side*0.11_wp, i*0.7_wp, (0.1_wp*j*i, j=3, equation%n)]
             y_ddot = second_derivative(equation, t, y)
             reactions = reactions_at(equation, t, y, y_ddot)
-            damper = 0
-            if (allocated(equation%effects)) then
-               associate (effect => equation%effects(1))
-                  if (associated(effect%force)) call effect%force(effect, equation, t, y, y_ddot, &
-                     damper)
-               end associate
-            end if
+            damper = corner_force(equation, y, y_ddot)
             moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
                + turn_of_links(equation, case, y, y_ddot) &
                + turn(cable_point(equation, y), cable_force(equation, y(1)), equation, y) &
@@ -451,8 +445,7 @@ contains
       case = damped()
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
-      force = 0
-      call equation%effects(1)%force(equation%effects(1), equation, t, y, 0.0_wp, force)
+      force = corner_force(equation, y, 0.0_wp)
       velocity = (lifting_corner(equation, y + step) - lifting_corner(equation, y - step)) &
          /(2*step)*y(2)
       call powers_at(equation, t, y, power)

@@ -8,6 +8,7 @@ module rwmf_model_effects_corner_damper
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, corner_share, discrete_state_t, equation_t, &
       model_t
+   use rwmf_model_scene, only: under_corner
    use rwmf_problem_case, only: case_t, damper_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
@@ -59,7 +60,7 @@ contains
       damper%constants = [corner_share(equation)*case%damper%c_over_m_w]
       damper%n_coef = 1
       damper%coefficients => damper_coefficients
-      damper%force => damper_force
+      damper%acts = under_corner
    end subroutine prepare_damper
 
    pure subroutine damper_coefficients(effect, model, state, coef)
@@ -70,24 +71,5 @@ contains
 
       coef(1) = effect%constants(1)*(2*model%sin_alpha)**2
    end subroutine damper_coefficients
-
-   !> Force on the lifting corner, against its velocity along the chord.
-   subroutine damper_force(effect, equation, t, y, y_ddot, force)
-      type(contribution_t), intent(in) :: effect
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
-      real(wp), intent(inout) :: force(2)
-      real(wp) :: half_angle
-      !! of the chord from the vertical, as well [rad]
-      real(wp) :: stroke_rate
-      !! [m/s]
-
-      half_angle = equation%state%side*y(1)/2
-      stroke_rate = 2*equation%p%R*equation%sin_alpha*cos(half_angle)*equation%state%side*y(2)
-      force = force - effect%constants(1)*stroke_rate*[equation%state%side*sin(half_angle), &
-         cos(half_angle)]
-   end subroutine damper_force
 
 end module rwmf_model_effects_corner_damper

@@ -9,6 +9,7 @@ module rwmf_model_effects_corner_inerter
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, corner_share, discrete_state_t, equation_t, &
       model_t
+   use rwmf_model_scene, only: under_corner
    use rwmf_problem_case, only: case_t, inerter_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: real_of
@@ -61,7 +62,7 @@ contains
       inerter%n_coef = 1
       inerter%coefficients => inerter_coefficients
       inerter%energy => inerter_energy
-      inerter%force => inerter_force
+      inerter%acts = under_corner
    end subroutine prepare_inerter
 
    pure subroutine inerter_coefficients(effect, model, state, coef)
@@ -81,25 +82,5 @@ contains
 
       energy = equation%p%R**2*(effect%constants(1)*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2/2
    end function inerter_energy
-
-   !> Force on the lifting corner, against the acceleration of the stroke along the chord.
-   subroutine inerter_force(effect, equation, t, y, y_ddot, force)
-      type(contribution_t), intent(in) :: effect
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
-      real(wp), intent(inout) :: force(2)
-      real(wp) :: half_angle
-      !! of the chord from the vertical, as well [rad]
-      real(wp) :: stroke_ddot
-      !! [m/s2]
-
-      half_angle = equation%state%side*y(1)/2
-      stroke_ddot = 2*equation%p%R*equation%sin_alpha*(cos(half_angle)*equation%state%side*y_ddot &
-         - sin(half_angle)*y(2)**2/2)
-      force = force - effect%constants(1)*stroke_ddot*[equation%state%side*sin(half_angle), &
-         cos(half_angle)]
-   end subroutine inerter_force
 
 end module rwmf_model_effects_corner_inerter

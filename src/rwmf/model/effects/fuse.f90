@@ -3,7 +3,8 @@ module rwmf_model_effects_fuse
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t, place_left
-   use rwmf_model_hysteresis_spring_set, only: fuses_energy, fuses_force
+   use rwmf_model_hysteresis_spring_set, only: fuses_energy
+   use rwmf_model_scene, only: under_corner
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, group_values_t, has_key, real_of, text_of
@@ -109,7 +110,7 @@ contains
       fuse%coefficients => fuse_coefficients
       fuse%has_sides = .true.
       fuse%energy => fuses_energy
-      fuse%force => fuses_force
+      fuse%acts = under_corner
    end subroutine prepare_fuse
 
    !> Of the fuse whose corner lifts, and the force of the other; they come last, left and right.

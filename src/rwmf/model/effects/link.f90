@@ -5,6 +5,7 @@ module rwmf_model_effects_link
    use rwmf_model_equation, only: contribution_t, discrete_state_t, model_t
    use rwmf_model_kinematics, only: link_row
    use rwmf_model_lanes, only: link_coefficients
+   use rwmf_model_scene, only: through_link
    use rwmf_problem_case, only: case_t, link_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_values_t, real_of, text_of
@@ -71,6 +72,7 @@ contains
       link%is_kinematic = .true.
       link%has_sides = .true.
       link%coefficients => coefficients_of_link
+      link%acts = through_link
    end subroutine prepare_link
 
    pure subroutine coefficients_of_link(effect, model, state, coef)

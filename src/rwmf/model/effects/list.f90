@@ -6,6 +6,9 @@ module rwmf_model_effects_list
    use rwmf_model_effects_fuse, only: fuse_group, prepare_fuse
    use rwmf_model_effects_impact_table, only: impact_table_group
    use rwmf_model_effects_link, only: link_group, prepare_link
+   use rwmf_model_effects_numbers, only: damper_effect, effect_count, fuse_effect, &
+      impact_table_effect, inerter_effect, link_effect, p_delta_effect, pinned_base_effect, &
+      storeys_effect, tendon_effect, vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta, only: p_delta_group, prepare_p_delta
    use rwmf_model_effects_pinned_base, only: pinned_base_group
    use rwmf_model_effects_storeys_storeys, only: prepare_storeys, storeys_group
@@ -18,9 +21,7 @@ module rwmf_model_effects_list
    implicit none
    private
 
-   public :: all_effects, has_effects, prepare_effect, effect_count
-
-   integer, parameter :: effect_count = 11
+   public :: all_effects, has_effects, prepare_effect
 
 contains
 
@@ -30,17 +31,17 @@ contains
 
       ! one by one: gfortran 12 loses the keys of what stands in an array constructor
       allocate (effects(effect_count))
-      effects(1) = storeys_group()
-      effects(2) = link_group()
-      effects(3) = damper_group()
-      effects(4) = inerter_group()
-      effects(5) = fuse_group()
-      effects(6) = yielding_group()
-      effects(7) = vertical_group()
-      effects(8) = pinned_base_group()
-      effects(9) = impact_table_group()
-      effects(10) = tendon_group()
-      effects(11) = p_delta_group()
+      effects(storeys_effect) = storeys_group()
+      effects(link_effect) = link_group()
+      effects(damper_effect) = damper_group()
+      effects(inerter_effect) = inerter_group()
+      effects(fuse_effect) = fuse_group()
+      effects(yielding_effect) = yielding_group()
+      effects(vertical_effect) = vertical_group()
+      effects(pinned_base_effect) = pinned_base_group()
+      effects(impact_table_effect) = impact_table_group()
+      effects(tendon_effect) = tendon_group()
+      effects(p_delta_effect) = p_delta_group()
    end function all_effects
 
    !> What an effect of the list brings into the equation of motion, if the case calls for it.
@@ -52,21 +53,21 @@ contains
       type(contribution_t), intent(out) :: effect
 
       select case (number)
-      case (1)
+      case (storeys_effect)
          call prepare_storeys(case, equation, effect)
-      case (2)
+      case (link_effect)
          call prepare_link(case, effect)
-      case (3)
+      case (damper_effect)
          call prepare_damper(case, equation, effect)
-      case (4)
+      case (inerter_effect)
          call prepare_inerter(case, equation, effect)
-      case (5)
+      case (fuse_effect)
          call prepare_fuse(case, equation, effect)
-      case (6)
+      case (yielding_effect)
          call prepare_yielding(case, equation, effect)
-      case (7)
+      case (vertical_effect)
          call prepare_vertical(case, equation, effect)
-      case (11)
+      case (p_delta_effect)
          call prepare_p_delta(case, equation, effect)
       case default
          ! a base, a rule of impacts, a law of the cable: nothing beyond wall and cable

@@ -4,6 +4,8 @@ module rwmf_model_effects_loops
    use rwmf_model_effects_corner_damper_loop, only: add_damper, add_damper_power
    use rwmf_model_effects_corner_inerter_loop, only: add_inerter
    use rwmf_model_effects_fuse_loop, only: add_fuse
+   use rwmf_model_effects_numbers, only: damper_effect, fuse_effect, inerter_effect, &
+      link_effect, p_delta_effect, storeys_effect, vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta_loop, only: add_p_delta
    use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_excited_mass_power, &
       add_floor_power, add_floors
@@ -48,27 +50,27 @@ contains
                call add_linear_cable(coef(1, own), motion)
             case (straight_cable_term)
                call add_straight_cable(coef(1, own), motion)
-            case (1)
+            case (storeys_effect)
                if (term%n > 0) then
                   call add_floors(term%n, term%law, coef(1, own), y(1, term%state), motion, &
                      y_dot(1, term%state))
                else
                   call add_excited_mass(coef(1, own), motion)
                end if
-            case (2)
+            case (link_effect)
                call tilt_link(coef(1, own), motion)
-            case (3)
+            case (damper_effect)
                call add_damper(coef(1, own), motion)
-            case (4)
+            case (inerter_effect)
                call add_inerter(coef(1, own), motion)
-            case (5)
+            case (fuse_effect)
                call add_fuse(coef(1, own), motion)
-            case (6)
+            case (yielding_effect)
                call add_bouc_wen(term%law, coef(1, own), y(1, term%state), motion, &
                   y_dot(1, term%state))
-            case (7)
+            case (vertical_effect)
                call add_vertical(coef(1, own), motion)
-            case (11)
+            case (p_delta_effect)
                ! one coordinate has no states of its own: none is read
                call add_p_delta(term%n, coef(1, own), y(1, min(term%state, scene%n)), motion, &
                   y_dot(1, min(term%state, scene%n)))
@@ -108,19 +110,19 @@ contains
             select case (term%effect)
             case (frame_term)
                call add_frame_power(weight, coef(1, own), motion, total)
-            case (1)
+            case (storeys_effect)
                if (term%n > 0) then
                   call add_floor_power(term%n, term%law, weight, coef(1, own), &
                      y(1, term%state), y_dot(1, term%state), motion, total)
                else
                   call add_excited_mass_power(weight, coef(1, own), motion, total)
                end if
-            case (3)
+            case (damper_effect)
                call add_damper_power(weight, coef(1, own), motion, total)
-            case (6)
+            case (yielding_effect)
                call add_bouc_wen_power(weight, coef(1, own), y(1, term%state), &
                   y_dot(1, term%state), motion, total)
-            case (7)
+            case (vertical_effect)
                call add_vertical_power(weight, coef(1, own), motion, total)
             case default
                ! stores all that it takes, or dissipates on straight lines

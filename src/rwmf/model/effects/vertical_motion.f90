@@ -6,6 +6,7 @@ module rwmf_model_effects_vertical_motion
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t
+   use rwmf_model_scene, only: on_weight
    use rwmf_motion_ground_motion, only: interval_end, interval_last, motion_t, turning_point, &
       vertical_acceleration
    use rwmf_problem_case, only: case_t
@@ -104,6 +105,7 @@ contains
       equation%has_vertical = .true.
       vertical%n_coef = 1
       vertical%coefficients => vertical_coefficients
+      vertical%acts = on_weight
    end subroutine prepare_vertical
 
    pure subroutine vertical_coefficients(effect, model, state, coef)

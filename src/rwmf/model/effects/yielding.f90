@@ -11,6 +11,7 @@ module rwmf_model_effects_yielding
       prepare_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: has_branches, storey_strengths, &
       yield_displacement, yielding_energy
+   use rwmf_model_scene, only: through_link
    use rwmf_problem_case, only: case_t, spring_law_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
@@ -404,6 +405,7 @@ contains
          yielding%n_coef = 4
          yielding%law = equation%hysteresis%factors
          yielding%coefficients => bouc_wen_coefficients
+         yielding%acts = through_link
          yielding%frame_energy => bouc_wen_energy
          yielding%states = 1
          yielding%sizes => bouc_wen_sizes

@@ -21,7 +21,7 @@ module rwmf_model_hysteresis_spring_set
    private
 
    public :: has_branches, law_of, choose_springs
-   public :: fuses_energy, fuses_force, yielding_energy, springs_loss
+   public :: fuses_energy, yielding_energy, springs_loss
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
    public :: yield_displacement, storey_strengths, moves
    public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
@@ -233,39 +233,6 @@ contains
          end associate
       end do
    end function yielding_energy
-
-   !> Forces of the fuses on the wall: along the chord at the lifting corner, vertical at the pivot,
-   !> where what an earlier stroke has left behind acts.
-   subroutine fuses_force(effect, equation, t, y, y_ddot, force)
-      type(contribution_t), intent(in) :: effect
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! states
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
-      real(wp), intent(inout) :: force(2)
-      !! over m_w, horizontal (positive as u_g'') and upward; those of the fuses are added [m/s2]
-      real(wp) :: half_angle
-      !! of the chord from the vertical, as well [rad]
-      integer :: i
-
-      half_angle = equation%state%side*y(1)/2
-      do i = 1, size(equation%springs)
-         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
-                    branch => equation%state%springs(i))
-            if (place == place_frame) cycle
-            if (moves(place, equation%state%side)) then
-               force = force - spring_force(spring, branch, elongation_of(equation, &
-                  equation%state%side, i, 2*half_angle))*[equation%state%side*sin(half_angle), &
-                  cos(half_angle)]
-            else
-               force(2) = force(2) - branch%offset
-            end if
-         end associate
-      end do
-   end subroutine fuses_force
 
    !> Elongations of all springs at the ends of the range of rotations, where all are monotone.
    function reach_of(model) result(reach)
