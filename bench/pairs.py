@@ -62,6 +62,7 @@ EFFECTS = [
     Effect("cable breaks", {"cable": CABLE | {"rupture_strain": 0.01}}, "cable"),
     Effect("`&link`", {"link": {"L": 6.0}}, "link"),
     Effect("`&damper`", {"damper": {"c_over_m_w": 0.5}}, "damper"),
+    Effect("`&nl_damper`", {"nl_damper": {"eta_1": 0.1, "exponent": 0.4}}, "nl_damper"),
     Effect("`&fuse`", {"fuse": {"eta_y": 0.3, "stroke_y": 0.01}}, "fuse"),
     Effect("`&yielding`", {"yielding": {"u_y": 0.01, "law": "elastic_plastic"}}, "yielding"),
     *(

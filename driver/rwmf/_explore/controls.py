@@ -298,6 +298,7 @@ _TITLES = {
     "storeys": "Storeys",
     "link": "Link",
     "damper": "Dampers at the base",
+    "nl_damper": "Nonlinear dampers at the base",
     "inerter": "Inerters at the base",
     "fuse": "Fuses at the base",
     "yielding": "Yielding of the frame",

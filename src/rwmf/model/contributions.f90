@@ -47,6 +47,8 @@ contains
       integer, intent(in) :: number
       !! in the list of effects
       type(contribution_t), intent(in) :: effect
+      real(wp), parameter :: slow = 1.0e-9_wp
+      !! creep in the time unit of the wall over its slenderness [-]
       type(contribution_t), allocatable :: effects(:)
       integer :: n
 
@@ -59,6 +61,10 @@ contains
       associate (added => equation%effects(n + 1))
          if (effect%reads == 0) added%first = equation%scene%n + 1
          added%coef = equation%scene%n_coef + 1
+         equation%has_corner_at_turn = equation%has_corner_at_turn .or. added%has_corner_at_turn
+         equation%state%ends_at_peak = equation%state%ends_at_peak .or. added%has_corner_at_turn
+         if (added%has_corner_at_turn) equation%creep = slow*equation%p%alpha*sqrt( &
+            equation%p%g_over_R)
       end associate
       if (.not. associated(effect%coefficients)) return
       call add_term(equation%scene, term_t(number, effect%n, effect%law, effect%n_coef, &

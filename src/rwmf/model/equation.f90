@@ -45,6 +45,8 @@ module rwmf_model_equation
       !! its coefficients follow the side of the motion
       logical :: is_kinematic = .false.
       !! it changes the kinematics that the loops of others read
+      logical :: has_corner_at_turn = .false.
+      !! its law has a corner where theta' is zero: the integrator begins anew there
       procedure(energy_i), pointer, nopass :: energy => null()
       !! of its own; not associated: stores nothing
       procedure(frame_energy_i), pointer, nopass :: frame_energy => null()
@@ -229,6 +231,11 @@ module rwmf_model_equation
       !! of the frame
       logical :: has_loading_direction = .false.
       !! rates depend on the sign of theta'
+      logical :: has_corner_at_turn = .false.
+      !! an effect has a law with a corner where theta' is zero
+      real(wp) :: creep = 0
+      !! velocity below which a wall on its base counts as resting: a steep law holds it up to that
+      !! velocity, at which it would lift off by creeping [rad/s]
       logical :: moves_at_rest = .false.
       !! further states move while the wall rests
       logical :: has_wall

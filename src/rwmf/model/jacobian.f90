@@ -97,6 +97,8 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(out) :: by_theta
       real(wp), intent(out) :: by_theta_dot
+      real(wp), parameter :: slowest = 1.0e-20_wp
+      !! velocity that a steep law has to tell from zero [rad/s]
       real(wp) :: step(size(y))
       real(wp) :: h
 
@@ -105,6 +107,7 @@ contains
       step(1) = h
       by_theta = (second_derivative(equation, t, y + step) &
          - second_derivative(equation, t, y - step))/(2*h)
+      if (equation%has_corner_at_turn) h = h*max(abs(y(2)), slowest)
       step = 0
       step(2) = h
       by_theta_dot = (second_derivative(equation, t, y + step) &

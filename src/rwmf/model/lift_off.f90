@@ -216,12 +216,13 @@ contains
          end do
          return
       end if
-      at_rest(:2) = 0
+      at_rest(1) = 0
       at_rest(3:) = y(3:)
       ! the side in force is the last, and stays
       side = -state%side
       do i = 1, 2
          call enter_side(model, state, side)
+         at_rest(2) = side*model%creep
          call moment_at_rest(model%scene, state%coef, at_rest, moment, state%inertia_at_rest)
          ! at theta = 0 the arms of the link and of the centroid are 2 cos(alpha) and cos(alpha)
          state%uplift_acceleration(side) = -moment*model%p%R/(model%p%gamma &

@@ -6,9 +6,10 @@ module rwmf_model_effects_list
    use rwmf_model_effects_fuse, only: fuse_group, prepare_fuse
    use rwmf_model_effects_impact_table, only: impact_table_group
    use rwmf_model_effects_link, only: link_group, prepare_link
+   use rwmf_model_effects_nl_damper, only: nl_damper_group, prepare_nl_damper
    use rwmf_model_effects_numbers, only: damper_effect, effect_count, fuse_effect, &
-      impact_table_effect, inerter_effect, link_effect, p_delta_effect, pinned_base_effect, &
-      storeys_effect, tendon_effect, vertical_effect, yielding_effect
+      impact_table_effect, inerter_effect, link_effect, nl_damper_effect, p_delta_effect, &
+      pinned_base_effect, storeys_effect, tendon_effect, vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta, only: p_delta_group, prepare_p_delta
    use rwmf_model_effects_pinned_base, only: pinned_base_group
    use rwmf_model_effects_storeys_storeys, only: prepare_storeys, storeys_group
@@ -42,6 +43,7 @@ contains
       effects(impact_table_effect) = impact_table_group()
       effects(tendon_effect) = tendon_group()
       effects(p_delta_effect) = p_delta_group()
+      effects(nl_damper_effect) = nl_damper_group()
    end function all_effects
 
    !> What an effect of the list brings into the equation of motion, if the case calls for it.
@@ -69,6 +71,8 @@ contains
          call prepare_vertical(case, equation, effect)
       case (p_delta_effect)
          call prepare_p_delta(case, equation, effect)
+      case (nl_damper_effect)
+         call prepare_nl_damper(case, equation, effect)
       case default
          ! a base, a rule of impacts, a law of the cable: nothing beyond wall and cable
       end select

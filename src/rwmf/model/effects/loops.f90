@@ -4,8 +4,9 @@ module rwmf_model_effects_loops
    use rwmf_model_effects_corner_damper_loop, only: add_damper, add_damper_power
    use rwmf_model_effects_corner_inerter_loop, only: add_inerter
    use rwmf_model_effects_fuse_loop, only: add_fuse
+   use rwmf_model_effects_nl_damper_loop, only: add_nl_damper, add_nl_damper_power
    use rwmf_model_effects_numbers, only: damper_effect, fuse_effect, inerter_effect, &
-      link_effect, p_delta_effect, storeys_effect, vertical_effect, yielding_effect
+      link_effect, nl_damper_effect, p_delta_effect, storeys_effect, vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta_loop, only: add_p_delta
    use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_excited_mass_power, &
       add_floor_power, add_floors
@@ -74,6 +75,8 @@ contains
                ! one coordinate has no states of its own: none is read
                call add_p_delta(term%n, coef(1, own), y(1, min(term%state, scene%n)), motion, &
                   y_dot(1, min(term%state, scene%n)))
+            case (nl_damper_effect)
+               call add_nl_damper(coef(1, own), motion)
             case default
                ! has no loop, and therefore no term
             end select
@@ -124,6 +127,8 @@ contains
                   y_dot(1, term%state), motion, total)
             case (vertical_effect)
                call add_vertical_power(weight, coef(1, own), motion, total)
+            case (nl_damper_effect)
+               call add_nl_damper_power(weight, coef(1, own), motion, total)
             case default
                ! stores all that it takes, or dissipates on straight lines
             end select

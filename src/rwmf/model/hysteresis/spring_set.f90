@@ -315,7 +315,7 @@ contains
       integer :: i
 
       window%is_known = .true.
-      window%ends_at_peak = model%has_loading_direction
+      window%ends_at_peak = model%has_loading_direction .or. model%has_corner_at_turn
       if (model%cable%is_tendon) call narrow_window(model, state%side, 0, model%cable%tendon, &
          state%tendon, window)
       do i = 1, size(model%springs)

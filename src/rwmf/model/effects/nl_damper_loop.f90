@@ -1,0 +1,63 @@
+!> Loop over lanes of the nonlinear dampers.
+module rwmf_model_effects_nl_damper_loop
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_lanes, only: lane_count, lane_motion_t, of_viscous, power_count
+   implicit none
+   private
+
+   public :: add_nl_damper, add_nl_damper_power
+
+contains
+
+   !> Part of the dampers in the equation of motion.
+   pure subroutine add_nl_damper(coef, motion)
+      real(wp), intent(in) :: coef(lane_count, 3)
+      !! 2b [m]; 2b times the force at 1 m/s over m_w R**2 [1/s2]; exponent [-]
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp) :: power(lane_count)
+      integer :: i
+
+      call raise_rate(coef, motion, power)
+      !$omp simd
+      do i = 1, lane_count
+         motion%moment(i) = motion%moment(i) - coef(i, 2)*motion%half_cosine(i)*sign(power(i), &
+            motion%rate(i))
+      end do
+   end subroutine add_nl_damper
+
+   !> Power that they take.
+   pure subroutine add_nl_damper_power(weight, coef, motion, total)
+      real(wp), intent(in) :: weight
+      !! of the power in the sum [-]
+      real(wp), intent(in) :: coef(lane_count, 3)
+      !! those of `add_nl_damper`
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      real(wp) :: power(lane_count)
+      integer :: i
+
+      call raise_rate(coef, motion, power)
+      !$omp simd
+      do i = 1, lane_count
+         total(i, of_viscous) = total(i, of_viscous) + weight*(coef(i, 2)*motion%half_cosine(i) &
+            *power(i)*abs(motion%rate(i)))
+      end do
+   end subroutine add_nl_damper_power
+
+   !> |v|**exponent of the velocity of the stroke over 1 m/s.
+   pure subroutine raise_rate(coef, motion, power)
+      real(wp), intent(in) :: coef(lane_count, 3)
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(out) :: power(lane_count)
+      !! [-]
+      integer :: i
+
+      ! the power of libm for one lane after the other: vectorised ones have other last bits
+      !GCC$ novector
+      do i = 1, lane_count
+         power(i) = abs(coef(i, 1)*motion%half_cosine(i)*motion%rate(i))**coef(i, 3)
+      end do
+   end subroutine raise_rate
+
+end module rwmf_model_effects_nl_damper_loop

@@ -1,0 +1,114 @@
+"""Nonlinear dampers: limits, an independent integration, every path, and velocities close to zero."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import rwmf
+from scipy.integrate import solve_ivp
+
+G, H, B = 9.81, 2.0, 0.5
+FRAME = {"T_s": 1.0, "gamma": 5.0, "xi_s": 0.05}
+EXPONENTS = (0.15, 0.3, 0.7, 1.0, 2.0)
+
+
+def scene(**groups: dict[str, object] | None) -> rwmf.Case:
+    """Give a wall with a frame, a cable and a pulse, some groups changed."""
+    found = {
+        "wall": {"h": H, "b": B},
+        "frame": FRAME,
+        "impact": {"e": 0.9},
+        "cable": {"eta_0": 1.0, "eta_alpha": 5.0},
+        "motion": {"kind": "one_sine", "a_max_g": 0.6, "T_p": 1.0},
+        "solver": {"t_end": 8.0, "rtol": 1e-9},
+    } | groups
+    return rwmf.Case(**{name: keys for name, keys in found.items() if keys is not None})
+
+
+def test_the_first_power_is_the_linear_damper() -> None:
+    linear = rwmf.simulate(scene(damper={"c_over_m_w": 2.0}, output={"reactions": True}))
+    power = rwmf.simulate(
+        scene(nl_damper={"eta_1": 2.0 / G, "exponent": 1.0}, output={"reactions": True})
+    )
+    for name in ("u_s_max", "theta_dot_max", "pivot_normal_min_over_m_w_g", "friction_demand_max"):
+        assert float(power[name]) == pytest.approx(float(linear[name]), rel=1e-7), name
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_a_free_block_by_another_program(exponent: float) -> None:
+    """Release a block without frame and follow its first swing by SciPy, from virtual work."""
+    eta, theta_0 = 0.05, 0.12
+    alpha, radius = math.atan2(B, H), math.hypot(B, H)
+
+    def rates(_t: float, y: np.ndarray) -> list[float]:
+        v = 2 * B * math.cos(y[0] / 2) * y[1]
+        force = eta * G * math.copysign(abs(v) ** exponent, v)
+        moment = -G * radius * math.sin(alpha - y[0]) - force * 2 * B * math.cos(y[0] / 2)
+        return [y[1], moment / (4 / 3 * radius**2)]
+
+    def base(_t: float, y: np.ndarray) -> float:
+        return float(y[0])
+
+    base.terminal = True
+    swing = solve_ivp(rates, (0, 5), [theta_0, 0.0], events=base, rtol=1e-11, atol=1e-14)
+    run = rwmf.simulate(
+        scene(
+            frame=None, cable=None, motion={"kind": "one_sine", "a_max_g": 0.0, "T_p": 1.0},
+            model={"formulation": "exact"}, initial={"theta_over_alpha": theta_0 / alpha},
+            nl_damper={"eta_1": eta, "exponent": exponent},
+            solver={"t_end": float(swing.t_events[0][0]) * 1.01, "rtol": 1e-10},
+        )
+    )  # fmt: skip
+    assert int(run["impacts"]) == 1
+    fastest = float(np.abs(swing.y[1]).max())
+    assert float(run["theta_dot_max"]) == pytest.approx(fastest, rel=1e-8)
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_methods_agree_and_the_ledger_closes(exponent: float) -> None:
+    """The corner of the law at theta' = 0, creep before lift-off, and impacts."""
+    found = {}
+    for method in ("dop853", "extrapolation", "adams", "bdf"):
+        case = scene(
+            nl_damper={"eta_1": 0.3, "exponent": exponent}, output={"energy": True},
+            solver={"t_end": 8.0, "rtol": 1e-9, "method": method, "max_steps": 200_000},
+        )  # fmt: skip
+        run = rwmf.simulate(case)
+        assert float(run["energy_balance_relative"]) < 1e-7, method
+        found[method] = float(run["u_s_max"])
+    exact = found["dop853"]
+    for method, u_s_max in found.items():
+        assert u_s_max == pytest.approx(exact, rel=1e-7), method
+
+
+@pytest.mark.parametrize("exponent", [0.15, 0.5])
+def test_spectra_are_runs(exponent: float) -> None:
+    case = scene(
+        nl_damper={"eta_1": 0.2, "exponent": exponent},
+        spectrum={"T_s": [0.4, 0.9, 1.7], "gamma": [2.0, 50.0]},
+    )
+    spectrum = rwmf.spectrum(case)
+    for T_s in (0.4, 1.7):
+        for gamma in (2.0, 50.0):
+            run = rwmf.simulate(scene(nl_damper={"eta_1": 0.2, "exponent": exponent},
+                                      frame=FRAME | {"T_s": T_s, "gamma": gamma}))  # fmt: skip
+            found = float(spectrum["u_s_max"].sel(T_s=T_s, gamma=gamma).squeeze())
+            assert found == pytest.approx(float(run["u_s_max"]), rel=1e-7)
+
+
+def test_newtons() -> None:
+    ratio = rwmf.simulate(scene(nl_damper={"eta_1": 0.2, "exponent": 0.4}))
+    force = rwmf.simulate(
+        scene(wall={"h": H, "b": B, "m_w": 5000.0},
+              nl_damper={"F_1": 0.2 * 5000.0 * G, "exponent": 0.4})
+    )  # fmt: skip
+    assert float(force["u_s_max"]) == pytest.approx(float(ratio["u_s_max"]), rel=1e-12)
+
+
+@pytest.mark.parametrize("keys", [{"eta_1": 0.2}, {"eta_1": 0.2, "exponent": 0.1},
+                                  {"eta_1": -1.0, "exponent": 1.0}])  # fmt: skip
+def test_refused(keys: dict[str, float]) -> None:
+    with pytest.raises(rwmf.errors.InputError, match=r"nl_damper"):
+        scene(nl_damper=keys)
