@@ -102,6 +102,9 @@ class Frame:
             other = np.where(self.way == 0, self.breakaway - over, 1.0)
         return np.concatenate((turn, other, self.limit - np.abs(d.T)), axis=-1).T
 
+    def _margin(self, t: float, state: Callable[[float], Array], number: int) -> float:
+        return float(self._margins(state(t))[number])
+
     def _over(self, memory: Array, force: Array) -> Array:
         """Return the forces over those of yielding without hardening, storeys in the last axis."""
         harder = self.hardening / (1 - self.hardening) * self.k * memory.T
@@ -183,7 +186,7 @@ class Frame:
                 column = int(passes.any(axis=0).argmax())
                 low, high = times[column : column + 2]
                 roots = {
-                    brentq(lambda x, i=i: self._margins(state(x))[i], low, high, xtol=1e-15): i
+                    brentq(self._margin, low, high, args=(state, i), xtol=1e-15): i
                     for i in np.flatnonzero(passes[:, column])
                 }
                 end = min(roots)
