@@ -1,6 +1,7 @@
 """Random frames whose storeys yield one by one: errors of every reported quantity.
 
     .venv/bin/python bench/yielding_frames.py [--count 2000] [--first 0] [--processes 2]
+        [--reference independent]
 
 A scene is a number: a frame of 2 to 9 storeys with one of the laws, with or without a wall, gravity
 and devices, under a record of straight lines. It runs by `dop853`, by `extrapolation` and as a row
@@ -9,6 +10,9 @@ record with `KNOTS` samples on each line. These bound its steps, so that none of
 storey that reverses twice. The sensitivity of a quantity is its relative change per relative change
 of the motion, 1 at least. Errors above `MOST` times rtol times sensitivity are listed, and scenes
 whose sensitivity exceeds `CHAOTIC` are counted apart.
+
+With `--reference independent`, bare frames of three laws are compared with a SciPy program
+(`tests/support/yielding_steps.py`), also by `adams`. Other scenes are left out.
 """
 
 from __future__ import annotations
@@ -32,13 +36,14 @@ from rwmf.errors import NumericalError
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
 
 import combinations
+import yielding_steps
 
 MOST = 100.0
 CHAOTIC = 1e5
 KNOTS = 12
 SHAKE = 1e-6
 SMALL = 1e-9  # of the largest quantity of its kind: below, an error is one of its zero
-METHODS = ("dop853", "extrapolation", "row")
+METHODS = ("dop853", "extrapolation", "row", "adams")
 # numbers of the structure, and of the work
 NO_NUMBER = ("seconds", "steps", "rhs_evaluations", "t_", "T_s", "mass_participation",
              "modal_height", "modal_mass_over_m_w", "roof_factor")  # fmt: skip
@@ -175,7 +180,9 @@ def _write(pairs: Pairs, path: Path, scale: float = 1.0) -> Path:
     return path
 
 
-def survey(number: int, folder: Path) -> list[tuple[int, str, str, float, float, float]]:
+def survey(
+    number: int, folder: Path, reference: str = "kernel"
+) -> list[tuple[int, str, str, float, float, float]]:
     """Measure the errors of a scene.
 
     Parameters
@@ -184,6 +191,8 @@ def survey(number: int, folder: Path) -> list[tuple[int, str, str, float, float,
         Of the scene.
     folder : Path
         Folder for its records.
+    reference : str
+        'kernel', or 'independent'.
 
     Returns
     -------
@@ -192,6 +201,9 @@ def survey(number: int, folder: Path) -> list[tuple[int, str, str, float, float,
         that fails has one row with the message as its quantity.
     """
     groups, pairs, rtol = draw(number)
+    is_independent = reference == "independent"
+    if is_independent and not yielding_steps.is_covered(groups):
+        return []
     fine = _refined(pairs)
     tight = {"method": "dop853", "rtol": 1e-13}
     try:
@@ -209,8 +221,10 @@ def survey(number: int, folder: Path) -> list[tuple[int, str, str, float, float,
     for name, value in truth.items():
         changes = [abs(m.get(name, math.nan) - value) for m in moved]
         sensitivity[name] = max(1.0, max(changes) / SHAKE / max(abs(value), 1e-300))
+    if is_independent:
+        truth = yielding_steps.Frame(groups, pairs).follow()
     rows = []
-    for method in METHODS:
+    for method in METHODS if is_independent else METHODS[:3]:
         try:
             found = _run(method, groups, path, rtol, list(truth))
         except (NumericalError, rwmf.errors.InputError) as error:
@@ -249,11 +263,12 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=2000)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--reference", choices=("kernel", "independent"), default="kernel")
     asked = parser.parse_args()
     numbers = range(asked.first, asked.first + asked.count)
     with tempfile.TemporaryDirectory() as place, ProcessPoolExecutor(asked.processes) as pool:
-        rows = [row for found in pool.map(partial(survey, folder=Path(place)), numbers, chunksize=4)
-                for row in found]  # fmt: skip
+        one = partial(survey, folder=Path(place), reference=asked.reference)
+        rows = [row for found in pool.map(one, numbers, chunksize=4) for row in found]
     _report(rows)
 
 

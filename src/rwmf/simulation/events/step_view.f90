@@ -11,7 +11,7 @@ module rwmf_simulation_events_step_view
 
    public :: step_view_t, view_step, until, from
    public :: count_parts, end_of_part, sample_state, accelerations
-   public :: fastest_angle, is_short, may_reverse
+   public :: fastest_angle, is_short
 
    !> A piece of the last step, from a to b. It points to what others hold.
    type :: step_view_t
@@ -160,22 +160,5 @@ contains
             >= step%t_b
       end associate
    end function is_short
-
-   !> May a rate that has the same sign at both ends of a span pass through zero and back in it?
-   !>
-   !> The way tells at no cost: a rate that touches zero as a parabola has the mean
-   !> (v_a + v_b - sqrt(v_a v_b))/3.
-   pure logical function may_reverse(way, rate, duration)
-      real(wp), intent(in) :: way
-      !! from one end to the other in the direction of the rate, in its unit times s
-      real(wp), intent(in) :: rate(2)
-      !! at the ends, not negative, of any unit
-      real(wp), intent(in) :: duration
-      !! [s]
-      real(wp), parameter :: margin = 0.45_wp
-      !! 1/3: the parabola; 1/2: a straight line from rest, of which there are many
-
-      may_reverse = .not. way >= margin*duration*(sum(rate) - sqrt(rate(1))*sqrt(rate(2)))
-   end function may_reverse
 
 end module rwmf_simulation_events_step_view

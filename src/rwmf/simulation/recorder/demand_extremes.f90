@@ -9,7 +9,7 @@
 !> nothing but round-off is to be gained.
 module rwmf_simulation_recorder_demand_extremes
    use rwmf_core_error, only: error_t
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: climb, maximum_between, maximum_t, vertex_of_parabola
    use rwmf_model_assembly, only: equation_t, interval_of, rates_at
    use rwmf_model_demands, only: building_of, building_t, demands_at, demands_t
@@ -41,6 +41,8 @@ module rwmf_simulation_recorder_demand_extremes
       !! (demands) which tells how far they vary
       logical, allocatable :: is_led(:)
       !! (demands) it is in a fixed proportion to one before it
+      real(wp) :: frequency = 0
+      !! of the fastest vibration, before anything yields [rad/s]
       real(wp) :: z_shear = 0, z_moment = 0
       !! height of the largest forces in the wall above its base [m]
       real(wp) :: t_end = -1
@@ -60,15 +62,18 @@ module rwmf_simulation_recorder_demand_extremes
 contains
 
    !> Begin, when the case asks for demands.
-   subroutine create_demands(recorder, case, equation)
+   subroutine create_demands(recorder, case, equation, y)
       type(demand_recorder_t), allocatable, intent(out) :: recorder
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states) at the beginning
       integer :: n
 
       if (.not. allocated(case%output)) return
       if (.not. case%output%demands) return
       allocate (recorder)
+      recorder%frequency = max(fastest_of(equation), wall_frequency(equation, y))
       call building_of(case, equation, recorder%building)
       associate (building => recorder%building, storeys => recorder%building%storeys)
          n = 2*storeys + building%floors + 3
@@ -86,6 +91,25 @@ contains
          end if
       end associate
    end subroutine create_demands
+
+   !> Frequency of the wall on its springs and cable, which may vibrate faster than the frame
+   !> [rad/s].
+   real(wp) function wall_frequency(equation, y) result(frequency)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), parameter :: small = 1.0e-6_wp
+      !! [rad]
+      real(wp), dimension(size(y)) :: beside, rates, rates_beside
+
+      frequency = 0
+      if (.not. equation%has_wall) return
+      beside = y
+      beside(1) = y(1) + sign(small, y(1))
+      call rates_at(equation, 0.0_wp, y, rates)
+      call rates_at(equation, 0.0_wp, beside, rates_beside)
+      frequency = sqrt(max(0.0_wp, (rates(2) - rates_beside(2))/(beside(1) - y(1))))
+   end function wall_frequency
 
    !> One state of motion, or of a wall at rest with zeros for its rates.
    subroutine observe_demands_at(recorder, equation, t, y, y_dot)
@@ -149,21 +173,22 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       real(wp) :: found(size(recorder%largest), n_nodes)
+      real(wp), parameter :: most_parts = 1000
       real(wp) :: t(2), angle
       logical :: is_brief
       integer :: i, n
 
       call look_at_ends(recorder, piece)
-      is_brief = is_short(piece, brief, fastest_of(piece%equation))
+      is_brief = is_short(piece, brief, recorder%frequency)
+      angle = (piece%t_b - piece%t_a)*recorder%frequency
       if (is_brief) then
-         angle = (piece%t_b - piece%t_a)*fastest_of(piece%equation)
          found(:, 1) = max(recorder%at_ends(:, 1), recorder%at_ends(:, 2))
          if (is_plain(recorder, angle, found(:, 1))) return
          call estimate(recorder, piece, piece%t_a + (piece%t_b - piece%t_a)/2, found(:, middle))
          if (is_plain(recorder, angle/2, max(found(:, 1), found(:, middle)))) return
       end if
       n = 1
-      if (.not. is_brief) n = count_parts(piece)
+      if (.not. is_brief) n = max(count_parts(piece), ceiling(min(2*angle/pi, most_parts)))
       found(:, n_nodes) = recorder%at_ends(:, 1)
       t(2) = piece%t_a
       do i = 1, n

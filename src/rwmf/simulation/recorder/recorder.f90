@@ -134,7 +134,7 @@ contains
       recorder%keeps_energy = case%output%energy
       recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
       call create_reaction_extremes(recorder%forces, case)
-      call create_demands(recorder%demands, case, equation)
+      call create_demands(recorder%demands, case, equation, y)
       if (allocated(case%output%dt)) then
          call create_history(recorder, case, equation, t_end, y, error)
       end if

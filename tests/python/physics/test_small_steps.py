@@ -1,0 +1,26 @@
+"""Bare frames whose storeys yield one by one against small sampled steps in SciPy."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+from checkout import ROOT
+
+sys.path.append(str(ROOT / "bench"))
+
+from yielding_frames import CHAOTIC, METHODS, MOST, survey
+
+# bilinear, hardening, softening, gravity, friction with breakaway, Bouc and Wen with four exponents
+SCENES = (15, 23, 37, 59, 89, 103, 147, 154, 171)
+
+
+@pytest.mark.parametrize("number", SCENES)
+def test_every_quantity_by_every_method(number: int, tmp_path: Path) -> None:
+    """Demands, ductilities and residual drifts are within 100 rtol times their sensitivity."""
+    rows = survey(number, tmp_path, "independent")
+    assert {row[1] for row in rows} == set(METHODS)
+    for _, method, name, _, error, sensitivity in rows:
+        assert 0 < sensitivity < CHAOTIC, (method, name)
+        assert error < MOST, (method, name)
