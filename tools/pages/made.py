@@ -11,9 +11,9 @@ import subprocess
 from collections.abc import Callable, Iterator
 from functools import cache
 
-from rwmf import key_reference, output_reference
 from rwmf.cli.parser import make_parser
 
+from pages import key_page, output_page
 from pages.blocks import DOCS, ROOT
 
 _COMMANDS = """\
@@ -142,8 +142,8 @@ def _meaning(source: str, name: str) -> str:
 
 
 PAGES: dict[str, Callable[[], str]] = {
-    "reference/namelist.md": key_reference.make,
-    "reference/outputs.md": output_reference.make,
+    "reference/namelist.md": key_page.make,
+    "reference/outputs.md": output_page.make,
     "reference/commands.md": command_page,
     "reference/fortran.md": facade_page,
 }

@@ -1,7 +1,4 @@
-"""The namelist reference of the documentation, made from the kernel's table of keys.
-
-``python -m rwmf.key_reference > docs/reference/namelist.md`` makes the page.
-"""
+"""The namelist reference of the documentation, made from the kernel's table of keys."""
 
 from __future__ import annotations
 
@@ -12,7 +9,7 @@ from rwmf import _library
 _INTRODUCTION = """\
 # Namelist reference
 
-Made by `python -m rwmf.key_reference` from the one table that also validates a case
+Made by `tools/docs --made` from the one table that also validates a case
 (`src/rwmf/input/schema.f90`).
 
 One group, one effect: a group that is absent is an effect that is not simulated. Names of groups
@@ -47,7 +44,3 @@ def _row(key: list[str]) -> str:
     if kind == "choice":
         allowed = ", ".join(f"'{word}'" for word in allowed.split())
     return f"| `{name}` | {kind} | {unit} | {default} | {allowed} | {usual} | {meaning} |"
-
-
-if __name__ == "__main__":
-    print(make(), end="")
