@@ -171,7 +171,7 @@ refused = 0
 for size in [*range(0, len(whole), 6000), len(whole) - 1, len(whole)]:
     # the journal is not what is looked at
     from rwmf._sweep import netcdf, plan, run
-    found = plan.make_plan(case, grid, (), ("u_s_max",), 0)
+    found = plan.make_plan(plan.Request(case, grid, quantities=("u_s_max",)))
     chunks = {c.number: c for c in run._Work(found, 0, None, None, (1, 1)).run(set())}
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
     try:
