@@ -28,7 +28,7 @@ from rwmf._sweep.axes import (
     record_axis,
 )
 from rwmf._sweep.intensity import Intensity, choose_intensity, scale_to_one_g
-from rwmf._sweep.layout import Dimension, Layout
+from rwmf._sweep.layout import Layout
 from rwmf._sweep.points import Points, point_axis
 from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile, find_records
@@ -138,7 +138,7 @@ class Plan:
         """Return the samples in memory that one run takes in place of files."""
         found = dict(self.motions)
         for axis, position in zip(self.axes, at, strict=True):
-            record = axis.scenes[axis.scene(position)].record
+            record = axis.scene(position).record
             if record is not None:
                 found.pop("motion", None)
                 if record.array is not None:
@@ -150,7 +150,7 @@ class Plan:
         entries = {group: dict(keys) for group, keys in self.base.items()}
         placed = list(zip(self.axes, at, strict=True))
         for axis, position in placed:
-            axis.scenes[axis.scene(position)].apply(entries)
+            axis.scene(position).apply(entries)
         numbers = {
             name: float(values[position])
             for axis, position in placed
@@ -213,10 +213,7 @@ class Plan:
 
 def _telling_positions(axis: Axis) -> list[int]:
     """First position of every scene, the least and the greatest number of every column."""
-    if axis.table is not None:
-        found = np.unique(axis.table.scenes, return_index=True)[1].tolist()
-    else:
-        found = list(range(len(axis.scenes)))
+    found: list[int] = np.unique(axis.scene_of, return_index=True)[1].tolist()
     for values in axis.columns.values():
         found += [int(values.argmin()), int(values.argmax())]
     # all axes together have been checked at their first positions
@@ -352,12 +349,11 @@ def _make_layout(
         version=_library.version(),
         case=text,
         coordinates=tuple(label for axis in axes for label in axis.coordinates),
-        dimensions=tuple(Dimension(axis.name, axis.size, len(axis.scenes)) for axis in axes),
+        scene_of={axis.name: axis.scene_of for axis in axes},
         block=block,
         quantities=quantities,
         motion_crc32="" if _has_records(axes) else _own_record(case),
         method=_method(case, axes),
-        table=next((axis.table for axis in axes if axis.table is not None), None),
     )
 
 
