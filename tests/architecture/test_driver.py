@@ -58,6 +58,12 @@ def test_no_module_hides_behind_a_public_function() -> None:
     assert set(rwmf.__all__) <= set(dir(rwmf))
 
 
+def test_base_names_are_unique() -> None:
+    """A file is known by its name, without its folder; every package has these two."""
+    names = [path.stem for path in DRIVER.rglob("*.py")]
+    assert {name for name in names if names.count(name) > 1} == {"__init__"}
+
+
 def _names(path: Path) -> set[str]:
     """Words of the imports and of the texts of a file, where a module may be named."""
     tree = ast.parse(path.read_text(encoding="utf-8"))

@@ -32,7 +32,7 @@ _FACADE = """\
 Made by `tools/docs --made` from `src/rwmf.f90`, the module `rwmf`: all that a host program may use.
 What each name means, argument by argument, with units and shapes, is in the
 <a href="../fortran/module/rwmf.html">pages of the kernel</a>, module by module. How to use it:
-[embedding](../howto/embedding.md), [tutorial](../tutorials/embedding.md).
+[embedding](../howto/embedding.md), [tutorial](../tutorials/host-program.md).
 
 `error` is allocated when a call failed: `error%stat`, `error%message`. Nothing prints or stops,
 nothing is kept between calls.

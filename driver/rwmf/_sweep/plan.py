@@ -28,9 +28,9 @@ from rwmf._sweep.axes import (
     record_axis,
 )
 from rwmf._sweep.intensity import Intensity, choose_intensity, scale_to_one_g
+from rwmf._sweep.kept_quantities import default_quantity, find_quantities
 from rwmf._sweep.layout import Layout
 from rwmf._sweep.points import Points, point_axis
-from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.task import Task
 from rwmf.case import Case, CaseLike, Motion

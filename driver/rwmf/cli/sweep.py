@@ -12,9 +12,9 @@ import numpy as np
 import xarray as xr
 
 from rwmf._files import files
+from rwmf._sweep.computation import merge, path_of_store, sweep
 from rwmf._sweep.csv_parts import merge_csv
 from rwmf._sweep.executors import open_executor
-from rwmf._sweep.run import merge, path_of_store, sweep
 from rwmf._sweep.sweep_file import read_sweep_file
 from rwmf.cli.output import print_warnings
 from rwmf.cli.progress import progress

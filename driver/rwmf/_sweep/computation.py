@@ -16,10 +16,10 @@ from rwmf._files import files
 from rwmf._sweep import netcdf
 from rwmf._sweep.chunk_store import ChunkStore, read_layout
 from rwmf._sweep.executors import count_threads, run_in_threads, run_on
+from rwmf._sweep.kept_quantities import QUANTITIES
 from rwmf._sweep.layout import Layout, difference
 from rwmf._sweep.plan import Plan, Request, make_plan
 from rwmf._sweep.points import Points
-from rwmf._sweep.quantities import QUANTITIES
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.task import Chunk
 from rwmf.case import CaseLike, Motion
