@@ -30,7 +30,7 @@ def make() -> str:
         One table for each group, in the order of the kernel's table.
     """
     parts = [_INTRODUCTION]
-    for group, keys in groupby(_library.schema(), key=lambda row: row[0]):
+    for group, keys in groupby(_library.schema(), key=lambda row: row.group):
         parts.append(
             f"\n## `&{group}`\n\n| key | type | unit | default | allowed | usual | meaning |"
         )
@@ -39,8 +39,8 @@ def make() -> str:
     return "\n".join(parts) + "\n"
 
 
-def _row(key: list[str]) -> str:
-    _, name, kind, unit, default, allowed, meaning, usual = key
+def _row(row: _library.KeyRow) -> str:
+    _, name, kind, unit, default, allowed, meaning, usual = row
     if kind == "choice":
         allowed = ", ".join(f"'{word}'" for word in allowed.split())
     return f"| `{name}` | {kind} | {unit} | {default} | {allowed} | {usual} | {meaning} |"

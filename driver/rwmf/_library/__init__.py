@@ -15,6 +15,7 @@ from rwmf._library.kernel_case import (
 from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.tables import (
+    KeyRow,
     instruction_set,
     meant_quantity,
     needs_of_groups,
@@ -27,6 +28,7 @@ from rwmf._library.tables import (
 __all__ = [
     "Changes",
     "KernelCase",
+    "KeyRow",
     "Run",
     "Samples",
     "SceneAxis",

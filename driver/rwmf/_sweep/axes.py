@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
-from rwmf._numbers import float_of, to_items
+from rwmf._numbers import float_of, show, to_items
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError, did_you_mean
@@ -58,8 +58,6 @@ NUMBERS = ("real", "integer", "logical")
 _WORDS = {"true": 1.0, ".true.": 1.0, "1": 1.0, "false": 0.0, ".false.": 0.0, "0": 0.0}
 # numbers that say what there is to move or how a file is read: a scene a value
 _OF_SCENE = ("storeys.n", "motion.dt", "vertical.dt")
-# letters of a wrong value in a message
-_SHOWN = 80
 
 
 @dataclass(frozen=True)
@@ -292,7 +290,7 @@ def column_coordinate(
         Dimension that is labelled.
     name : str
         Name of the coordinate.
-    values : numpy.ndarray or tuple
+    values : numpy.ndarray, shape (positions,), or tuple
         Numbers of the column, or labels of scenes.
 
     Returns
@@ -306,7 +304,7 @@ def column_coordinate(
         unit, meaning = AXES[column].unit, AXES[column].meaning
     else:
         row = _table()[key_of_column(column)]
-        unit, meaning = row[3].replace("-", "1"), row[6]
+        unit, meaning = row.unit.replace("-", "1"), row.meaning
     if isinstance(values, np.ndarray):
         return Coordinate(name, dimension, values, unit, meaning, column)
     if any(isinstance(value, str) for value in values):
@@ -410,7 +408,7 @@ def kind_of(name: str) -> str:
     """
     if name == SCALE or name in PAIRS:
         return "real"
-    return _table()[key_of_column(name)][2]
+    return _table()[key_of_column(name)].kind
 
 
 def is_number(name: str) -> bool:
@@ -495,7 +493,7 @@ def take_numbers(
         wanted = "true or false"
     if not is_good.all():
         i = int(np.argmin(is_good))
-        wrong = _shown(_item(values, i))
+        wrong = show(_item(values, i))
         raise InputError(f"{where(i)}: {shown or name} = {wrong}: must be {wanted}")
     return numbers
 
@@ -518,7 +516,7 @@ def _number(value: object, kind: str) -> float:
 def _rows(name: str, values: object, width: int) -> list[tuple[Value, ...]]:
     """Values of an axis, a tuple a position."""
     if np.ma.is_masked(values):
-        raise InputError(f"grid: {name} = {_shown(values)}: has masked values: must be numbers")
+        raise InputError(f"grid: {name} = {show(values)}: has masked values: must be numbers")
     # a bare value is a list of one
     found = to_items(values)
     values = [values] if found is None else found
@@ -528,18 +526,13 @@ def _rows(name: str, values: object, width: int) -> list[tuple[Value, ...]]:
     rows = [tuple(item) if isinstance(item, list | tuple) else (item,) for item in items]
     if not rows or any(len(row) != width for row in rows):
         wanted = "a list of values" if width == 1 else f"a list of {width} numbers each"
-        raise InputError(f"grid: {name} = {_shown(values)}: needs {wanted}")
+        raise InputError(f"grid: {name} = {show(values)}: needs {wanted}")
     wrong = [value for row in rows for value in row if not isinstance(value, str | int | float)]
     if wrong:
-        raise InputError(f"grid: {name} = {_shown(wrong[0])}: must be a finite number")
+        raise InputError(f"grid: {name} = {show(wrong[0])}: must be a finite number")
     if len(set(rows)) < len(rows):
         raise InputError(f"grid: {name}: a value stands there twice")
     return rows
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
 def _put(entries: Entries, key: Key, value: Value) -> None:
@@ -549,26 +542,27 @@ def _put(entries: Entries, key: Key, value: Value) -> None:
 
 
 @functools.cache
-def _table() -> dict[Key, list[str]]:
+def _table() -> dict[Key, _library.KeyRow]:
     """Rows of the kernel's table of keys."""
-    return {(row[0], row[1]): row for row in _library.schema()}
+    return {(row.group, row.key): row for row in _library.schema()}
 
 
 def _find_key(name: str, label: str) -> Key:
     """Group and key of a name, in the spelling of the kernel's table."""
     group, _, key = name.rpartition(".")
     matches = [
-        (row[0], row[1])
-        for row in _table().values()
-        if row[1].lower() == key.lower()
-        and (row[0] == group.lower() if group else row[0] != "spectrum")
+        known
+        for known in _table()
+        if known[1].lower() == key.lower()
+        and (known[0] == group.lower() if group else known[0] != "spectrum")
     ]
     if len(matches) == 1:
         return matches[0]
     if matches:
         names = ", ".join(f"{found}.{key}" for found, _ in matches)
         raise InputError(f"{label}: {name}: in several groups; write one of {names}")
-    allowed = list(dict.fromkeys(["scale", *PAIRS, *(key for _, key in _table())]))
-    hint = did_you_mean(name, [*allowed, *(f"{group}.{key}" for group, key in _table())])
+    known = _table()
+    allowed = list(dict.fromkeys(["scale", *PAIRS, *(key for _, key in known)]))
+    hint = did_you_mean(name, [*allowed, *map(".".join, known)])
     hint = f"{hint} Allowed" if hint else "; allowed"
     raise InputError(f"{label}: {name}: no key of a case{hint} are {', '.join(allowed)}")

@@ -73,10 +73,10 @@ def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[s
     if case.wall is None or "storeys" in case.groups:
         return {}
     return {
-        group: {key: 2 * case.wall.h}
-        for group, key, _, _, default, *_ in _library.schema()
-        if default == "2h" and group in case.groups and group not in gone
-        if key not in case.groups[group].given
+        row.group: {row.key: 2 * case.wall.h}
+        for row in _library.schema()
+        if row.default == "2h" and row.group in case.groups and row.group not in gone
+        if row.key not in case.groups[row.group].given
     }
 
 
