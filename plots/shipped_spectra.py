@@ -21,7 +21,7 @@ from rwmf._spectrum import spectrum, start, to_dataset
 from rwmf.case import Case
 from rwmf.cli.progress import progress_bar
 from rwmf.errors import InputError, Interrupted, OutputError, RwmfError
-from rwmf.plotting import files as figures
+from rwmf.plotting import image_files as figures
 from rwmf.plotting.response import spectrum as draw_spectrum
 from rwmf.plotting.style import NESTED, legend_below, new_figure
 from rwmf.quantities import ENDINGS

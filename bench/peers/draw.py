@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.ticker import NullLocator
 from rwmf._cost import METHODS
-from rwmf.plotting import files as figures
+from rwmf.plotting import image_files as figures
 from rwmf.plotting.style import COLOURS, MARKERS, label_plainly, legend_below, new_figure
 
 from peers.measure import Row

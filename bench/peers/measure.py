@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 import rwmf
-from rwmf._library import worker
+from rwmf._library import kernel_thread
 
 from peers.problem import Array, Peer, Record, Solver, bands, case
 
@@ -67,7 +67,7 @@ def _worker_cpu() -> Iterator[list[float]]:
 
     `rwmf` calls the kernel in a thread of its own: what Python does around it is left out.
     """
-    beside, spent = worker._call_beside, []
+    beside, spent = kernel_thread._call_beside, []
 
     def timed(call: Callable[..., object], *arguments: object) -> object:
         def measured(control: object) -> object:
@@ -79,11 +79,11 @@ def _worker_cpu() -> Iterator[list[float]]:
 
         return beside(measured, *arguments)  # type: ignore[arg-type]
 
-    worker._call_beside = timed  # type: ignore[assignment]
+    kernel_thread._call_beside = timed  # type: ignore[assignment]
     try:
         yield spent
     finally:
-        worker._call_beside = beside
+        kernel_thread._call_beside = beside
 
 
 def kernel(

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from rwmf._arguments import case_of, checked
 from rwmf._library import measure as _measure
 from rwmf._library.measure import Measurement, Reference
-from rwmf._sweep.quantities import find_quantities
+from rwmf._sweep.kept_quantities import find_quantities
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError, NumericalError
 

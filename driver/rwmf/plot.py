@@ -4,8 +4,8 @@
 `work_precision` what `rwmf.cost` returns, and the others what the studies of the same name return.
 """
 
-from rwmf.plotting.cost import work_precision
-from rwmf.plotting.overturning import draw_overturning
+from rwmf.plotting.cost_figure import work_precision
+from rwmf.plotting.overturning_map import draw_overturning
 from rwmf.plotting.profile import profile
 from rwmf.plotting.response import PANELS, history, spectrum
 from rwmf.plotting.studies import (

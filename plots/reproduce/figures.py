@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from rwmf._files.names import shorten
 from rwmf.errors import InputError
-from rwmf.plotting import files as figures
+from rwmf.plotting import image_files as figures
 from rwmf.plotting.style import new_figure
 
 from reproduce import cable, histories, rotations, six_storeys_figure, spectra

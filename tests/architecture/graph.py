@@ -1,4 +1,4 @@
-"""Measure the sources: the table of docs/developer/architecture.md.
+"""Measure the sources: the table of docs/developer/architecture.md, and code lines by folder.
 
 python tests/architecture/graph.py [TREE ...]
 
@@ -7,6 +7,7 @@ A TREE is a checkout or a commit of this one; without any, this checkout. Each b
 
 from __future__ import annotations
 
+import ast
 import re
 import statistics
 import subprocess
@@ -22,6 +23,15 @@ from fortran import Procedure, Tree, read_tree
 
 ROOT = Path(__file__).resolve().parents[2]
 EFFECT_GROUPS = ("damper", "inerter", "link", "fuse", "yielding", "storeys", "vertical", "p_delta")
+# Folders whose code lines are counted.
+COUNTED = ("src", "driver", "bench", "tools")
+# Comments by the suffix of a file; a file without suffix is a shell script. Python is parsed.
+_COMMENTS = {
+    (".f90", ".F90"): re.compile(r"^\s*![^\n]*", re.MULTILINE),
+    (".c", ".js", ".css"): re.compile(r"/\*.*?\*/|^[ \t]*//[^\n]*", re.DOTALL | re.MULTILINE),
+    ("", ".sh", ".build", ".awk"): re.compile(r"^\s*#[^\n]*", re.MULTILINE),
+    (".html",): re.compile(r"<!--.*?-->", re.DOTALL),
+}
 # What a simulation and an ordinate of `fast` begin with, under the names of the trees so far.
 SIMULATE = ("rwmf_simulation_simulate", "rwmf_simulation")
 ORDINATE = ("rwmf_spectrum_fast_driver", "rwmf_fast_spectrum")
@@ -97,6 +107,53 @@ def _all_lines(tree: Tree) -> int:
     )
 
 
+def code_lines(path: Path) -> int:
+    """Count the lines of a file that hold code: no blank lines, comments and docstrings.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    int
+        Their number; 0 for a file that is no source.
+    """
+    if path.suffix == ".py":
+        lines = _without_docstrings(path.read_text(encoding="utf-8"))
+        return sum(bool(line.strip()) and line.lstrip()[0] != "#" for line in lines)
+    comment = next(
+        (found for suffixes, found in _COMMENTS.items() if path.suffix in suffixes), None
+    )
+    if comment is None:
+        return 0
+    text = comment.sub("", path.read_text(encoding="utf-8"))
+    return sum(bool(line.strip()) for line in text.splitlines())
+
+
+def _counted(tree: Tree, folder: str) -> int:
+    """Code lines of the tracked files of a folder; of all files in an archive."""
+    root = tree.root.parent
+    tracked = subprocess.run(
+        ["git", "-C", root, "ls-files", "-z", "--", folder], capture_output=True, check=False
+    ).stdout.decode()
+    paths = [root / name for name in tracked.split("\0") if name]
+    return sum(code_lines(path) for path in paths or (root / folder).rglob("*") if path.is_file())
+
+
+def _without_docstrings(text: str) -> list[str]:
+    lines = text.splitlines()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            first = node.body[0] if node.body else None
+            if first and ast.get_docstring(node) is not None:
+                lines[first.lineno - 1 : first.end_lineno] = [""] * (
+                    (first.end_lineno or first.lineno) - first.lineno + 1
+                )
+    return lines
+
+
 def _critical(tree: Tree) -> int:
     return sum(
         bool(re.match(r"\s*!\$omp critical\b", line))
@@ -122,6 +179,11 @@ ROWS: dict[str, Callable[[Tree], object]] = {
     "lines of Fortran": lambda tree: sum(len(source.lines) for source in tree.sources),
     "of these code": lambda tree: sum(len(source.code) for source in tree.sources),
     "lines of all files in `src`": _all_lines,
+    **{
+        f"code lines of all files in `{folder}`": lambda tree, folder=folder: _counted(tree, folder)
+        for folder in COUNTED
+    },
+    "code lines of the four": lambda tree: sum(_counted(tree, folder) for folder in COUNTED),
     "longest file": lambda tree: max(len(source.lines) for source in tree.sources),
     "procedures": lambda tree: len(_procedures(tree)),
     "median of their code lines": lambda tree: f"{_median(tree, 'code_lines'):g}",
@@ -156,7 +218,7 @@ def _column(name: str) -> list[str]:
     if (Path(name) / "src").is_dir():
         return _measure(Path(name).resolve())
     archive = subprocess.run(
-        ["git", "-C", ROOT, "archive", name, "src", "docs"],
+        ["git", "-C", ROOT, "archive", name, *COUNTED, "docs"],
         capture_output=True,
         check=True,
     ).stdout

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
@@ -157,6 +158,79 @@ def _effect(path: Path) -> str:
     if not pure.is_relative_to(EFFECTS):
         return ""
     return pure.relative_to(EFFECTS).with_suffix("").parts[0].removesuffix("_loop")
+
+
+def shared_base_names(tree: Tree, allowed: Mapping[str, int]) -> list[str]:
+    """Find base names of several files below the package, and permissions no longer needed.
+
+    `allowed` gives the number of files that may still have a name.
+    """
+    places: dict[str, list[str]] = defaultdict(list)
+    for source in tree.sources:
+        if source.path.parts[0] == PACKAGE:
+            places[source.path.stem.lower()].append(source.path.as_posix())
+    return _over_ratchet({name: found for name, found in places.items() if len(found) > 1}, allowed)
+
+
+def shared_type_names(tree: Tree, allowed: Mapping[str, int]) -> list[str]:
+    """Find names of several derived types, and permissions no longer needed."""
+    places: dict[str, list[str]] = defaultdict(list)
+    for source in tree.sources:
+        for found in source.types:
+            places[found.name].append(source.path.as_posix())
+    return _over_ratchet({name: found for name, found in places.items() if len(found) > 1}, allowed)
+
+
+def _over_ratchet(found: Mapping[str, list[str]], allowed: Mapping[str, int]) -> list[str]:
+    """Sizes above what is allowed, and permissions above what is found."""
+    over = [
+        f"{name}: {len(places)}, allowed are {allowed.get(name, 0)}: {', '.join(places)}"
+        for name, places in found.items()
+        if len(places) > allowed.get(name, 0)
+    ]
+    return over + [
+        f"{name}: {count} are allowed, {len(found.get(name, ()))} are found: lower the permission"
+        for name, count in allowed.items()
+        if count > len(found.get(name, ()))
+    ]
+
+
+def both_ways(tree: Tree, order: list[str], allowed: Iterable[tuple[str, str]]) -> list[str]:
+    """Find folders inside one top folder that use each other, and permissions no longer needed.
+
+    The files beside a sub-folder count as a folder too.
+    """
+    arrows: dict[tuple[str, str], str] = {}
+    for source in tree.sources:
+        own = source.path.parent.as_posix()
+        for name, line in source.used.items():
+            target = tree.owners.get(name)
+            if target is None or top_folder(target.path, order) != top_folder(source.path, order):
+                continue
+            folder = target.path.parent.as_posix()
+            if folder != own:
+                arrows.setdefault((own, folder), f"{source.path}:{line} uses {name}")
+    circles = {
+        (a, b): f"{a} and {b}: {text}; {arrows[b, a]}"
+        for (a, b), text in sorted(arrows.items())
+        if a < b and (b, a) in arrows
+    }
+    return _not_allowed(circles, dict.fromkeys(allowed, ""))
+
+
+def naming_modules(tree: Tree, effect: str) -> list[str]:
+    """Modules outside an effect's own files that use one of them or contain its name in code."""
+    word = re.compile(rf"\b{effect}\b", re.IGNORECASE)
+    own = {source.module for source in tree.sources if effect in _effect(source.path)}
+    return [
+        source.module
+        for source in tree.sources
+        if source.module not in own
+        and (
+            own & source.used.keys()
+            or any(word.search(re.sub(r"!.*", "", source.lines[line - 1])) for line in source.code)
+        )
+    ]
 
 
 def foreign_sundials(tree: Tree) -> list[str]:

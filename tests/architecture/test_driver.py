@@ -58,6 +58,37 @@ def test_no_module_hides_behind_a_public_function() -> None:
     assert set(rwmf.__all__) <= set(dir(rwmf))
 
 
+def test_base_names_are_unique() -> None:
+    """A file is known by its name, without its folder; every package has these two."""
+    names = [path.stem for path in DRIVER.rglob("*.py")]
+    assert {name for name in names if names.count(name) > 1} == {"__init__"}
+
+
+def _names(path: Path) -> set[str]:
+    """Words of the imports and of the texts of a file, where a module may be named."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    texts = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
+    return {
+        word
+        for text in (*_imports(path), *filter(lambda text: isinstance(text, str), texts))
+        for word in re.findall(r"\w+", text)
+    }
+
+
+def test_no_module_is_there_for_tools_alone() -> None:
+    """Each is public, or another module of the package names it."""
+    import rwmf
+
+    named = {path: _names(path) for path in DRIVER.rglob("*.py")}
+    unused = [
+        path.relative_to(DRIVER).as_posix()
+        for path in named
+        if path.stem not in (*rwmf.__all__, "__init__", "__main__")
+        if not any(path.stem in words for other, words in named.items() if other != path)
+    ]
+    assert not unused
+
+
 _CASE = ROOT / "inputs" / "fig12_one_cosine.nml"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import graph
 import pytest
 import rules
 from fortran import Tree, build_macros, read_tree
@@ -62,6 +63,9 @@ def _all_rules(tree: Tree, order: list[str]) -> dict[str, list[str]]:
         "target": rules.unknown_targets(tree),
         "order": rules.against_order(tree, order),
         "effects": rules.between_effects(tree, {}),
+        "base name": rules.shared_base_names(tree, {}),
+        "type name": rules.shared_type_names(tree, {}),
+        "both ways": rules.both_ways(tree, order, ()),
         "circle": tree.cycle,
         "sundials": rules.foreign_sundials(tree),
         "noise": rules.noise(tree, ["app"]),
@@ -325,3 +329,76 @@ def test_text_functions_are_counted(tmp_path: Path) -> None:
     (procedure,) = tree.owners["rwmf_model_cable"].procedures
     assert procedure.returns_deferred_text
     assert (procedure.arguments, procedure.code_lines) == (2, 4)
+
+
+RATCHETS = {
+    "base name": (rules.shared_base_names, {"rwmf/model/kinds.f90": ""}, {"kinds": 2}),
+    "type name": (
+        rules.shared_type_names,
+        _wall("type :: cable_t\ninteger :: n\nend type cable_t"),
+        {"cable_t": 2},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", list(RATCHETS))
+def test_a_ratchet_only_falls(tmp_path: Path, name: str) -> None:
+    rule, changes, allowed = RATCHETS[name]
+    (key,) = allowed
+    good, _ = _write(tmp_path / "good", {})
+    bad, _ = _write(tmp_path / "bad", changes)
+    assert rule(good, {}) == rule(bad, allowed) == []
+    assert rule(bad, {})[0].startswith(f"{key}: 2, allowed are 0: rwmf/")
+    assert rule(good, allowed) == [f"{key}: 2 are allowed, 0 are found: lower the permission"]
+    assert rule(bad, {key: 3}) == [f"{key}: 3 are allowed, 2 are found: lower the permission"]
+
+
+# A sub-folder that uses the files beside it; the second text makes these use it as well.
+_SPRING = "rwmf/model/laws/spring.f90"
+_ONE_WAY = {_SPRING: _module("model_laws_spring", "use rwmf_model_cable, only: f")}
+_BOTH_WAYS = _ONE_WAY | _wall("use rwmf_model_laws_spring")
+
+
+def test_folders_that_use_each_other_are_found(tmp_path: Path) -> None:
+    tree, order = _write(tmp_path / "one", _ONE_WAY)
+    assert rules.both_ways(tree, order, ()) == []
+    tree, order = _write(tmp_path / "both", _BOTH_WAYS)
+    assert tree.cycle == []
+    (found,) = rules.both_ways(tree, order, ())
+    assert found.startswith("rwmf/model and rwmf/model/laws: rwmf/model/wall.F90:2 uses")
+    pair = ("rwmf/model", "rwmf/model/laws")
+    assert rules.both_ways(tree, order, [pair]) == []
+    assert rules.both_ways(tree, order, [pair, ("a", "b")]) == ["a -> b: is allowed, but not used"]
+
+
+def test_modules_that_name_an_effect_are_counted(tmp_path: Path) -> None:
+    effect = {"rwmf/model/effects/corner_damper.f90": _module("model_effects_corner_damper", "")}
+    others = {
+        "use": "use rwmf_model_effects_corner_damper",
+        "name": "integer :: Damper",
+        "text": "character(*), parameter :: key = 'damper'",
+    }
+    for text in others.values():
+        tree, _ = _write(tmp_path, effect | _wall(text))
+        assert rules.naming_modules(tree, "damper") == ["rwmf_model_wall"]
+    tree, _ = _write(tmp_path, effect | _wall("integer :: undamped ! no damper"))
+    assert rules.naming_modules(tree, "damper") == []
+
+
+CODE = {
+    "a.f90": "module m\n\n   ! a comment\n   !$omp simd\n   x = 1 ! code\nend module m\n",
+    "a.py": '"""A text\nof two lines."""\n\nx = 1\n# no code\ny = """not a\ndocstring"""\n',
+    "a.c": "/* a comment\n   of two lines */\n// another\nint x; /* code */\nint y;\nint z;\n",
+    "script": "#!/bin/sh\n# a comment\na=1\n\nb=2\n  c=3\n",
+    "a.html": "<p>\n<!-- a\ncomment -->\n\n</p>\n<br>\n",
+}
+
+
+@pytest.mark.parametrize("name", list(CODE))
+def test_code_lines_are_neither_blank_nor_comment(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.write_text(CODE[name], encoding="utf-8")
+    assert graph.code_lines(path) == 3
+    other = tmp_path / "a.lock"
+    other.write_text("not\ncode\n", encoding="utf-8")
+    assert graph.code_lines(other) == 0

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from checkout import BATCH, run_words
-from rwmf._library.worker import write
+from rwmf._library.kernel_thread import write
 from rwmf.errors import Interrupted
 
 RUN = """&wall h = 2.0, b = 0.5 /

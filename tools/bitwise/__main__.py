@@ -10,7 +10,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from bitwise import of_batch, of_command, of_hosts, of_python, of_studies
+from bitwise import of_batch, of_hosts, of_python, of_studies
 from bitwise.rows import Row, compute, digest_of
 from bitwise.scenes import REFERENCE
 from bitwise.tree import MissingPartError, Tree, compile_hosts
@@ -40,7 +40,7 @@ def main() -> int:
 
 def _read_options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
-        prog="tools/bits", description="A digest of every number that rwmf gives."
+        prog="tools/bits", description="A digest of the numbers that rwmf gives."
     )
     parser.add_argument("--root", type=Path, required=True, help="the checkout to look at")
     what = parser.add_mutually_exclusive_group()
@@ -100,9 +100,8 @@ def _check_package(tree: Tree) -> None:
 def _every_row(tree: Tree, hosts: Path) -> Iterator[Row]:
     """All rows, those that take longest first: the two processes end together."""
     yield from of_studies.rows()
-    yield from of_python.rows(tree)
+    yield from of_python.rows()
     yield from of_batch.rows(tree)
-    yield from of_command.rows(tree)
     yield from of_hosts.rows(compile_hosts(tree, hosts))
 
 

@@ -1,4 +1,4 @@
-"""Datasets and other answers of Python as text, number by number."""
+"""Numbers of datasets and other answers of Python."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from bitwise.clean import VOLATILE, without_versions
+from bitwise.clean import VOLATILE
 
 __all__ = ["dump_dataset", "dump_value"]
 
 
 def dump_dataset(dataset: xr.Dataset) -> str:
-    """Write out a dataset: names, order, units, types and all values.
+    """Write out the numbers of a dataset; units, labels and other texts are left out.
 
     Parameters
     ----------
@@ -24,19 +24,16 @@ def dump_dataset(dataset: xr.Dataset) -> str:
     Returns
     -------
     str
-        A paragraph for each coordinate and variable, then the attributes; times are left out.
+        Dimensions and values of each coordinate and variable, then the attributes.
     """
-    parts = [f"sizes {dict(dataset.sizes)}"]
-    for kind, arrays in (("coordinate", dataset.coords), ("variable", dataset.data_vars)):
-        for name, array in arrays.items():
-            head = f"{kind} {name} {array.dims} {array.dtype.kind}"
-            parts += [head, dump_value(dict(array.attrs)), dump_value(array.values)]
-    parts.append(dump_value(dict(dataset.attrs)))
-    return "\n".join(parts) + "\n"
+    parts = []
+    for name, array in dataset.variables.items():
+        parts += [f"{name} {dict(array.sizes)}", dump_value(array.values)]
+    return "\n".join([*parts, dump_value(dict(dataset.attrs))]) + "\n"
 
 
 def dump_value(value: object) -> str:
-    """Write out a value; numbers round-trip to the same bits.
+    """Write out numbers; they round-trip to the same bits.
 
     Parameters
     ----------
@@ -46,30 +43,18 @@ def dump_value(value: object) -> str:
     Returns
     -------
     str
-        One line a value of an array's last axis or of a mapping; times are left out.
+        One line a value of an array's last axis or of a mapping; '' for a text and for a time.
     """
     if isinstance(value, Mapping):
-        kept = {key: item for key, item in value.items() if key not in VOLATILE}
-        return "\n".join(f"  {key}: {dump_value(item)}" for key, item in kept.items())
-    if isinstance(value, np.ndarray):
-        return _dump_array(value)
+        shown = {key: dump_value(item) for key, item in value.items() if key not in VOLATILE}
+        return "\n".join(f"  {key}: {text}" for key, text in shown.items() if text)
+    if isinstance(value, np.ndarray) and value.ndim > 1:
+        return "\n".join(map(dump_value, value))
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(dump_value(item) for item in value) + "]"
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float):
-        return _dump_float(value)
-    return without_versions(str(value))
-
-
-def _dump_array(values: np.ndarray) -> str:
-    if values.ndim == 0:
-        return dump_value(values.item())
-    if values.ndim == 1:
-        return ", ".join(dump_value(item) for item in values.tolist())
-    return "\n".join(_dump_array(row) for row in values)
-
-
-def _dump_float(value: float) -> str:
-    # all NaNs alike; a zero keeps its sign
-    return "nan" if math.isnan(value) else repr(value)
+        return ", ".join(map(dump_value, value))
+    if isinstance(value, float) and math.isnan(value):
+        return "nan"
+    # the zero of a number keeps its sign
+    return "" if isinstance(value, str | bytes) else repr(value)

@@ -11,9 +11,9 @@ static const double dt = 0.02;
 
 static char message[512];
 
-/* The status of a call, with its message when it failed. */
+/* Print the status of a call and return it. */
 static int told(const char *name, int status) {
-   printf("%s: status %d %s\n", name, status, status == 0 ? "" : message);
+   printf("%s: status %d\n", name, status);
    return status;
 }
 
@@ -123,30 +123,6 @@ static void respond(const char *text) {
    rwmf_destroy_element(&element);
 }
 
-/* Calls that must be refused, and change nothing. */
-static void call_badly(const char *text) {
-   const double t[2] = {0, 1}, late[2] = {0.5, 1}, equal[2] = {0.5, 0.5}, a[2] = {0, 1};
-   char small[16];
-   rwmf_wall *wall = NULL;
-   rwmf_snapshot *nothing = NULL;
-   rwmf_result result;
-   told("no text", rwmf_run("", &result, message, sizeof message));
-   told("unknown group", rwmf_run("&wal /", &result, message, sizeof message));
-   rwmf_run("&wal /", &result, small, sizeof small);
-   printf("cut off: %s\n", small);
-   told("no wall", rwmf_advance(wall, 1, message, sizeof message));
-   told("a wall", rwmf_create(text, 0, -1, &wall, message, sizeof message));
-   told("no snapshot", rwmf_restore(wall, nothing, message, sizeof message));
-   told("half a second", rwmf_advance(wall, 0.5, message, sizeof message));
-   told("backwards", rwmf_advance(wall, 0.1, message, sizeof message));
-   told("wrong time", rwmf_advance_samples(wall, 2, t, a, message, sizeof message));
-   told("one sample", rwmf_advance_samples(wall, 1, late, a, message, sizeof message));
-   told("no interval", rwmf_advance_samples(wall, 2, equal, a, message, sizeof message));
-   show(wall);
-   rwmf_destroy(&wall);
-   printf("no element %a\n", rwmf_velocity_factor(NULL));
-}
-
 int main(int count, char **words) {
    char *text;
    if (count != 3) return 2;
@@ -154,7 +130,6 @@ int main(int count, char **words) {
    if (strcmp(words[1], "simulate") == 0) simulate(text);
    if (strcmp(words[1], "stepping") == 0) step(text);
    if (strcmp(words[1], "element") == 0) respond(text);
-   if (strcmp(words[1], "bad-calls") == 0) call_badly(text);
    free(text);
    return 0;
 }

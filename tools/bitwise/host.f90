@@ -29,8 +29,6 @@ program bits_host
          call ask_stepping(case)
       case ('element')
          call ask_element(case)
-      case ('bad-calls')
-         call ask_bad_calls(case)
       case default
          print '(2a)', 'unknown kind ', kind
       end select
@@ -64,8 +62,7 @@ contains
       if (.not. allocated(error)) then
          print '(2a)', call_name, ': no error'
       else
-         print '(2a, i0, 4a)', call_name, ': error ', error%stat, ' ', trim(error%name), ': ', &
-            error%message
+         print '(2a, i0, 2a)', call_name, ': error ', error%stat, ' ', trim(error%name)
       end if
    end subroutine put_error
 
@@ -96,7 +93,6 @@ contains
 
    subroutine put_result(result)
       type(result_t), intent(in) :: result
-      integer :: i
 
       call put('u_s_max', result%u_s_max)
       call put('t_u_s_max', result%t_u_s_max)
@@ -129,8 +125,6 @@ contains
          call put('wall_drift_max', result%reactions%wall_drift_max)
          call put('frame_drift_max', result%reactions%frame_drift_max)
       end if
-      if (.not. allocated(result%warnings)) return
-      print '(a)', (trim(result%warnings(i)), i=1, size(result%warnings))
    end subroutine put_result
 
    subroutine put_events(events)
@@ -263,43 +257,5 @@ contains
          call put('tau', tau)
       end do
    end subroutine ask_element
-
-   !> Calls that must be refused, and change nothing.
-   subroutine ask_bad_calls(case)
-      type(case_t), intent(in) :: case
-      type(stepping_t) :: wall
-      type(stepping_t) :: nobody
-      type(snapshot_t) :: empty
-      type(snapshot_t) :: before
-      type(spectrum_t) :: spectrum
-      type(error_t), allocatable :: error
-
-      call compute_spectrum(case, 1, spectrum, error)
-      call put_error('no spectrum', error)
-      call create_stepping(wall, case, error, peak=-1.0_wp)
-      call put_error('negative peak', error)
-      call advance_stepping(nobody, 1.0_wp, error)
-      call put_error('no wall', error)
-      call create_stepping(wall, case, error)
-      call put_error('a wall', error)
-      call create_stepping(wall, case, error)
-      call put_error('a wall twice', error)
-      call restore_stepping(wall, empty, error)
-      call put_error('empty snapshot', error)
-      call save_stepping(wall, before, error)
-      call advance_stepping(wall, 0.5_wp, error)
-      call advance_stepping(wall, 0.1_wp, error)
-      call put_error('backwards', error)
-      call advance_stepping(wall, [0.0_wp, 1.0_wp], [0.0_wp, 1.0_wp], error)
-      call put_error('wrong time', error)
-      call advance_stepping(wall, [0.5_wp, 1.0_wp], [0.0_wp], error)
-      call put_error('wrong length', error)
-      call advance_stepping(wall, [0.5_wp, 0.5_wp], [0.0_wp, 1.0_wp], error)
-      call put_error('times do not increase', error)
-      call put_wall(wall)
-      call restore_stepping(wall, before, error)
-      call put_wall(wall)
-      call destroy_stepping(wall)
-   end subroutine ask_bad_calls
 
 end program bits_host

@@ -1,4 +1,4 @@
-"""Rows of the batch program: every input and scene, what it refuses, its options."""
+"""Rows of the batch program: every input and scene."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from bitwise import scenes
-from bitwise.clean import csv_text, without_times
+from bitwise.clean import csv_text
 from bitwise.rows import Row
 from bitwise.scenes import METHODS, Scene
 from bitwise.tree import Tree
@@ -39,18 +39,13 @@ def rows(tree: Tree) -> Iterator[Row]:
         yield from _of_input(batch, path, i % _QUICK_INPUT == 0)
     for i, scene in enumerate(scenes.read_scenes()):
         yield from _of_scene(batch, scene, i)
-    for scene in scenes.read_refused():
-        yield Row(f"batch/refused/{scene.name}", partial(run_scene, batch, scene, scene.text))
-    for name, words in _COMMAND_LINES.items():
-        yield Row(f"batch/options/{name}", partial(run_words, batch, words))
-    yield Row("batch/options/parts", partial(run_parts, batch))
 
 
 def _of_input(batch: Path, path: Path, is_quick: bool) -> Iterator[Row]:
     scene = scenes.from_input(path)
     key = f"batch/input/{scene.name}"
     for threads in _THREADS if scene.has_spectrum else (1,):
-        given = partial(run_input, batch, path, threads)
+        given = partial(run_words, batch, ("--out", ".", str(path)), threads)
         yield Row(f"{key}/given/threads-{threads}", given, is_quick)
     if scenes.has_period(scene.text):
         alone = scenes.with_interval(scenes.without_spectrum(scene.text), _COARSE)
@@ -82,20 +77,8 @@ def _of_scene(batch: Path, scene: Scene, number: int) -> Iterator[Row]:
         yield Row(f"{key}/{method}", partial(run_scene, batch, scene, text, 2), is_quick)
 
 
-_COMMAND_LINES = {
-    "none": (),
-    "help": ("--help",),
-    "unknown": ("--fast", "x.nml"),
-    "no-folder": ("--out",),
-    "missing-folder": ("--out", "nowhere", "x.nml"),
-    "bad-part": ("--part", "3/2", "x.nml"),
-    "no-part": ("--part",),
-    "same-name": ("a/x.nml", "b/x.nml"),
-}
-
-
 def run_words(batch: Path, words: tuple[str, ...], threads: int = 1) -> str:
-    """Run the batch program.
+    """Run the batch program, which writes into the current folder.
 
     Parameters
     ----------
@@ -109,17 +92,12 @@ def run_words(batch: Path, words: tuple[str, ...], threads: int = 1) -> str:
     Returns
     -------
     str
-        Exit status and both outputs.
+        Exit status and the numbers of the files.
     """
-    found = subprocess.run(
-        [batch, *words],
-        capture_output=True,
-        encoding="utf-8",
-        errors="surrogateescape",
-        env=os.environ | {"OMP_NUM_THREADS": str(threads)},
-        check=False,
-    )
-    return f"status {found.returncode}\n{without_times(found.stdout + found.stderr)}"
+    environment = os.environ | {"OMP_NUM_THREADS": str(threads)}
+    done = subprocess.run([batch, *words], capture_output=True, env=environment, check=False)
+    files = "".join(csv_text(path) for path in sorted(Path().glob("*.csv")))
+    return f"status {done.returncode}\n{files}"
 
 
 def run_scene(batch: Path, scene: Scene, text: str, threads: int = 1) -> str:
@@ -139,52 +117,6 @@ def run_scene(batch: Path, scene: Scene, text: str, threads: int = 1) -> str:
     Returns
     -------
     str
-        Exit status, outputs and files.
+        Exit status and the numbers of the files.
     """
-    said = run_words(batch, (str(scene.put(text)),), threads)
-    return said + _files(with_case=True)
-
-
-def run_input(batch: Path, path: Path, threads: int) -> str:
-    """Run a shipped input as it is.
-
-    Parameters
-    ----------
-    batch : Path
-        The program.
-    path : Path
-        The input.
-    threads : int
-        Threads of OpenMP.
-
-    Returns
-    -------
-    str
-        Exit status, outputs and files.
-    """
-    said = run_words(batch, ("--out", ".", str(path)), threads)
-    return said.replace(f"{path.parent}/", "") + _files(with_case=False)
-
-
-def run_parts(batch: Path) -> str:
-    """Run two parts of a spectrum.
-
-    Parameters
-    ----------
-    batch : Path
-        The program.
-
-    Returns
-    -------
-    str
-        Exit status, outputs and files.
-    """
-    scene = next(s for s in scenes.read_scenes() if s.name == "special-spectrum-linear")
-    path = str(scene.put())
-    said = [run_words(batch, ("--part", part, path)) for part in ("1/2", "2/2", "8/8")]
-    return "".join(said) + _files(with_case=True)
-
-
-def _files(*, with_case: bool) -> str:
-    found = sorted(Path().glob("*.csv"))
-    return "".join(csv_text(path, with_case=with_case) for path in found)
+    return run_words(batch, (str(scene.put(text)),), threads)

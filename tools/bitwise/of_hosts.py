@@ -33,11 +33,6 @@ def rows(programs: Mapping[str, Path]) -> Iterator[Row]:
                 text = scene.text if method is None else _with_method(scene, method)
                 key = "/".join(filter(None, (language, kind, scene.name, method)))
                 yield Row(key, partial(ask, program, kind, scene, text), i % _QUICK == 0)
-        for scene in scenes.read_refused()[::_WHOLE]:
-            key = f"{language}/refused/{scene.name}"
-            yield Row(key, partial(ask, program, "simulate", scene, scene.text))
-        plain = next(s for s in scenes.read_scenes() if s.name == "special-mass-given")
-        yield Row(f"{language}/bad-calls", partial(ask, program, "bad-calls", plain, plain.text))
 
 
 def _questions(language: str, scene: Scene, number: int) -> Iterator[tuple[str, str | None]]:
@@ -74,10 +69,10 @@ def ask(program: Path, kind: str, scene: Scene, text: str) -> str:
     Returns
     -------
     str
-        Exit status and both outputs.
+        Exit status and output.
     """
     scene.put(text)
     found = subprocess.run(
         [program, kind, CASE], capture_output=True, encoding="utf-8", errors="replace", check=False
     )
-    return f"status {found.returncode}\n{found.stdout}{found.stderr}"
+    return f"status {found.returncode}\n{found.stdout}"

@@ -1,4 +1,4 @@
-"""Rows of the Python package: runs, spectra, loops, cases, errors, quadruple precision."""
+"""Rows of the Python package: runs, spectra, loops, quadruple precision."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ from functools import partial
 from typing import Any
 
 import rwmf
-from rwmf import studies
 
 from bitwise import scenes
 from bitwise.dump import dump_dataset, dump_value
 from bitwise.rows import Row
 from bitwise.scenes import Scene
-from bitwise.tree import Tree
 
 # every so many of the scenes are run from Python too; the batch program runs all
 _SOME, _QUICK = 4, 20
@@ -37,13 +35,8 @@ _QUAD_END = 1.0  # end of those runs [s]
 _QUAD_RTOL = (1e-18, 1e-20)
 
 
-def rows(tree: Tree) -> Iterator[Row]:
+def rows() -> Iterator[Row]:
     """List the rows of the Python package, but for sweeps and studies.
-
-    Parameters
-    ----------
-    tree : Tree
-        The checkout.
 
     Yields
     ------
@@ -52,20 +45,12 @@ def rows(tree: Tree) -> Iterator[Row]:
     """
     every = scenes.read_scenes()
     by_name = {scene.name.removeprefix("special-"): scene for scene in every}
-    yield Row("python/names", list_names)
     for i, scene in enumerate(every):
-        key = f"python/case/{scene.name}"
-        yield Row(key, partial(describe, scene), i % _QUICK == 0)
         if scene.has_spectrum:
             yield from _of_spectrum(scene, is_quick=i % _SOME == 0)
         elif i % _SOME == 0 or scene.has_accuracy:
             key = f"python/simulate/{scene.name}"
             yield Row(key, partial(simulate, scene), i % _QUICK == 0)
-    for path in tree.inputs:
-        scene = scenes.from_input(path)
-        yield Row(f"python/case/input-{scene.name}", partial(describe, scene), False)
-    for scene in scenes.read_refused():
-        yield Row(f"python/refused/{scene.name}", partial(refuse, scene), False)
     for name in _LOOPS:
         yield Row(f"python/loops/{name}", partial(find_loops, by_name[name]))
     for i, name in enumerate(_QUAD):
@@ -80,33 +65,6 @@ def _of_spectrum(scene: Scene, *, is_quick: bool) -> Iterator[Row]:
         for threads in (1, 2):
             key = f"python/spectrum/{scene.name}/{method}/threads-{threads}"
             yield Row(key, partial(spectrum, scene, method, threads), is_quick)
-
-
-def list_names() -> str:
-    """List what the package and its studies offer.
-
-    Returns
-    -------
-    str
-        Names, one a line.
-    """
-    return "\n".join([*rwmf.__all__, *studies.__all__]) + "\n"
-
-
-def describe(scene: Scene) -> str:
-    """Give the namelist text and all values of a case, defaults included.
-
-    Parameters
-    ----------
-    scene : Scene
-        The case.
-
-    Returns
-    -------
-    str
-        Namelist text and values.
-    """
-    return _answer_of(scene, lambda case: f"{case.to_namelist()}\n{case!r}\n")
 
 
 def simulate(scene: Scene) -> str:
@@ -154,22 +112,6 @@ def spectrum(scene: Scene, method: str, threads: int) -> str:
     return _answer_of(scene, compute)
 
 
-def refuse(scene: Scene) -> str:
-    """Give the error of a case that is not acceptable.
-
-    Parameters
-    ----------
-    scene : Scene
-        The case.
-
-    Returns
-    -------
-    str
-        Type and text of the error.
-    """
-    return _answer_of(scene, lambda case: f"accepted\n{case!r}\n")
-
-
 def find_loops(scene: Scene) -> str:
     """Find the loops of a scene's springs.
 
@@ -187,7 +129,7 @@ def find_loops(scene: Scene) -> str:
     def find(case: rwmf.Case) -> str:
         parts = []
         for loop in rwmf.loops.find_loops(rwmf.simulate(case, dt=0.01), case):
-            parts += [loop.spring, loop.label, dump_value(loop.work)]
+            parts.append(dump_value(loop.work))
             parts += [dump_value(loop.displacement), dump_value(loop.force)]
         return "\n".join(parts) + "\n"
 
@@ -259,8 +201,8 @@ def _shortened(case: rwmf.Case) -> rwmf.Case:
 
 
 def _answer_of(scene: Scene, question: Callable[[rwmf.Case], str]) -> str:
-    """Answer to a question about a scene; an error of the package is an answer too."""
+    """Answer to a question about a scene; the type of an error is an answer too."""
     try:
         return question(rwmf.Case.from_namelist(scene.put()))
     except rwmf.RwmfError as error:
-        return f"{type(error).__name__}: {error}\n"
+        return f"{type(error).__name__}\n"

@@ -11,7 +11,6 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
-from bitwise.clean import without_places
 from bitwise.tree import Tree
 
 _WORKERS = 2
@@ -72,12 +71,12 @@ def compute(rows: Iterable[Row], tree: Tree) -> Iterator[tuple[str, str]]:
     # spawn, never fork: a forked child hangs once OpenMP has run
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(_WORKERS, mp_context=context) as pool:
-        waiting = {pool.submit(_answer, row.answer, tree.root): row.key for row in rows}
+        waiting = {pool.submit(_answer, row.answer): row.key for row in rows}
         for done in as_completed(waiting):
             yield waiting[done], done.result()
 
 
-def _answer(answer: Callable[[], str], root: Path) -> str:
+def _answer(answer: Callable[[], str]) -> str:
     """Text of a row, asked for in a folder of its own."""
     before = Path.cwd()
     with tempfile.TemporaryDirectory() as name:
@@ -86,7 +85,7 @@ def _answer(answer: Callable[[], str], root: Path) -> str:
         try:
             text = answer()
         except Exception as error:
-            text = f"unexpected {type(error).__name__}: {error}\n"
+            text = f"unexpected {type(error).__name__}: {error}\n".replace(str(folder), "")
         finally:
             os.chdir(before)
-    return without_places(text, folder, root)
+    return text

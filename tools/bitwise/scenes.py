@@ -8,7 +8,6 @@ from pathlib import Path
 
 REFERENCE = Path(__file__).parents[2] / "tests" / "reference"
 _SCENES = "bits_scenes.txt"
-_REFUSED = "bits_refused.txt"
 
 METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
 RTOL = "1.0e-8"
@@ -63,30 +62,19 @@ class Scene:
         return path
 
 
-def read_scenes() -> list[Scene]:
-    """Read the scenes that run.
+def read_scenes(path: Path = REFERENCE / _SCENES) -> list[Scene]:
+    """Read scenes: blocks ``=== name``, in them ``--- file NAME`` and ``--- case``.
+
+    Parameters
+    ----------
+    path : Path
+        The file; that of the scenes of the digest.
 
     Returns
     -------
     list of Scene
         In the order of the file.
     """
-    return _read(REFERENCE / _SCENES)
-
-
-def read_refused() -> list[Scene]:
-    """Read the cases that must be refused, one for each rule.
-
-    Returns
-    -------
-    list of Scene
-        In the order of the file.
-    """
-    return _read(REFERENCE / _REFUSED)
-
-
-def _read(path: Path) -> list[Scene]:
-    """Blocks `=== name`, in them `--- file NAME` and `--- case`."""
     with path.open(encoding="utf-8", newline="") as file:
         blocks = re.split(r"(?m)^=== ", file.read())[1:]
     return [_scene(block) for block in blocks]

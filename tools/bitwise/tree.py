@@ -56,11 +56,6 @@ class Tree:
         found = [path for path in self.root.glob("inputs/**/*.nml") if path.parent.name != "sweeps"]
         return sorted(found, key=lambda path: path.stem)
 
-    @property
-    def namelist_page(self) -> Path:
-        """The reference of groups and keys, made from the table of the kernel."""
-        return self._newest(self.root.glob("docs/**/namelist.md"))
-
     def _newest(self, found: Iterable[Path]) -> Path:
         """Take the newest: a build keeps the old files when its folders move."""
         paths = sorted(found, key=lambda path: path.stat().st_mtime)

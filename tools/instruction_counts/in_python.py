@@ -16,7 +16,7 @@ from pathlib import Path
 
 import rwmf
 from rwmf import _library
-from rwmf._library import worker
+from rwmf._library import kernel_thread
 
 # longer than any call: the thread that waits for the kernel wakes up once
 _FOREVER = 1e6
@@ -39,7 +39,7 @@ def main() -> None:
     """Make every call a few times, the last one counted."""
     library, *words = sys.argv[1:]
     marks = ctypes.CDLL(library)
-    worker._POLL_SECONDS = _FOREVER
+    kernel_thread._POLL_SECONDS = _FOREVER
     sys.setswitchinterval(_FOREVER)
     print(_library.instruction_set())
     for kind, name, file in zip(words[::3], words[1::3], words[2::3], strict=True):

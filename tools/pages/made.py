@@ -11,9 +11,9 @@ import subprocess
 from collections.abc import Callable, Iterator
 from functools import cache
 
-from rwmf import key_reference, output_reference
 from rwmf.cli.parser import make_parser
 
+from pages import key_page, output_page
 from pages.blocks import DOCS, ROOT
 
 _COMMANDS = """\
@@ -32,7 +32,7 @@ _FACADE = """\
 Made by `tools/docs --made` from `src/rwmf.f90`, the module `rwmf`: all that a host program may use.
 What each name means, argument by argument, with units and shapes, is in the
 <a href="../fortran/module/rwmf.html">pages of the kernel</a>, module by module. How to use it:
-[embedding](../howto/embedding.md), [tutorial](../tutorials/embedding.md).
+[embedding](../howto/embedding.md), [tutorial](../tutorials/host-program.md).
 
 `error` is allocated when a call failed: `error%stat`, `error%message`. Nothing prints or stops,
 nothing is kept between calls.
@@ -142,8 +142,8 @@ def _meaning(source: str, name: str) -> str:
 
 
 PAGES: dict[str, Callable[[], str]] = {
-    "reference/namelist.md": key_reference.make,
-    "reference/outputs.md": output_reference.make,
+    "reference/namelist.md": key_page.make,
+    "reference/outputs.md": output_page.make,
     "reference/commands.md": command_page,
     "reference/fortran.md": facade_page,
 }

@@ -328,9 +328,9 @@ def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
         Type and, of a choice, its words, by group and key.
     """
     return {
-        (group, key): (kind, tuple(allowed.split()) if kind == "choice" else ())
-        for group, key, kind, _, _, allowed, *_ in _library.schema()
-        if (group, key) not in _NOT_EDITABLE
+        row[:2]: (row.kind, tuple(row.allowed.split()) if row.kind == "choice" else ())
+        for row in _library.schema()
+        if row[:2] not in _NOT_EDITABLE
     }
 
 
@@ -344,8 +344,8 @@ def describe() -> dict[str, Any]:
     """
     keys: dict[str, list[dict[str, Any]]] = {}
     for row in _library.schema():
-        if (row[0], row[1]) not in _NOT_EDITABLE:
-            keys.setdefault(row[0], []).append(_describe_key(*row[:7]))
+        if row[:2] not in _NOT_EDITABLE:
+            keys.setdefault(row.group, []).append(_describe_key(row))
     needs = _library.needs_of_groups()
     return {
         "groups": [
@@ -368,18 +368,17 @@ def describe() -> dict[str, Any]:
     }
 
 
-def _describe_key(
-    group: str, key: str, kind: str, unit: str, default: str, allowed: str, meaning: str
-) -> dict[str, Any]:
-    """One key: what the kernel says, and the range of its slider."""
-    name = f"{group}.{key}"
+def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
+    """Describe a key by its row of the kernel's table, with the range of its slider."""
+    name = f"{row.group}.{row.key}"
+    kind, default, allowed = row.kind, row.default, row.allowed
     found: dict[str, Any] = {
-        "key": key,
+        "key": row.key,
         "kind": kind,
-        "unit": unit.strip("-"),
+        "unit": row.unit.strip("-"),
         "default": default,
         "allowed": allowed,
-        "help": meaning,
+        "help": row.meaning,
     }
     if kind == "choice":
         words = allowed.split()

@@ -4,10 +4,18 @@ Text enters the kernel as UTF-8 bytes and leaves it in byte buffers. No other mo
 extensions; `measure`, which needs that in quadruple precision, is imported by those who measure.
 """
 
-from rwmf._library.case import Changes, KernelCase, Samples, SceneAxis, keep_samples, read_case
+from rwmf._library.kernel_case import (
+    Changes,
+    KernelCase,
+    Samples,
+    SceneAxis,
+    keep_samples,
+    read_case,
+)
 from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.tables import (
+    KeyRow,
     instruction_set,
     meant_quantity,
     needs_of_groups,
@@ -20,6 +28,7 @@ from rwmf._library.tables import (
 __all__ = [
     "Changes",
     "KernelCase",
+    "KeyRow",
     "Run",
     "Samples",
     "SceneAxis",

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_cost as _cost
+from rwmf._library.kernel_thread import wait_for
 from rwmf._library.marshalling import encode, fetch_text, message_buffer
-from rwmf._library.worker import wait_for
 from rwmf._reference import rwmf_bindings_python_reference as _reference
 from rwmf.errors import InputError
 

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.case import KernelCase, SceneAxis
+from rwmf._library.kernel_case import KernelCase, SceneAxis
+from rwmf._library.kernel_thread import write
 from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, summary_item
 from rwmf._library.memory import Memory, MemoryView
-from rwmf._library.worker import write
 
 __all__ = ["Run", "Spectrum"]
 

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.case import KernelCase
+from rwmf._library.kernel_case import KernelCase
+from rwmf._library.kernel_thread import Progress, wait_for
 from rwmf._library.marshalling import encode, message_buffer
 from rwmf._library.results import Run, Spectrum
-from rwmf._library.worker import Progress, wait_for
 from rwmf._numbers import show
 from rwmf.errors import InputError
 

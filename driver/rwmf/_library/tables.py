@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import functools
+from typing import NamedTuple
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.marshalling import encode, fetch_text, split_table
 
 __all__ = [
+    "KeyRow",
     "instruction_set",
     "meant_quantity",
     "needs_of_groups",
@@ -41,16 +43,41 @@ def instruction_set() -> str:
     return fetch_text(_kernel.instruction_set)
 
 
-def schema() -> list[list[str]]:
+class KeyRow(NamedTuple):
+    """A row of the kernel's table of keys.
+
+    Attributes
+    ----------
+    group, key : str
+        Names in the namelist.
+    kind : str
+        'real', 'integer', 'logical', 'choice', 'text' or '... list'.
+    unit, default, allowed, meaning : str
+        As in the reference of the namelist.
+    usual : str
+        Range in real buildings.
+    """
+
+    group: str
+    key: str
+    kind: str
+    unit: str
+    default: str
+    allowed: str
+    meaning: str
+    usual: str
+
+
+@functools.cache
+def schema() -> tuple[KeyRow, ...]:
     """Return the kernel's table of groups and keys.
 
     Returns
     -------
-    list of list of str
-        One row a key: group, key, type, unit, default, allowed values, help, range in real
-        buildings.
+    tuple of KeyRow
+        In the order of the documentation.
     """
-    return split_table(fetch_text(_kernel.schema))
+    return tuple(KeyRow(*cells) for cells in split_table(fetch_text(_kernel.schema)))
 
 
 def needs_of_groups() -> dict[str, list[str]]:

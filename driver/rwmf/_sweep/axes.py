@@ -11,23 +11,23 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library
-from rwmf._numbers import float_of, to_items
+from rwmf._numbers import float_of, show, to_items
 from rwmf._sweep.record_sets import RecordFile
-from rwmf._sweep.table import Table
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError, did_you_mean
 from rwmf.quantities import AXES
 
 __all__ = [
     "NUMBERS",
-    "ONE_SCENE",
     "PAIRS",
+    "POINT",
     "SCALE",
     "Axis",
     "Coordinate",
     "Entries",
     "Key",
     "Scene",
+    "Scenes",
     "column_coordinate",
     "grid_axis",
     "is_number",
@@ -43,9 +43,12 @@ __all__ = [
 
 _T = TypeVar("_T")
 Array = npt.NDArray[np.float64]
+Scenes = npt.NDArray[np.uint32]
 Entries = dict[str, dict[str, Value]]
 Key = tuple[str, str]
 SCALE = "scale"
+# name of the dimension of the rows of a table
+POINT = "point"
 # what the names of columns without a group set
 _PLACES = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "b")}
 # names of axes that set several keys at once
@@ -55,8 +58,6 @@ NUMBERS = ("real", "integer", "logical")
 _WORDS = {"true": 1.0, ".true.": 1.0, "1": 1.0, "false": 0.0, ".false.": 0.0, "0": 0.0}
 # numbers that say what there is to move or how a file is read: a scene a value
 _OF_SCENE = ("storeys.n", "motion.dt", "vertical.dt")
-# letters of a wrong value in a message
-_SHOWN = 80
 
 
 @dataclass(frozen=True)
@@ -69,20 +70,23 @@ class Coordinate:
         Name of the coordinate.
     dimension : str
         Dimension that it labels.
-    values : tuple of float or str
-        One label a position. Along the points of a table: texts one a scene, numbers none, which
-        are in the table.
+    values : numpy.ndarray, shape (positions,), or tuple, one label a scene
+        Numbers of a column, or what scenes differ in.
     unit : str
         Unit of the values, '' for texts.
     meaning : str
         What it is.
+    column : str
+        The kernel's name of what the numbers set: ``T_s``, ``gamma``, ``b``, ``scale`` or
+        ``group.key``; '' for labels of scenes.
     """
 
     name: str
     dimension: str
-    values: tuple[Value, ...]
+    values: Array | tuple[Value, ...]
     unit: str
     meaning: str
+    column: str = ""
 
 
 @dataclass(frozen=True)
@@ -117,40 +121,43 @@ class Scene:
             _put(entries, key, value)
 
 
-ONE_SCENE = (Scene(),)
-
-
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """One dimension of a sweep.
+    """One dimension of a sweep: a table with a row a position.
 
     Attributes
     ----------
     name : str
         Name of the dimension.
-    size : int
-        Number of positions.
     coordinates : tuple of Coordinate
-        Its labels.
-    columns : dict of str to numpy.ndarray, each shape (size,)
-        Numbers by the kernel's names of what they set: ``T_s``, ``gamma``, ``b``, ``scale`` or
-        ``group.key``.
+        Its columns.
     scenes : tuple of Scene
         Different scenes of the positions.
+    scene_of : numpy.ndarray, shape (size,)
+        Place of each position's scene in `scenes`.
     where : callable
         Names a position in messages.
-    table : Table, optional
-        Of points: the columns by the names of their coordinates, and each point's scene. Without
-        it all positions have one scene, or each its own.
     """
 
     name: str
-    size: int
     coordinates: tuple[Coordinate, ...]
-    columns: dict[str, Array]
     scenes: tuple[Scene, ...]
+    scene_of: Scenes
     where: Callable[[int], str]
-    table: Table | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of positions."""
+        return len(self.scene_of)
+
+    @property
+    def columns(self) -> dict[str, Array]:
+        """Numbers by the kernel's names of what they set."""
+        return {
+            item.column: item.values
+            for item in self.coordinates
+            if isinstance(item.values, np.ndarray)
+        }
 
     @property
     def keys(self) -> set[Key]:
@@ -158,8 +165,8 @@ class Axis:
         settings = {key for scene in self.scenes for key, _ in scene.settings}
         return settings | {key_of_column(name) for name in self.columns}
 
-    def scene(self, position: int) -> int:
-        """Return the number of a position's scene.
+    def scene(self, position: int) -> Scene:
+        """Return the scene of a position.
 
         Parameters
         ----------
@@ -168,12 +175,10 @@ class Axis:
 
         Returns
         -------
-        int
-            Place in `scenes`.
+        Scene
+            One of `scenes`.
         """
-        if self.table is not None:
-            return int(self.table.scenes[position])
-        return position if len(self.scenes) == self.size else 0
+        return self.scenes[int(self.scene_of[position])]
 
 
 def record_axis(records: Sequence[RecordFile]) -> Axis:
@@ -191,7 +196,12 @@ def record_axis(records: Sequence[RecordFile]) -> Axis:
     """
     scenes = tuple(Scene(record) for record in records)
     labels = record_coordinates("record", records)
-    return Axis("record", len(records), labels, {}, scenes, lambda i: f"record = {records[i].name}")
+    return Axis("record", labels, scenes, _each(scenes), lambda i: f"record = {records[i].name}")
+
+
+def _each(scenes: Sequence[Scene]) -> Scenes:
+    """Give each position its own scene."""
+    return np.arange(len(scenes), dtype=np.uint32)
 
 
 def record_coordinates(dimension: str, records: Sequence[RecordFile]) -> tuple[Coordinate, ...]:
@@ -247,17 +257,16 @@ def grid_axis(name: str, values: object) -> Axis:
         return f"{title} = {rows[position][0]}"
 
     if is_number(name):
-        columns = {
-            part: take_numbers(part, [row[i] for row in rows], lambda _: "grid", name)
-            for i, part in enumerate(parts)
-        }
         labels = tuple(
             column_coordinate(
-                part, title, title if len(parts) == 1 else part.split(".")[-1], tuple(column)
+                part,
+                title,
+                title if len(parts) == 1 else part.split(".")[-1],
+                take_numbers(part, [row[i] for row in rows], lambda _: "grid", name),
             )
-            for part, column in columns.items()
+            for i, part in enumerate(parts)
         )
-        return Axis(title, len(rows), labels, columns, ONE_SCENE, where)
+        return Axis(title, labels, (Scene(),), np.zeros(len(rows), np.uint32), where)
     key = key_of_column(name)
     if kind_of(name) in NUMBERS:
         numbers = take_numbers(name, [row[0] for row in rows], lambda _: "grid")
@@ -265,11 +274,11 @@ def grid_axis(name: str, values: object) -> Axis:
         rows = [(int(value) if is_whole else float(value),) for value in numbers]
     scenes = tuple(Scene(settings=((key, row[0]),)) for row in rows)
     label = column_coordinate(name, title, title, tuple(row[0] for row in rows))
-    return Axis(title, len(rows), (label,), {}, scenes, where)
+    return Axis(title, (label,), scenes, _each(scenes), where)
 
 
 def column_coordinate(
-    column: str, dimension: str, name: str, values: tuple[Value, ...]
+    column: str, dimension: str, name: str, values: Array | tuple[Value, ...]
 ) -> Coordinate:
     """Label a dimension with a column's values.
 
@@ -281,22 +290,26 @@ def column_coordinate(
         Dimension that is labelled.
     name : str
         Name of the coordinate.
-    values : tuple of float or str
-        The labels, see `Coordinate`.
+    values : numpy.ndarray, shape (positions,), or tuple
+        Numbers of the column, or labels of scenes.
 
     Returns
     -------
     Coordinate
         With unit and meaning from the kernel's tables.
     """
-    values = tuple(value.item() if isinstance(value, np.generic) else value for value in values)
     if column == SCALE:
-        return Coordinate(name, dimension, values, "1", "factor on the ground motion")
-    if column in AXES:
-        return Coordinate(name, dimension, values, AXES[column].unit, AXES[column].meaning)
-    row = _table()[key_of_column(column)]
-    unit = "" if any(isinstance(value, str) for value in values) else row[3].replace("-", "1")
-    return Coordinate(name, dimension, values, unit, row[6])
+        unit, meaning = "1", "factor on the ground motion"
+    elif column in AXES:
+        unit, meaning = AXES[column].unit, AXES[column].meaning
+    else:
+        row = _table()[key_of_column(column)]
+        unit, meaning = row.unit.replace("-", "1"), row.meaning
+    if isinstance(values, np.ndarray):
+        return Coordinate(name, dimension, values, unit, meaning, column)
+    if any(isinstance(value, str) for value in values):
+        unit = ""
+    return Coordinate(name, dimension, values, unit, meaning)
 
 
 def name_axes(grid: Mapping[str, _T], label: str = "grid") -> dict[str, _T]:
@@ -395,7 +408,7 @@ def kind_of(name: str) -> str:
     """
     if name == SCALE or name in PAIRS:
         return "real"
-    return _table()[key_of_column(name)][2]
+    return _table()[key_of_column(name)].kind
 
 
 def is_number(name: str) -> bool:
@@ -480,7 +493,7 @@ def take_numbers(
         wanted = "true or false"
     if not is_good.all():
         i = int(np.argmin(is_good))
-        wrong = _shown(_item(values, i))
+        wrong = show(_item(values, i))
         raise InputError(f"{where(i)}: {shown or name} = {wrong}: must be {wanted}")
     return numbers
 
@@ -503,7 +516,7 @@ def _number(value: object, kind: str) -> float:
 def _rows(name: str, values: object, width: int) -> list[tuple[Value, ...]]:
     """Values of an axis, a tuple a position."""
     if np.ma.is_masked(values):
-        raise InputError(f"grid: {name} = {_shown(values)}: has masked values: must be numbers")
+        raise InputError(f"grid: {name} = {show(values)}: has masked values: must be numbers")
     # a bare value is a list of one
     found = to_items(values)
     values = [values] if found is None else found
@@ -513,18 +526,13 @@ def _rows(name: str, values: object, width: int) -> list[tuple[Value, ...]]:
     rows = [tuple(item) if isinstance(item, list | tuple) else (item,) for item in items]
     if not rows or any(len(row) != width for row in rows):
         wanted = "a list of values" if width == 1 else f"a list of {width} numbers each"
-        raise InputError(f"grid: {name} = {_shown(values)}: needs {wanted}")
+        raise InputError(f"grid: {name} = {show(values)}: needs {wanted}")
     wrong = [value for row in rows for value in row if not isinstance(value, str | int | float)]
     if wrong:
-        raise InputError(f"grid: {name} = {_shown(wrong[0])}: must be a finite number")
+        raise InputError(f"grid: {name} = {show(wrong[0])}: must be a finite number")
     if len(set(rows)) < len(rows):
         raise InputError(f"grid: {name}: a value stands there twice")
     return rows
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
 def _put(entries: Entries, key: Key, value: Value) -> None:
@@ -534,26 +542,27 @@ def _put(entries: Entries, key: Key, value: Value) -> None:
 
 
 @functools.cache
-def _table() -> dict[Key, list[str]]:
+def _table() -> dict[Key, _library.KeyRow]:
     """Rows of the kernel's table of keys."""
-    return {(row[0], row[1]): row for row in _library.schema()}
+    return {(row.group, row.key): row for row in _library.schema()}
 
 
 def _find_key(name: str, label: str) -> Key:
     """Group and key of a name, in the spelling of the kernel's table."""
     group, _, key = name.rpartition(".")
     matches = [
-        (row[0], row[1])
-        for row in _table().values()
-        if row[1].lower() == key.lower()
-        and (row[0] == group.lower() if group else row[0] != "spectrum")
+        known
+        for known in _table()
+        if known[1].lower() == key.lower()
+        and (known[0] == group.lower() if group else known[0] != "spectrum")
     ]
     if len(matches) == 1:
         return matches[0]
     if matches:
         names = ", ".join(f"{found}.{key}" for found, _ in matches)
         raise InputError(f"{label}: {name}: in several groups; write one of {names}")
-    allowed = list(dict.fromkeys(["scale", *PAIRS, *(key for _, key in _table())]))
-    hint = did_you_mean(name, [*allowed, *(f"{group}.{key}" for group, key in _table())])
+    known = _table()
+    allowed = list(dict.fromkeys(["scale", *PAIRS, *(key for _, key in known)]))
+    hint = did_you_mean(name, [*allowed, *map(".".join, known)])
     hint = f"{hint} Allowed" if hint else "; allowed"
     raise InputError(f"{label}: {name}: no key of a case{hint} are {', '.join(allowed)}")

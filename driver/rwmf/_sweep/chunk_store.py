@@ -26,7 +26,7 @@ from rwmf.errors import InputError, OutputError
 
 __all__ = ["ChunkStore", "read_layout"]
 
-_MAGIC = b"rwmf sweep journal 2\n"
+_MAGIC = b"rwmf sweep journal 3\n"
 # number of the chunk, length of the payload, CRC-32 of both and the payload
 _HEAD = struct.Struct("<QQI")
 _LAYOUT = 2**64 - 1

@@ -4,60 +4,37 @@ from __future__ import annotations
 
 import difflib
 import functools
+import hashlib
 import itertools
 import json
-from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Self
+from dataclasses import dataclass, field, fields
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from rwmf._files.names import readable
-from rwmf._sweep.axes import Coordinate
-from rwmf._sweep.table import POINT, Table
+from rwmf._sweep.axes import POINT, Coordinate, Scenes
 
-__all__ = ["Dimension", "Layout", "Rows", "difference"]
+__all__ = ["Layout", "Rows", "difference"]
 
 Places = npt.NDArray[np.int64]
 _SHOWN_LINES = 20
-# between the text of a layout, which has none, and its table
+# between the text of a layout, which has none, and its columns
 _END = b"\0"
 
 
-@dataclass(frozen=True)
-class Dimension:
-    """One dimension of a sweep.
-
-    Attributes
-    ----------
-    name : str
-        Its name.
-    size : int
-        Number of positions.
-    scenes : int
-        Different scenes of the positions: 1 when they differ in numbers alone.
-    """
-
-    name: str
-    size: int
-    scenes: int = 1
-
-
-@dataclass(frozen=True)
-class Rows:
+class Rows(NamedTuple):
     """Runs of one chunk.
 
     Attributes
     ----------
-    scenes : tuple of int
-        Number of their common scene along each dimension.
     positions : tuple of numpy.ndarray, each shape (rows,)
         Positions along each dimension.
     places : numpy.ndarray, shape (rows,)
         Where the runs stand in the whole, counted with the last dimension fastest.
     """
 
-    scenes: tuple[int, ...]
     positions: tuple[Places, ...]
     places: Places
 
@@ -77,8 +54,9 @@ class Layout:
         Namelist text of what all runs have in common.
     coordinates : tuple of Coordinate
         Labels of all dimensions.
-    dimensions : tuple of Dimension
-        The dimensions, slowest first.
+    scene_of : dict of str to numpy.ndarray, each shape (positions,)
+        Number of each position's scene by name of the dimension, the slowest first; one scene where
+        the positions differ in numbers alone.
     block : int
         Largest number of runs in a chunk.
     quantities : tuple of str
@@ -91,31 +69,28 @@ class Layout:
         What is not conserved in some of its runs, in one line; '' for nothing.
     intensity : dict of str to str or float
         Attributes that say what a factor on the ground motion is a level of; empty for a factor.
-    table : Table, optional
-        Of the points; the text has its checksum.
     """
 
     version: str
     case: str
     coordinates: tuple[Coordinate, ...]
-    dimensions: tuple[Dimension, ...]
+    scene_of: dict[str, Scenes]
     block: int
     quantities: tuple[str, ...]
     motion_crc32: str = ""
     method: str = ""
     warnings: str = ""
     intensity: dict[str, str | float] = field(default_factory=dict)
-    table: Table | None = None
 
     @property
     def dims(self) -> tuple[str, ...]:
         """Names of all dimensions."""
-        return tuple(item.name for item in self.dimensions)
+        return tuple(self.scene_of)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Sizes of all dimensions."""
-        return tuple(item.size for item in self.dimensions)
+        return tuple(map(len, self.scene_of.values()))
 
     @property
     def n_chunks(self) -> int:
@@ -126,13 +101,9 @@ class Layout:
     def _members(self) -> list[tuple[Places, Places]]:
         """Positions along each dimension, those of a scene together; where each scene begins."""
         found = []
-        for item in self.dimensions:
-            order = np.arange(item.size)
-            counts = np.full(item.scenes, item.size // item.scenes)
-            if item.name == POINT and self.table is not None:
-                order = np.argsort(self.table.scenes, kind="stable")
-                counts = np.bincount(self.table.scenes, minlength=item.scenes)
-            found.append((order, np.concatenate([[0], np.cumsum(counts)])))
+        for scenes in self.scene_of.values():
+            begins = np.concatenate([[0], np.cumsum(np.bincount(scenes))])
+            found.append((np.argsort(scenes, kind="stable"), begins))
         return found
 
     @functools.cached_property
@@ -156,7 +127,7 @@ class Layout:
         int
             Their number.
         """
-        _, _, start, stop = self._part(number)
+        _, start, stop = self._part(number)
         return stop - start
 
     def rows(self, number: int) -> Rows:
@@ -172,7 +143,7 @@ class Layout:
         Rows
             In the order of the chunk.
         """
-        scenes, members, start, stop = self._part(number)
+        members, start, stop = self._part(number)
         rest = np.arange(start, stop)
         places = np.zeros(stop - start, dtype=np.int64)
         positions: list[Places] = []
@@ -182,27 +153,23 @@ class Layout:
             positions.insert(0, member[inside])
             places += stride * positions[0]
             stride *= size
-        return Rows(scenes, tuple(positions), places)
+        return Rows(tuple(positions), places)
 
-    def _part(self, number: int) -> tuple[tuple[int, ...], list[Places], int, int]:
-        """Scenes of a chunk's group, its positions along each dimension, the chunk's part of it."""
+    def _part(self, number: int) -> tuple[list[Places], int, int]:
+        """Positions of a chunk's group along each dimension, the chunk's part of it."""
         group = int(np.searchsorted(self._first_chunks, number, "right")) - 1
         first, following = self._first_chunks[group : group + 2].tolist()
-        scenes: list[int] = []
-        for item in reversed(self.dimensions):
-            group, scene = divmod(group, item.scenes)
-            scenes.insert(0, scene)
-        members = [
-            order[begins[scene] : begins[scene + 1]]
-            for scene, (order, begins) in zip(scenes, self._members, strict=True)
-        ]
+        members: list[Places] = []
+        for order, begins in reversed(self._members):
+            group, scene = divmod(group, len(begins) - 1)
+            members.insert(0, order[begins[scene] : begins[scene + 1]])
         # chunks of a group are equally long
         size = 1
         for member in members:
             size *= len(member)
         n = following - first
         start, stop = (size * i // n for i in (number - first, number - first + 1))
-        return tuple(scenes), members, start, stop
+        return members, start, stop
 
     def labels(self, item: Coordinate) -> npt.NDArray[Any]:
         """Give the labels of all positions of a dimension.
@@ -217,12 +184,10 @@ class Layout:
         numpy.ndarray, shape (positions,)
             Numbers, or texts as UTF-8 can hold them.
         """
-        if self.table is not None and item.name in self.table.columns:
-            return self.table.columns[item.name]
+        if isinstance(item.values, np.ndarray):
+            return item.values
         values = np.array([readable(value) for value in item.values])
-        if self.table is None or item.dimension != POINT:
-            return values
-        return values[self.table.scenes]
+        return values[self.scene_of[item.dimension]]
 
     def to_text(self) -> str:
         """Write it as JSON; equal texts are equal sweeps.
@@ -230,22 +195,37 @@ class Layout:
         Returns
         -------
         str
-            The text, of a table its checksum.
+            The text: of the columns of points their checksum, of all others their values.
         """
-        found = asdict(replace(self, table=None))
-        found["table"] = "" if self.table is None else self.table.sha256
+        found = {item.name: getattr(self, item.name) for item in fields(self)}
+        found["coordinates"] = [_entry(item) for item in self.coordinates]
+        del found["scene_of"]
+        found["dimensions"] = [{"name": n, "size": len(s)} for n, s in self.scene_of.items()]
+        found["table"] = self._sha256
         return json.dumps(found, indent=1, sort_keys=True)
 
+    def _arrays(self) -> list[memoryview]:
+        """Bytes of the scenes of all dimensions, then of all columns, the lowest byte first."""
+        columns = [item.values for item in self.coordinates if item.column]
+        arrays = [np.ascontiguousarray(scenes, "<u4") for scenes in self.scene_of.values()]
+        return [item.data.cast("B") for item in (*arrays, *(np.asarray(c, "<f8") for c in columns))]
+
+    @functools.cached_property
+    def _sha256(self) -> str:
+        found = hashlib.sha256()
+        for part in self._arrays():
+            found.update(part)
+        return found.hexdigest()
+
     def parts(self) -> list[bytes | memoryview]:
-        """Give the bytes of text and table, which are not copied.
+        """Give the bytes of text and columns, which are not copied.
 
         Returns
         -------
         list of bytes or memoryview
             All that `from_bytes` needs, one behind the other.
         """
-        text = self.to_text().encode()
-        return [text] if self.table is None else [text, _END, *self.table.parts()]
+        return [self.to_text().encode(), _END, *self._arrays()]
 
     @classmethod
     def from_bytes(cls, content: bytes) -> Self:
@@ -263,19 +243,25 @@ class Layout:
         """
         text, _, rest = content.partition(_END)
         found: dict[str, Any] = json.loads(text)
-        found["coordinates"] = tuple(
-            Coordinate(**(entry | {"values": tuple(entry["values"])}))
-            for entry in found["coordinates"]
-        )
-        found["dimensions"] = tuple(Dimension(**entry) for entry in found["dimensions"])
+        del found["table"]
+        place = 0
+
+        def take(dtype: str, dimension: str) -> npt.NDArray[Any]:
+            nonlocal place
+            values = np.frombuffer(rest, dtype, sizes[dimension], place)
+            place += values.nbytes
+            return values
+
+        sizes = {item["name"]: item["size"] for item in found.pop("dimensions")}
+        found["scene_of"] = {name: take("<u4", name) for name in sizes}
+        for entry in found["coordinates"]:
+            has_column = entry["column"]
+            entry["values"] = (
+                take("<f8", entry["dimension"]) if has_column else tuple(entry["values"])
+            )
+        found["coordinates"] = tuple(Coordinate(**entry) for entry in found["coordinates"])
         found["quantities"] = tuple(found["quantities"])
-        has_table = bool(found.pop("table"))
-        layout = cls(**found)
-        if not has_table:
-            return layout
-        names = [c.name for c in layout.coordinates if c.dimension == POINT and not c.values]
-        size = dict(zip(layout.dims, layout.shape, strict=True))[POINT]
-        return replace(layout, table=Table.from_bytes(rest, size, names))
+        return cls(**found)
 
     @staticmethod
     def text_of(content: bytes) -> str:
@@ -292,6 +278,14 @@ class Layout:
             As `to_text`.
         """
         return content.partition(_END)[0].decode()
+
+
+def _entry(item: Coordinate) -> dict[str, Any]:
+    """Give what the text says of a coordinate."""
+    values = list(item.values)
+    if isinstance(item.values, np.ndarray):
+        values = [] if item.dimension == POINT else item.values.tolist()
+    return vars(item) | {"values": values}
 
 
 def difference(old: str, new: str) -> str:
@@ -321,5 +315,5 @@ def _lines(text: str) -> list[str]:
     lines: list[str] = found.pop("case").splitlines()
     for item in found.pop("coordinates"):
         lines.append(f"{item['name']} = {', '.join(str(value) for value in item['values'])}")
-    lines.append(f"points (SHA-256 of their table) = {found.pop('table', '') or 'none'}")
+    lines.append(f"columns (SHA-256 of all) = {found.pop('table', '')}")
     return lines + [f"{key} = {value}" for key, value in sorted(found.items())]

@@ -19,10 +19,9 @@ from rwmf import quantities
 from rwmf._extras import how_to_install
 from rwmf._files.names import readable
 from rwmf._files.netcdf_file import new_file
-from rwmf._sweep.axes import Coordinate
+from rwmf._sweep.axes import POINT, Coordinate, Scenes
+from rwmf._sweep.kept_quantities import QUANTITIES
 from rwmf._sweep.layout import Layout
-from rwmf._sweep.quantities import QUANTITIES
-from rwmf._sweep.table import POINT
 from rwmf._sweep.task import Chunk
 from rwmf.errors import InputError
 
@@ -259,9 +258,9 @@ def status_attributes(names: list[str]) -> dict[str, object]:
 
 def _write_coordinates(file: File, layout: Layout) -> None:
     for item in layout.coordinates:
-        if layout.table is not None and item.dimension == POINT and item.values:
+        if item.dimension == POINT and not item.column:
             texts = [str(readable(value)).encode() for value in item.values]
-            variable = _write_letters(file, item.name, texts, layout.table.scenes)
+            variable = _write_letters(file, item.name, texts, layout.scene_of[POINT])
         else:
             variable = _write_labels(file, item, layout.labels(item))
         if item.unit:
@@ -279,9 +278,7 @@ def _write_labels(file: File, item: Coordinate, labels: npt.NDArray[Any]) -> Var
     return variable
 
 
-def _write_letters(
-    file: File, name: str, texts: list[bytes], which: npt.NDArray[np.uint32]
-) -> Variable:
+def _write_letters(file: File, name: str, texts: list[bytes], which: Scenes) -> Variable:
     """Write texts along the points as letters, which can be compressed."""
     letters = np.array(texts).view("S1").reshape(len(texts), -1)
     file.dimensions[f"{name}_letters"] = letters.shape[1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from rwmf import _library
+from rwmf._arguments import case_of
 from rwmf._sweep.axes import (
     SCALE,
     Axis,
@@ -25,17 +27,18 @@ from rwmf._sweep.axes import (
     put_number,
     record_axis,
 )
-from rwmf._sweep.intensity import Intensity
-from rwmf._sweep.layout import Dimension, Layout
-from rwmf._sweep.quantities import default_quantity, find_quantities
-from rwmf._sweep.record_sets import RecordFile
+from rwmf._sweep.intensity import Intensity, choose_intensity, scale_to_one_g
+from rwmf._sweep.kept_quantities import default_quantity, find_quantities
+from rwmf._sweep.layout import Layout
+from rwmf._sweep.points import Points, point_axis
+from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.task import Task
-from rwmf.case import Case, Motion
+from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError, without_lines
 from rwmf.quantities import AXES, keys_of
 
-__all__ = ["Plan", "make_plan", "varied_keys"]
+__all__ = ["Plan", "Request", "make_plan", "varied_keys"]
 
 # runs of a chunk: enough to keep lanes and threads full, few enough to lose without regret
 _CHUNK_RUNS = (256, 4096)
@@ -43,6 +46,29 @@ _CHUNK_RUNS = (256, 4096)
 _CHUNKS = 64
 # begins the line about laws that are not conserved
 _LAWS = "not conserved: "
+
+
+@dataclass(frozen=True)
+class Request:
+    """Runs that a sweep is asked for: arguments of `rwmf.sweep`, where they are described.
+
+    Attributes
+    ----------
+    case, grid, records, points, quantities, chunk, unit, dt, intensity, period, damping
+        As there.
+    """
+
+    case: CaseLike
+    grid: Mapping[str, object] | None = None
+    records: Sequence[str | os.PathLike[str] | RecordFile | Motion] = ()
+    points: Points | None = None
+    quantities: Sequence[str] | None = None
+    chunk: int = 0
+    unit: str | None = None
+    dt: float | None = None
+    intensity: str | None = None
+    period: float | None = None
+    damping: float | None = None
 
 
 @dataclass(frozen=True)
@@ -61,6 +87,8 @@ class Plan:
         The dimensions, slowest first.
     motions : dict of str to Motion
         Samples in memory of the case itself, by group.
+    inputs : tuple of str
+        Paths of the files that it reads.
     """
 
     layout: Layout
@@ -68,6 +96,7 @@ class Plan:
     source: str
     axes: tuple[Axis, ...]
     motions: dict[str, Motion]
+    inputs: tuple[str | os.PathLike[str], ...] = ()
 
     def task(self, number: int, threads: int = 1) -> Task:
         """Make the task of a chunk.
@@ -109,7 +138,7 @@ class Plan:
         """Return the samples in memory that one run takes in place of files."""
         found = dict(self.motions)
         for axis, position in zip(self.axes, at, strict=True):
-            record = axis.scenes[axis.scene(position)].record
+            record = axis.scene(position).record
             if record is not None:
                 found.pop("motion", None)
                 if record.array is not None:
@@ -121,7 +150,7 @@ class Plan:
         entries = {group: dict(keys) for group, keys in self.base.items()}
         placed = list(zip(self.axes, at, strict=True))
         for axis, position in placed:
-            axis.scenes[axis.scene(position)].apply(entries)
+            axis.scene(position).apply(entries)
         numbers = {
             name: float(values[position])
             for axis, position in placed
@@ -184,43 +213,20 @@ class Plan:
 
 def _telling_positions(axis: Axis) -> list[int]:
     """First position of every scene, the least and the greatest number of every column."""
-    if axis.table is not None:
-        found = np.unique(axis.table.scenes, return_index=True)[1].tolist()
-    else:
-        found = list(range(len(axis.scenes)))
+    found: list[int] = np.unique(axis.scene_of, return_index=True)[1].tolist()
     for values in axis.columns.values():
         found += [int(values.argmin()), int(values.argmax())]
     # all axes together have been checked at their first positions
     return sorted({*found} - {0})
 
 
-def make_plan(
-    case: Case,
-    grid: Mapping[str, object],
-    records: Sequence[RecordFile] = (),
-    quantities: tuple[str, ...] | None = None,
-    chunk: int = 0,
-    points: Axis | None = None,
-    intensity: Intensity | None = None,
-) -> Plan:
+def make_plan(request: Request) -> Plan:
     """Lay out a sweep.
 
     Parameters
     ----------
-    case : Case
-        What all runs have in common; its `&spectrum` is part of the grid.
-    grid : mapping
-        Values of the axes by name.
-    records : sequence of RecordFile
-        Ground motions in the place of the case's own.
-    quantities : tuple of str, optional
-        What is kept of each run; otherwise what the scene reports by itself.
-    chunk : int
-        Largest number of runs of a chunk, 0 for the usual one.
-    points : Axis, optional
-        Rows of a table, from `point_axis`.
-    intensity : Intensity, optional
-        What a factor on the ground motion is a level of.
+    request : Request
+        The requested runs.
 
     Returns
     -------
@@ -232,25 +238,63 @@ def make_plan(
     InputError
         When an axis, a value, a record or a quantity is not acceptable.
     """
-    wanted = find_quantities((default_quantity(case),) if quantities is None else quantities)
-    axes: list[Axis] = [record_axis(records)] if records else []
+    case = case_of(request.case)
+    records, points, intensity = _motions_of(request, case)
+    named = [] if points is None else [scene.record for scene in points.scenes if scene.record]
+    # records that the points name are no axis of their own
+    axes: list[Axis] = [record_axis(records)] if records and not named else []
     if points is not None:
         axes.append(points)
-    grid = name_axes(grid)
+    grid = name_axes(request.grid or {})
     axes += [grid_axis(name, values) for name, values in grid.items() if name not in AXES]
     axes += _kernel_axes(case, grid, points)
     axes = [_labelled(axis, case, intensity) for axis in axes]
     _check_names(grid, axes, points)
     base = _base_entries(case, axes)
+    quantities = (default_quantity(case),) if request.quantities is None else request.quantities
+    wanted = find_quantities(tuple(quantities))
     for quantity in wanted.values():
         if quantity.asked_by:
             base.setdefault("output", {})[quantity.asked_by] = True
     runs = math.prod(axis.size for axis in axes)
-    block = chunk or min(max(_CHUNK_RUNS[0], -(-runs // _CHUNKS)), _CHUNK_RUNS[1])
+    block = request.chunk or min(max(_CHUNK_RUNS[0], -(-runs // _CHUNKS)), _CHUNK_RUNS[1])
     layout = _make_layout(case, compose(base), axes, tuple(wanted), block)
     if intensity is not None:
         layout = replace(layout, intensity=intensity.attributes)
-    return Plan(layout, base, case.kernel_source(), tuple(axes), case.motions).checked()
+    inputs: list[str | os.PathLike[str]] = [*case.inputs]
+    inputs += [record.path for record in (*records, *named) if record.path]
+    if isinstance(request.points, str | os.PathLike):
+        inputs.append(request.points)
+    plan = Plan(layout, base, case.kernel_source(), tuple(axes), case.motions, tuple(inputs))
+    return plan.checked()
+
+
+def _motions_of(
+    request: Request, case: Case
+) -> tuple[Sequence[RecordFile], Axis | None, Intensity | None]:
+    """Find the records of a request, scaled where it asks for an intensity, and its points."""
+    unit, dt = request.unit, request.dt
+    records: Sequence[RecordFile] = ()
+    if len(request.records):
+        records = find_records(request.records, unit=unit, dt=dt)
+    if request.intensity is None:
+        if request.period is not None or request.damping is not None:
+            raise InputError("period and damping: belong to intensity, which is not given")
+        points = None if request.points is None else point_axis(request.points, records, unit, dt)
+        return records, points, None
+    if not records:
+        raise InputError(f"intensity = {request.intensity!r}: needs records, which it scales")
+    points = None if request.points is None else point_axis(request.points, records, unit, dt)
+    varied = varied_keys(case, request.grid or {}, points)
+    measure = choose_intensity(case, request.intensity, request.period, request.damping, varied)
+    records = scale_to_one_g(case, records, measure)
+    if points is not None:
+        # the table names the records that are scaled: a second reading finds them
+        points = point_axis(request.points, records, unit, dt)
+        if any(scene.record and scene.record not in records for scene in points.scenes):
+            text = f"intensity = {request.intensity!r}: the records of points must be in records"
+            raise InputError(text)
+    return records, points, measure
 
 
 def _united(warnings: Sequence[str]) -> list[str]:
@@ -305,12 +349,11 @@ def _make_layout(
         version=_library.version(),
         case=text,
         coordinates=tuple(label for axis in axes for label in axis.coordinates),
-        dimensions=tuple(Dimension(axis.name, axis.size, len(axis.scenes)) for axis in axes),
+        scene_of={axis.name: axis.scene_of for axis in axes},
         block=block,
         quantities=quantities,
         motion_crc32="" if _has_records(axes) else _own_record(case),
         method=_method(case, axes),
-        table=next((axis.table for axis in axes if axis.table is not None), None),
     )
 
 

@@ -18,8 +18,8 @@ from rwmf._numbers import show
 from rwmf._sweep.axes import (
     NUMBERS,
     PAIRS,
+    POINT,
     Axis,
-    Coordinate,
     Scene,
     column_coordinate,
     is_number,
@@ -32,8 +32,8 @@ from rwmf._sweep.axes import (
 )
 from rwmf._sweep.point_files import is_netcdf, read_csv, read_netcdf
 from rwmf._sweep.record_sets import RecordFile, find_records
-from rwmf._sweep.table import POINT, Table
 from rwmf.case import Motion
+from rwmf.case.namelist import Value
 from rwmf.errors import InputError
 
 __all__ = ["Points", "point_axis"]
@@ -121,19 +121,19 @@ def point_axis(
         texts[name] = _settings(name, table, named[name])
     scenes, scene_of = _make_scenes(texts, len(next(iter(table.values.values()))))
     labels = _labels([*named])
-    coordinates = tuple(_coordinate(name, labels[name], scenes) for name in named)
+    coordinates = tuple(
+        column_coordinate(
+            name,
+            POINT,
+            labels[name],
+            columns[name] if name in columns else _settings_of(name, scenes),
+        )
+        for name in named
+    )
     if words:
         found = [scene.record for scene in scenes if scene.record is not None]
         coordinates = (*record_coordinates(POINT, found), *coordinates)
-    return Axis(
-        POINT,
-        len(scene_of),
-        coordinates,
-        columns,
-        scenes,
-        table.where,
-        Table({labels[name]: values for name, values in columns.items()}, scene_of),
-    )
+    return Axis(POINT, coordinates, scenes, scene_of, table.where)
 
 
 def _read(points: Points) -> _Columns:
@@ -298,10 +298,9 @@ def _labels(names: Sequence[str]) -> dict[str, str]:
     }
 
 
-def _coordinate(name: str, label: str, scenes: Sequence[Scene]) -> Coordinate:
+def _settings_of(name: str, scenes: Sequence[Scene]) -> tuple[Value, ...]:
     key = key_of_column(name)
-    values = tuple(value for scene in scenes for known, value in scene.settings if known == key)
-    return column_coordinate(name, POINT, label, values)
+    return tuple(value for scene in scenes for known, value in scene.settings if known == key)
 
 
 def _find_records(

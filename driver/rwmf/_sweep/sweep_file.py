@@ -9,15 +9,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from rwmf._files.names import is_name_of_folder, problem_of_name, shorten
+from rwmf._sweep.plan import Request
 from rwmf.case.namelist import read_text
 from rwmf.errors import InputError
 
-__all__ = ["SweepFile", "read_sweep_file"]
+__all__ = ["read_sweep_file"]
 
 Item = float | str
 _TOKEN = re.compile(
@@ -53,51 +53,7 @@ _PATHS = ("case", "file", "records", "points")
 _MOST_RUNS = 10**15
 
 
-@dataclass
-class SweepFile:
-    """A sweep as its file asks for it.
-
-    Attributes
-    ----------
-    case : path
-        Namelist of the case.
-    file : path
-        NetCDF file to write; relative paths start from the current folder.
-    records : list of str
-        As for `rwmf.sweep`, absolute where they are paths.
-    grid : dict
-        Values by axis.
-    points : path, optional
-        CSV or NetCDF file with a table whose rows are runs.
-    unit : str, optional
-        Unit of records that are not AT2.
-    dt : float, optional
-        Sampling interval [s] of records of one column.
-    quantities : list of str
-        What to keep.
-    chunk : int
-        Largest number of runs in a chunk, 0 for the usual one.
-    intensity : str, optional
-        What the records are scaled to 1 g of.
-    period, damping : float, optional
-        Period [s] and damping ratio [-] of its oscillator.
-    """
-
-    case: Path
-    file: Path
-    records: list[str] = field(default_factory=list)
-    grid: dict[str, Sequence[Item | tuple[Item, ...]]] = field(default_factory=dict)
-    points: Path | None = None
-    unit: str | None = None
-    dt: float | None = None
-    quantities: list[str] = field(default_factory=list)
-    chunk: int = 0
-    intensity: str | None = None
-    period: float | None = None
-    damping: float | None = None
-
-
-def read_sweep_file(path: str) -> SweepFile:
+def read_sweep_file(path: str) -> tuple[Request, Path]:
     """Read the namelist of a sweep: `&sweep` and `&grid`.
 
     Parameters
@@ -107,8 +63,10 @@ def read_sweep_file(path: str) -> SweepFile:
 
     Returns
     -------
-    SweepFile
-        What it asks for.
+    request : Request
+        The requested runs, with paths of case, records and points from the current folder.
+    file : path
+        NetCDF file to write; a relative path starts from the current folder.
 
     Raises
     ------
@@ -124,14 +82,13 @@ def read_sweep_file(path: str) -> SweepFile:
     if "case" not in values:
         raise InputError(f"{path}, &sweep: case is missing: the namelist of the case")
     folder = Path(path).parent
-    found = SweepFile(folder / values.pop("case"), Path(f"{Path(path).stem}.nc"))
-    records = [_located(folder, word) for word in values.pop("records", [])]
-    if "points" in values:
-        values["points"] = folder / values["points"]
-    for key, value in (values | {"records": records}).items():
-        setattr(found, key, Path(value) if key == "file" else value)
-    found.grid = {key: _axis(path, key, items) for key, items in groups.get("grid", {}).items()}
-    return found
+    file = Path(values.pop("file", f"{Path(path).stem}.nc"))
+    for key in ("case", "points"):
+        if key in values:
+            values[key] = str(folder / values[key])
+    values["records"] = [_located(folder, word) for word in values.get("records", [])]
+    grid = {key: _axis(path, key, items) for key, items in groups.get("grid", {}).items()}
+    return Request(grid=grid, **values), file
 
 
 def _located(folder: Path, word: str) -> str:

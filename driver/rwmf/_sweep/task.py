@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from rwmf import _library
 from rwmf._sweep.axes import Entries
-from rwmf._sweep.quantities import QUANTITIES
+from rwmf._sweep.kept_quantities import QUANTITIES
 from rwmf.case import Motion
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError, NumericalError

@@ -72,4 +72,4 @@ def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | N
 @functools.cache
 def _kinds() -> dict[str, str]:
     """Type of each key by ``group.key`` in small letters."""
-    return {f"{row[0]}.{row[1]}".lower(): row[2] for row in _library.schema()}
+    return {f"{row.group}.{row.key}".lower(): row.kind for row in _library.schema()}

@@ -162,13 +162,16 @@ def _add_records(commands: Subcommands) -> None:
     )
     actions = Subcommands(parser, "ACTION")
     actions.add(
-        "list", "List the records with variant, points, dt, peak and checksum.", "", "records.show"
+        "list",
+        "List the records with variant, points, dt, peak and checksum.",
+        "",
+        "records_command.show",
     )
     export = actions.add(
         "export",
         "Write a record into a file that &motion can name; samples stay unchanged.",
         "elcentro inputs/records/elcentro.csv",
-        "records.export",
+        "records_command.export",
     )
     export.add_argument("name", metavar="NAME", help="name from 'rwmf records list'")
     export.add_argument("file", metavar="FILE", type=written_file, help="file to write")

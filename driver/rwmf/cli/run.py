@@ -14,7 +14,7 @@ from rwmf import _simulation as simulation
 from rwmf._files import files
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_warnings, print_written
-from rwmf.plotting import files as figures
+from rwmf.plotting import image_files as figures
 
 __all__ = ["run"]
 

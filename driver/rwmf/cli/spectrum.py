@@ -14,7 +14,7 @@ from rwmf.case import Case
 from rwmf.case.grid import with_grid
 from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.cli.progress import progress_bar
-from rwmf.plotting import files as figures
+from rwmf.plotting import image_files as figures
 from rwmf.quantities import ENDINGS, names_by_key
 
 __all__ = ["run"]

@@ -12,11 +12,10 @@ import numpy as np
 import xarray as xr
 
 from rwmf._files import files
+from rwmf._sweep.computation import merge, path_of_store, sweep
 from rwmf._sweep.csv_parts import merge_csv
 from rwmf._sweep.executors import open_executor
-from rwmf._sweep.run import merge, path_of_store, sweep
 from rwmf._sweep.sweep_file import read_sweep_file
-from rwmf.case import Case
 from rwmf.cli.output import print_warnings
 from rwmf.cli.progress import progress
 from rwmf.errors import InputError, Interrupted
@@ -42,31 +41,22 @@ def run(options: argparse.Namespace) -> int:
     InputError, NumericalError, OutputError, Interrupted
         As the computation and the writers of files.
     """
-    asked = read_sweep_file(options.sweep)
-    path = Path(options.file) if options.file else asked.file
+    request, path = read_sweep_file(options.sweep)
+    if options.file:
+        path = Path(options.file)
     part = _parse_part(options.part)
-    files.check_outputs([path], [options.sweep, asked.case])
+    files.check_outputs([path], [options.sweep, str(request.case)])
     started = time.perf_counter()
     try:
         with open_executor(options.engine, options.workers) as executor, progress() as report:
             dataset = sweep(
-                Case.from_namelist(str(asked.case)),
-                asked.grid,
-                asked.records,
-                path,
-                points=asked.points,
-                quantities=asked.quantities or None,
+                **vars(request),
+                file=path,
                 threads=options.threads,
                 executor=executor,
                 progress=report,
                 restart=options.restart,
                 part=part,
-                chunk=asked.chunk,
-                unit=asked.unit,
-                dt=asked.dt,
-                intensity=asked.intensity,
-                period=asked.period,
-                damping=asked.damping,
             )
     except Interrupted as error:
         print(f"rwmf: {error}", file=sys.stderr)

@@ -9,9 +9,9 @@ import xarray as xr
 
 from rwmf._arguments import case_of, checked
 from rwmf._sweep.axes import keys_of_axis, name_axes
-from rwmf._sweep.quantities import find_quantity
+from rwmf._sweep.computation import SweepOptions, sweep
+from rwmf._sweep.kept_quantities import find_quantity
 from rwmf._sweep.record_sets import RecordFile
-from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning

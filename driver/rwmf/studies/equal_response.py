@@ -12,7 +12,7 @@ import xarray as xr
 from rwmf import _library
 from rwmf._arguments import case_of, checked
 from rwmf._sweep.executors import count_threads
-from rwmf._sweep.quantities import QUANTITIES, find_quantity
+from rwmf._sweep.kept_quantities import QUANTITIES, find_quantity
 from rwmf.case import CaseLike
 from rwmf.errors import InputError
 from rwmf.quantities import Quantity, ending_of

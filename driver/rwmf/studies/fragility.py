@@ -12,11 +12,11 @@ import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf._sweep.axes import name_axes
+from rwmf._sweep.computation import SweepOptions, sweep
 from rwmf._sweep.intensity import choose_intensity
+from rwmf._sweep.kept_quantities import default_quantity, find_quantities
 from rwmf._sweep.plan import varied_keys
-from rwmf._sweep.quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
-from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning

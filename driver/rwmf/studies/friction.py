@@ -10,8 +10,8 @@ import xarray as xr
 
 from rwmf._arguments import case_of, checked
 from rwmf._sweep.axes import PAIRS, key_of_column, name_axes
+from rwmf._sweep.computation import SweepOptions, sweep
 from rwmf._sweep.record_sets import RecordFile
-from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning

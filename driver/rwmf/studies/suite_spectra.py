@@ -8,9 +8,9 @@ from typing import Unpack
 import xarray as xr
 
 from rwmf._arguments import case_of, checked
-from rwmf._sweep.quantities import default_quantity, find_quantities
+from rwmf._sweep.computation import SweepOptions, sweep
+from rwmf._sweep.kept_quantities import default_quantity, find_quantities
 from rwmf._sweep.record_sets import RecordFile
-from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import CaseLike
 from rwmf.studies.statistics import USUAL_PERCENTILES, percentiles, with_overturning
 

@@ -11,9 +11,9 @@ import xarray as xr
 from rwmf import _library
 from rwmf._arguments import case_of, checked
 from rwmf._sweep.axes import keys_of_axis, name_axes
-from rwmf._sweep.quantities import QUANTITIES, find_quantities
+from rwmf._sweep.computation import SweepOptions, sweep
+from rwmf._sweep.kept_quantities import QUANTITIES, find_quantities
 from rwmf._sweep.record_sets import RecordFile
-from rwmf._sweep.run import SweepOptions, sweep
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
@@ -73,10 +73,10 @@ def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[s
     if case.wall is None or "storeys" in case.groups:
         return {}
     return {
-        group: {key: 2 * case.wall.h}
-        for group, key, _, _, default, *_ in _library.schema()
-        if default == "2h" and group in case.groups and group not in gone
-        if key not in case.groups[group].given
+        row.group: {row.key: 2 * case.wall.h}
+        for row in _library.schema()
+        if row.default == "2h" and row.group in case.groups and row.group not in gone
+        if row.key not in case.groups[row.group].given
     }
 
 

@@ -2,7 +2,7 @@
 module rwmf_bindings_c_case
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
       c_null_ptr, c_ptr, c_size_t
-   use rwmf_bindings_c_pointers, only: require_address, require_empty, take_handle
+   use rwmf_bindings_c_pointers, only: require_argument, require_empty, take_handle
    use rwmf_bindings_c_strings, only: get_text, put_message
    use rwmf_core_error, only: add_context, err_input, error_t, fail
    use rwmf_input_reader, only: read_case_file, read_case_text
@@ -35,7 +35,7 @@ contains
       bind(c, name='rwmf_read_case')
       type(c_ptr), value :: namelist
       type(c_ptr), value :: folder
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
 
@@ -50,7 +50,7 @@ contains
       type(c_ptr), value :: folder
       type(c_ptr), value :: motion
       type(c_ptr), value :: vertical
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       character(:), allocatable :: text
@@ -93,7 +93,8 @@ contains
 
       if (allocated(error) .or. .not. c_associated(address)) return
       call c_f_pointer(address, given)
-      call require_address(given%accelerations, 'accelerations of the '//group, error)
+      call require_argument(c_associated(given%accelerations), 'accelerations of the '//group, &
+         error)
       if (allocated(error)) return
       ! a number that no memory holds is a sign that was lost
       if (given%n > int(huge(1), c_size_t) .or. given%n < 0_c_size_t) then
@@ -117,7 +118,7 @@ contains
    integer(c_int) function c_read_case_file(path, handle, message, size) &
       bind(c, name='rwmf_read_case_file')
       type(c_ptr), value :: path
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       character(:), allocatable :: text
@@ -137,7 +138,7 @@ contains
 
    !> `rwmf_destroy_case`.
    subroutine c_destroy_case(handle) bind(c, name='rwmf_destroy_case')
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr) :: address
       type(kept_case_t), pointer :: kept
 
@@ -150,16 +151,14 @@ contains
    !> Give a case to the caller, or its memory back when it could not be read.
    subroutine hand_over(kept, handle, error)
       type(kept_case_t), pointer, intent(inout) :: kept
-      type(c_ptr), intent(in) :: handle
+      type(c_ptr), intent(inout) :: handle
       !! where the caller wants it
       type(error_t), allocatable, intent(in) :: error
-      type(c_ptr), pointer :: place
 
       if (allocated(error)) then
          deallocate (kept)
       else
-         call c_f_pointer(handle, place)
-         place = c_loc(kept)
+         handle = c_loc(kept)
       end if
    end subroutine hand_over
 

@@ -6,7 +6,7 @@ module rwmf_bindings_c_element
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
       c_loc, c_null_ptr, c_ptr, c_size_t
    use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, kept_case_t, name_file
-   use rwmf_bindings_c_pointers, only: require_address, require_empty, take_handle
+   use rwmf_bindings_c_pointers, only: require_argument, require_empty, take_handle
    use rwmf_bindings_c_strings, only: put_message
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_element, only: create_element, element_response_t, respond, velocity_factor, &
@@ -36,29 +36,28 @@ contains
    integer(c_int) function c_create_element(namelist, handle, message, size) &
       bind(c, name='rwmf_create_element')
       type(c_ptr), value :: namelist
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(c_ptr), target :: case
+      type(c_ptr) :: case
 
       case = c_null_ptr
-      c_create_element = c_read_case(namelist, c_null_ptr, c_loc(case), message, size)
+      c_create_element = c_read_case(namelist, c_null_ptr, case, message, size)
       if (c_create_element == 0) then
          c_create_element = c_create_element_from_case(case, handle, message, size)
       end if
-      call c_destroy_case(c_loc(case))
+      call c_destroy_case(case)
    end function c_create_element
 
    !> `rwmf_create_element_from_case`.
    integer(c_int) function c_create_element_from_case(from, handle, message, size) &
       bind(c, name='rwmf_create_element_from_case')
       type(c_ptr), value :: from
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(kept_case_t), pointer :: kept
       type(wall_element_t), pointer :: element
-      type(c_ptr), pointer :: place
       type(error_t), allocatable :: error
 
       call require_empty(handle, 'element', error)
@@ -70,8 +69,7 @@ contains
          if (allocated(error)) then
             deallocate (element)
          else
-            call c_f_pointer(handle, place)
-            place = c_loc(element)
+            handle = c_loc(element)
          end if
       end if
       c_create_element_from_case = put_message(error, message, size)
@@ -79,7 +77,7 @@ contains
 
    !> `rwmf_destroy_element`.
    subroutine c_destroy_element(handle) bind(c, name='rwmf_destroy_element')
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr) :: address
       type(wall_element_t), pointer :: element
 
@@ -114,22 +112,20 @@ contains
       real(c_double), value :: u_dot
       real(c_double), value :: u_ddot
       real(c_double), value :: u_g_ddot
-      type(c_ptr), value :: response
+      type(c_response_t), intent(inout), optional :: response
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(wall_element_t), pointer :: element
       type(element_response_t) :: found
-      type(c_response_t), pointer :: place
       type(error_t), allocatable :: error
 
       call element_of(handle, element, error)
-      call require_address(response, 'response', error)
+      call require_argument(present(response), 'response', error)
       if (.not. allocated(error)) then
          call respond(element, int(side), u, u_dot, u_ddot, u_g_ddot, found, error)
       end if
       if (.not. allocated(error)) then
-         call c_f_pointer(response, place)
-         place = c_response_t(found%force, found%stiffness, found%damping, found%mass, &
+         response = c_response_t(found%force, found%stiffness, found%damping, found%mass, &
             found%theta, found%theta_dot, found%theta_ddot, found%cable)
       end if
       c_respond = put_message(error, message, size)
@@ -159,18 +155,18 @@ contains
       real(c_double), value :: u_dot_0
       real(c_double), value :: u_1
       real(c_double), value :: u_dot_1
-      type(c_ptr), value :: tau
+      real(c_double), intent(inout), optional :: tau
       real(c_double) :: found_tau
       type(error_t), allocatable :: error
       logical :: found
 
       found = .false.
-      call require_address(tau, 'time', error)
+      call require_argument(present(tau), 'time', error)
       if (.not. allocated(error)) then
          call next_impact(int(side), dt, u_0, u_dot_0, u_1, u_dot_1, found, found_tau, error)
       end if
       c_next_impact = answer(merge(1, 0, found), error)
-      if (.not. allocated(error)) call put_time(found_tau, tau)
+      if (.not. allocated(error)) tau = found_tau
    end function c_next_impact
 
    !> `rwmf_next_lift_off`.
@@ -182,7 +178,7 @@ contains
       real(c_double), value :: push_1
       real(c_double), value :: u_g_ddot_0
       real(c_double), value :: u_g_ddot_1
-      type(c_ptr), value :: tau
+      real(c_double), intent(inout), optional :: tau
       type(wall_element_t), pointer :: element
       real(c_double) :: found_tau
       type(error_t), allocatable :: error
@@ -190,13 +186,13 @@ contains
 
       side = 0
       call element_of(handle, element, error)
-      call require_address(tau, 'time', error)
+      call require_argument(present(tau), 'time', error)
       if (.not. allocated(error)) then
          call next_lift_off(element, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, side, found_tau, &
             error)
       end if
       c_next_lift_off = answer(side, error)
-      if (.not. allocated(error)) call put_time(found_tau, tau)
+      if (.not. allocated(error)) tau = found_tau
    end function c_next_lift_off
 
    !> `rwmf_settles`.
@@ -228,16 +224,5 @@ contains
       answer = int(found, c_int)
       if (allocated(error)) answer = int(error%stat, c_int)
    end function answer
-
-   !> A time into the caller's place.
-   subroutine put_time(t, address)
-      real(c_double), intent(in) :: t
-      !! [s]
-      type(c_ptr), intent(in) :: address
-      real(c_double), pointer :: place
-
-      call c_f_pointer(address, place)
-      place = t
-   end subroutine put_time
 
 end module rwmf_bindings_c_element

@@ -1,60 +1,54 @@
-!> Addresses that a host in C hands over: NULL is refused, never followed.
+!> Arguments of a host in C that may be NULL: they are optional here, refused and never followed.
 !>
-!> `error` enters with what was refused before and stays that, so that all addresses of a call are
+!> `error` enters with what was refused before and stays that, so that all arguments of a call are
 !> checked one after the other.
 module rwmf_bindings_c_pointers
-   use, intrinsic :: iso_c_binding, only: c_associated, c_f_pointer, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_associated, c_null_ptr, c_ptr
    use rwmf_core_error, only: err_input, error_t, fail
    implicit none
    private
 
-   public :: require_address, require_empty, take_handle
+   public :: require_argument, require_empty, take_handle
 
 contains
 
-   !> Is there an address?
-   subroutine require_address(address, what, error)
-      type(c_ptr), intent(in) :: address
+   !> Refuse an argument that is NULL.
+   subroutine require_argument(is_there, what, error)
+      logical, intent(in) :: is_there
+      !! not NULL
       character(*), intent(in) :: what
-      !! lies there, for the message
+      !! the argument is, for the message
       type(error_t), allocatable, intent(inout) :: error
       !! `err_input` for NULL
 
-      if (allocated(error) .or. c_associated(address)) return
+      if (allocated(error) .or. is_there) return
       call fail(error, err_input, 'the address for the '//what//' is NULL')
-   end subroutine require_address
+   end subroutine require_argument
 
-   !> Is there a place for a new handle, and nothing in it that would be lost?
+   !> Refuse a place for a new handle that is NULL, or holds one that would be lost.
    subroutine require_empty(handle, what, error)
-      type(c_ptr), intent(in) :: handle
-      !! address of the caller's handle
+      type(c_ptr), intent(in), optional :: handle
       character(*), intent(in) :: what
       !! 'case', 'wall' or 'element'
       type(error_t), allocatable, intent(inout) :: error
       !! `err_input` for NULL and for a handle in use
-      type(c_ptr), pointer :: kept
 
-      call require_address(handle, 'handle', error)
+      call require_argument(present(handle), 'handle', error)
       if (allocated(error)) return
-      call c_f_pointer(handle, kept)
-      if (c_associated(kept)) then
+      if (c_associated(handle)) then
          call fail(error, err_input, 'the handle is not NULL: destroy its '//what//' first')
       end if
    end subroutine require_empty
 
-   !> What a handle that is to be destroyed stands for, and the handle becomes NULL; NULL when there
-   !> is neither.
+   !> Take the address out of a handle, which becomes NULL; NULL when there is neither.
    function take_handle(handle) result(address)
-      type(c_ptr), intent(in) :: handle
-      !! address of the caller's handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr) :: address
-      type(c_ptr), pointer :: kept
 
       address = c_null_ptr
-      if (.not. c_associated(handle)) return
-      call c_f_pointer(handle, kept)
-      address = kept
-      kept = c_null_ptr
+      if (.not. present(handle)) return
+      address = handle
+      handle = c_null_ptr
    end function take_handle
 
 end module rwmf_bindings_c_pointers

@@ -1,8 +1,9 @@
 !> C binding of the rows of a table, many runs of one case in one call: include/rwmf.h.
 module rwmf_bindings_c_rows
-   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_int32_t, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int32_t, &
+      c_ptr, c_size_t
    use rwmf_bindings_c_case, only: case_of, kept_case_t, name_file
-   use rwmf_bindings_c_pointers, only: require_address
+   use rwmf_bindings_c_pointers, only: require_argument
    use rwmf_bindings_c_strings, only: get_names, put_message
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_ranges, only: any_number, is_number, require_number
@@ -30,7 +31,7 @@ contains
    integer(c_int) function c_run_rows(handle, rows, threads, results, status, message, size) &
       bind(c, name='rwmf_run_rows')
       type(c_ptr), value :: handle
-      type(c_ptr), value :: rows
+      type(c_rows_t), intent(in), optional :: rows
       integer(c_int), value :: threads
       type(c_ptr), value :: results
       type(c_ptr), value :: status
@@ -44,9 +45,9 @@ contains
       type(error_t), allocatable :: error
 
       call case_of(handle, kept, error)
-      call require_address(rows, 'rows', error)
-      call require_address(results, 'results', error)
-      call require_address(status, 'status', error)
+      call require_argument(present(rows), 'rows', error)
+      call require_argument(c_associated(results), 'results', error)
+      call require_argument(c_associated(status), 'status', error)
       call take_table(rows, columns, values, quantities, error)
       if (.not. allocated(error)) then
          call compute_rows(kept%case, columns, values, quantities, int(threads), spectrum, error)
@@ -57,9 +58,8 @@ contains
    end function c_run_rows
 
    !> What the caller's table holds, unless something was refused before.
-   subroutine take_table(address, columns, values, quantities, error)
-      type(c_ptr), intent(in) :: address
-      !! of an `rwmf_rows`
+   subroutine take_table(rows, columns, values, quantities, error)
+      type(c_rows_t), intent(in), optional :: rows
       character(:), allocatable, intent(out) :: columns(:)
       !! (columns)
       real(c_double), pointer, contiguous, intent(out) :: values(:, :)
@@ -68,17 +68,15 @@ contains
       !! (quantities)
       type(error_t), allocatable, intent(inout) :: error
       !! NULL, sizes out of range, numbers that are none
-      type(c_rows_t), pointer :: rows
 
       nullify (values)
       if (allocated(error)) return
-      call c_f_pointer(address, rows)
       call require_size(rows%n_columns, 'columns', error)
       call require_size(rows%n, 'rows', error)
       call require_size(rows%n_quantities, 'quantities', error)
-      call require_address(rows%columns, 'columns', error)
-      call require_address(rows%values, 'values', error)
-      call require_address(rows%quantities, 'quantities', error)
+      call require_argument(c_associated(rows%columns), 'columns', error)
+      call require_argument(c_associated(rows%values), 'values', error)
+      call require_argument(c_associated(rows%quantities), 'quantities', error)
       call get_names(rows%columns, rows%n_columns, 'name of a column', columns, error)
       call get_names(rows%quantities, rows%n_quantities, 'key of a quantity', quantities, error)
       if (allocated(error)) return

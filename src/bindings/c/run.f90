@@ -1,10 +1,10 @@
 !> C binding of a whole simulation: include/rwmf.h.
 module rwmf_bindings_c_run
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_int, c_int32_t, &
-      c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
+   use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int32_t, c_int64_t, c_null_ptr, &
+      c_ptr, c_size_t
    use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, kept_case_t, name_file
-   use rwmf_bindings_c_pointers, only: require_address
+   use rwmf_bindings_c_pointers, only: require_argument
    use rwmf_bindings_c_strings, only: put_message, put_text
    use rwmf_core_error, only: error_t
    use rwmf_core_version, only: version
@@ -49,21 +49,21 @@ contains
    !> `rwmf_run`.
    integer(c_int) function c_run(namelist, result, message, size) bind(c, name='rwmf_run')
       type(c_ptr), value :: namelist
-      type(c_ptr), value :: result
+      type(c_result_t), intent(inout), optional :: result
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(c_ptr), target :: case
+      type(c_ptr) :: case
 
       case = c_null_ptr
-      c_run = c_read_case(namelist, c_null_ptr, c_loc(case), message, size)
+      c_run = c_read_case(namelist, c_null_ptr, case, message, size)
       if (c_run == 0) c_run = c_run_case(case, result, message, size)
-      call c_destroy_case(c_loc(case))
+      call c_destroy_case(case)
    end function c_run
 
    !> `rwmf_run_case`.
    integer(c_int) function c_run_case(handle, result, message, size) bind(c, name='rwmf_run_case')
       type(c_ptr), value :: handle
-      type(c_ptr), value :: result
+      type(c_result_t), intent(inout), optional :: result
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(result_t) :: found
@@ -77,19 +77,17 @@ contains
    integer(c_int) function c_run_case_ending(handle, result, ending, message, size) &
       bind(c, name='rwmf_run_case_ending')
       type(c_ptr), value :: handle
-      type(c_ptr), value :: result
-      type(c_ptr), value :: ending
+      type(c_result_t), intent(inout), optional :: result
+      type(c_ending_t), intent(inout), optional :: ending
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(c_ending_t), pointer :: place
       type(result_t) :: found
       type(error_t), allocatable :: error
 
-      call require_address(ending, 'ending', error)
+      call require_argument(present(ending), 'ending', error)
       call run_into(handle, result, found, error)
       if (.not. allocated(error)) then
-         call c_f_pointer(ending, place)
-         place = ending_of(found%t_end, found%overturned, allocated(found%t_collapse))
+         ending = ending_of(found%t_end, found%overturned, allocated(found%t_collapse))
       end if
       c_run_case_ending = put_message(error, message, size)
    end function c_run_case_ending
@@ -110,20 +108,18 @@ contains
    !> Run a case into the caller's result, unless something was refused before.
    subroutine run_into(handle, result, found, error)
       type(c_ptr), intent(in) :: handle
-      type(c_ptr), intent(in) :: result
+      type(c_result_t), intent(inout), optional :: result
       type(result_t), intent(out) :: found
       type(error_t), allocatable, intent(inout) :: error
       type(kept_case_t), pointer :: kept
-      type(c_result_t), pointer :: place
 
       call case_of(handle, kept, error)
-      call require_address(result, 'result', error)
+      call require_argument(present(result), 'result', error)
       if (allocated(error)) return
       call simulate(kept%case, found, error)
       call name_file(kept, error)
       if (allocated(error)) return
-      call c_f_pointer(result, place)
-      call fill_result(found, place)
+      call fill_result(found, result)
    end subroutine run_into
 
    subroutine fill_result(found, result)

@@ -6,7 +6,7 @@ module rwmf_bindings_c_stepping
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, &
       c_f_procpointer, c_funptr, c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr, c_size_t
    use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, kept_case_t, name_file
-   use rwmf_bindings_c_pointers, only: require_address, require_empty, take_handle
+   use rwmf_bindings_c_pointers, only: require_argument, require_empty, take_handle
    use rwmf_bindings_c_run, only: c_ending_t, ending_of
    use rwmf_bindings_c_strings, only: put_message
    use rwmf_core_error, only: err_input, error_t, fail
@@ -104,15 +104,15 @@ contains
       real(c_double), value :: t_begin
       !! [s]
       real(c_double), value :: peak
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(c_ptr), target :: case
+      type(c_ptr) :: case
 
       case = c_null_ptr
-      c_create = c_read_case(namelist, c_null_ptr, c_loc(case), message, size)
+      c_create = c_read_case(namelist, c_null_ptr, case, message, size)
       if (c_create == 0) c_create = c_create_from_case(case, t_begin, peak, handle, message, size)
-      call c_destroy_case(c_loc(case))
+      call c_destroy_case(case)
    end function c_create
 
    !> `rwmf_create_from_case`.
@@ -122,12 +122,11 @@ contains
       real(c_double), value :: t_begin
       !! [s]
       real(c_double), value :: peak
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(kept_case_t), pointer :: kept
       type(stepping_t), pointer :: wall
-      type(c_ptr), pointer :: place
       type(error_t), allocatable :: error
 
       call require_empty(handle, 'wall', error)
@@ -144,8 +143,7 @@ contains
          if (allocated(error)) then
             deallocate (wall)
          else
-            call c_f_pointer(handle, place)
-            place = c_loc(wall)
+            handle = c_loc(wall)
          end if
       end if
       c_create_from_case = put_message(error, message, size)
@@ -153,7 +151,7 @@ contains
 
    !> `rwmf_destroy`.
    subroutine c_destroy(handle) bind(c, name='rwmf_destroy')
-      type(c_ptr), value :: handle
+      type(c_ptr), intent(inout), optional :: handle
       type(c_ptr) :: address
       type(stepping_t), pointer :: wall
 
@@ -184,26 +182,22 @@ contains
       bind(c, name='rwmf_advance_samples')
       type(c_ptr), value :: handle
       integer(c_size_t), value :: n
-      type(c_ptr), value :: t
-      type(c_ptr), value :: a
+      real(c_double), intent(in), optional :: t(n)
+      !! [s]
+      real(c_double), intent(in), optional :: a(n)
+      !! [m/s2]
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      real(c_double), pointer :: times(:)
-      real(c_double), pointer :: accelerations(:)
       type(stepping_t) :: wall
       type(error_t), allocatable :: error
 
       wall = wall_of(handle)
-      call require_address(t, 'times', error)
-      call require_address(a, 'accelerations', error)
+      call require_argument(present(t), 'times', error)
+      call require_argument(present(a), 'accelerations', error)
       if (.not. allocated(error) .and. (n < 2 .or. n > huge(1))) then
          call fail(error, err_input, 'the number of samples must be >= 2 and < 2**31')
       end if
-      if (.not. allocated(error)) then
-         call c_f_pointer(t, times, [n])
-         call c_f_pointer(a, accelerations, [n])
-         call advance_stepping(wall, times, accelerations, error)
-      end if
+      if (.not. allocated(error)) call advance_stepping(wall, t, a, error)
       c_advance_samples = put_message(error, message, size)
    end function c_advance_samples
 
@@ -236,18 +230,16 @@ contains
    integer(c_int) function c_query_state(handle, state, message, size) &
       bind(c, name='rwmf_query_state')
       type(c_ptr), value :: handle
-      type(c_ptr), value :: state
+      type(c_state_t), intent(inout), optional :: state
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(c_state_t), pointer :: place
       type(wall_state_t) :: found
       type(error_t), allocatable :: error
 
-      call require_address(state, 'state', error)
+      call require_argument(present(state), 'state', error)
       if (.not. allocated(error)) call query_state(wall_of(handle), found, error)
       if (.not. allocated(error)) then
-         call c_f_pointer(state, place)
-         place = c_state_t(found%t, found%theta, found%theta_dot, found%theta_ddot, found%u_s, &
+         state = c_state_t(found%t, found%theta, found%theta_dot, found%theta_ddot, found%u_s, &
             found%u_s_dot, found%u_s_ddot, found%u_s_max, found%theta_max, found%impacts, &
             found%lift_offs, found%steps, merge(1_c_int32_t, 0_c_int32_t, found%at_rest), &
             merge(1_c_int32_t, 0_c_int32_t, found%overturned))
@@ -259,19 +251,15 @@ contains
    integer(c_int) function c_query_ending(handle, ending, message, size) &
       bind(c, name='rwmf_query_ending')
       type(c_ptr), value :: handle
-      type(c_ptr), value :: ending
+      type(c_ending_t), intent(inout), optional :: ending
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(c_ending_t), pointer :: place
       type(wall_state_t) :: found
       type(error_t), allocatable :: error
 
-      call require_address(ending, 'ending', error)
+      call require_argument(present(ending), 'ending', error)
       if (.not. allocated(error)) call query_state(wall_of(handle), found, error)
-      if (.not. allocated(error)) then
-         call c_f_pointer(ending, place)
-         place = ending_of(found%t, found%overturned, found%collapsed)
-      end if
+      if (.not. allocated(error)) ending = ending_of(found%t, found%overturned, found%collapsed)
       c_query_ending = put_message(error, message, size)
    end function c_query_ending
 
@@ -279,19 +267,15 @@ contains
    integer(c_int) function c_query_forces(handle, forces, message, size) &
       bind(c, name='rwmf_query_forces')
       type(c_ptr), value :: handle
-      type(c_ptr), value :: forces
+      type(c_forces_t), intent(inout), optional :: forces
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(c_forces_t), pointer :: place
       type(wall_forces_t) :: found
       type(error_t), allocatable :: error
 
-      call require_address(forces, 'forces', error)
+      call require_argument(present(forces), 'forces', error)
       if (.not. allocated(error)) call query_forces(wall_of(handle), found, error)
-      if (.not. allocated(error)) then
-         call c_f_pointer(forces, place)
-         place = c_forces_t(found%link, found%frame_shear, found%cable)
-      end if
+      if (.not. allocated(error)) forces = c_forces_t(found%link, found%frame_shear, found%cable)
       c_query_forces = put_message(error, message, size)
    end function c_query_forces
 
@@ -301,24 +285,22 @@ contains
       type(c_ptr), value :: handle
       integer(c_size_t), value :: capacity
       type(c_ptr), value :: events
-      type(c_ptr), value :: count
+      integer(c_size_t), intent(inout), optional :: count
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(c_event_t), pointer :: places(:)
-      integer(c_size_t), pointer :: number
       type(event_t), allocatable :: found(:)
       type(error_t), allocatable :: error
       integer(c_size_t) :: i
 
-      call require_address(count, 'count', error)
+      call require_argument(present(count), 'count', error)
       ! a host that only counts has no room for any
-      if (capacity /= 0) call require_address(events, 'events', error)
+      if (capacity /= 0) call require_argument(c_associated(events), 'events', error)
       if (.not. allocated(error)) call query_events(wall_of(handle), found, error)
       if (.not. allocated(error)) then
-         call c_f_pointer(count, number)
-         number = ubound(found, 1, c_size_t)
+         count = ubound(found, 1, c_size_t)
          ! size_t beyond the largest integer of Fortran is negative, and more than there are events
-         call c_f_pointer(events, places, [merge(number, min(capacity, number), capacity < 0)])
+         call c_f_pointer(events, places, [merge(count, min(capacity, count), capacity < 0)])
          do i = 1, ubound(places, 1, c_size_t)
             places(i) = c_event_t(found(i)%t, found(i)%theta, found(i)%theta_dot, &
                int(found(i)%kind, c_int32_t))
@@ -330,24 +312,22 @@ contains
    !> `rwmf_save`.
    integer(c_int) function c_save(handle, snapshot, message, size) bind(c, name='rwmf_save')
       type(c_ptr), value :: handle
-      type(c_ptr), value :: snapshot
+      type(c_ptr), intent(inout), optional :: snapshot
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(stepping_t) :: wall
-      type(c_ptr), pointer :: place
       type(snapshot_t), pointer :: kept
       type(error_t), allocatable :: error
 
       wall = wall_of(handle)
       call require(wall, error)
-      call require_address(snapshot, 'snapshot', error)
+      call require_argument(present(snapshot), 'snapshot', error)
       if (.not. allocated(error)) then
-         call c_f_pointer(snapshot, place)
-         if (.not. c_associated(place)) then
+         if (.not. c_associated(snapshot)) then
             allocate (kept)
-            place = c_loc(kept)
+            snapshot = c_loc(kept)
          end if
-         call c_f_pointer(place, kept)
+         call c_f_pointer(snapshot, kept)
          call save_stepping(wall, kept, error)
       end if
       c_save = put_message(error, message, size)
@@ -375,7 +355,7 @@ contains
 
    !> `rwmf_destroy_snapshot`.
    subroutine c_destroy_snapshot(snapshot) bind(c, name='rwmf_destroy_snapshot')
-      type(c_ptr), value :: snapshot
+      type(c_ptr), intent(inout), optional :: snapshot
       type(c_ptr) :: address
       type(snapshot_t), pointer :: kept
 

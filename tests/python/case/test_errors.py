@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from pathlib import Path
 
 import pytest
 import rwmf
-from checkout import Runner
+from checkout import ROOT, Runner
+
+sys.path.append(str(ROOT / "tools"))
+
+from bitwise.scenes import Scene, read_scenes
 
 BASE = """&wall
    h = 2.0
@@ -122,6 +127,10 @@ DAMAGED: dict[str, tuple[bytes, str]] = {
 }
 
 
+# One case for each further rule: its heading is `NAME -> WHAT THE MESSAGE NAMES, ...`.
+REFUSED = read_scenes(ROOT / "tests" / "reference" / "refused_cases.txt")
+
+
 def _both(path: Path, batch: Runner, expected: str) -> str:
     """Message of Python, after a comparison with the batch program's."""
     before = sorted(path.parent.iterdir())
@@ -145,6 +154,16 @@ def test_wrong_case(name: str, tmp_path: Path, batch: Runner) -> None:
     path = tmp_path / "wrong.nml"
     path.write_text(BASE.replace(old, new), encoding="utf-8")
     _both(path, batch, expected)
+
+
+@pytest.mark.parametrize("scene", REFUSED, ids=lambda scene: scene.name.split(" -> ")[0])
+def test_refused_case(
+    scene: Scene, tmp_path: Path, batch: Runner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    message = _both(tmp_path / scene.put(), batch, "")
+    named = scene.name.split(" -> ")[1].split(", ")
+    assert not [word for word in named if word not in message], message
 
 
 @pytest.mark.parametrize("name", list(DAMAGED))

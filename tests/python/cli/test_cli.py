@@ -78,6 +78,31 @@ def test_usage_errors(command: Runner, words: list[str]) -> None:
     assert "usage: rwmf" in found.stderr
 
 
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        ([], 2, "no case is given"),
+        (["--help"], 0, "usage: rwmf-batch"),
+        (["--fast", "x.nml"], 2, "allowed: --out DIR, --part K/N"),
+        (["--out"], 2, "--out"),
+        (["--out", "nowhere", "x.nml"], 2, "nowhere"),
+        (["--part", "3/2", "x.nml"], 2, "--part"),
+        (["--part"], 2, "--part"),
+        (["--out", ".", "a/x.nml", "b/x.nml"], 2, "b/x.nml: writes to the same names as a/x.nml"),
+    ],
+)
+def test_words_of_the_batch_program(
+    batch: Runner, words: list[str], status: int, said: str, case_file: Path, tmp_path: Path
+) -> None:
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "x.nml").write_bytes(case_file.read_bytes())
+    found = batch(*words)
+    assert found.returncode == status
+    assert said in " ".join((found.stdout + found.stderr).split())
+    assert not [*tmp_path.rglob("*.csv")]
+
+
 def test_run_json(command: Runner, case_file: Path) -> None:
     found = command("run", case_file, "--json")
     assert found.returncode == 0

@@ -170,12 +170,12 @@ whole = open("whole.nc", "rb").read()
 refused = 0
 for size in [*range(0, len(whole), 6000), len(whole) - 1, len(whole)]:
     # the journal is not what is looked at
-    from rwmf._sweep import netcdf, plan, run
-    found = plan.make_plan(case, grid, (), ("u_s_max",), 0)
-    chunks = {c.number: c for c in run._Work(found, 0, None, None, (1, 1)).run(set())}
+    from rwmf._sweep import computation, netcdf, plan
+    found = plan.make_plan(plan.Request(case, grid, quantities=("u_s_max",)))
+    chunks = {c.number: c for c in computation._Work(found, 0, None, None, (1, 1)).run(set())}
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
     try:
-        netcdf.write(found.layout, chunks.__getitem__, run.Path("out.nc"))
+        netcdf.write(found.layout, chunks.__getitem__, computation.Path("out.nc"))
     except rwmf.OutputError as error:
         assert "File too large" in str(error), error
         refused += 1

@@ -16,10 +16,10 @@ pytest.importorskip("matplotlib")
 from matplotlib.axes import Axes
 from PIL import Image, ImageSequence
 from rwmf import cli
-from rwmf.plotting import files as figures
+from rwmf.plotting import image_files as figures
 from rwmf.plotting.animation import animate, corners
 from rwmf.plotting.building import BuildingLines, find_building
-from rwmf.plotting.files import save_history
+from rwmf.plotting.image_files import save_history
 from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, new_figure
 

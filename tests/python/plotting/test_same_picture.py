@@ -22,7 +22,7 @@ from rwmf._explore.model import Model
 from rwmf._explore.questions import given, read
 from rwmf.plotting.animation import _stage
 from rwmf.plotting.building import find_building
-from rwmf.plotting.files import save_history
+from rwmf.plotting.image_files import save_history
 from rwmf.plotting.style import new_figure
 from rwmf.quantities import find
 

@@ -359,7 +359,7 @@ class TestFiles:
         with pytest.raises(rwmf.Interrupted, match="chunks are kept"):
             self._sweep(path, progress=interrupt, threads=1)
         journal = tmp_path / "a.nc.journal"
-        with pytest.raises(InputError, match=r"(?s)another sweep.*-points \(SHA-256"):
+        with pytest.raises(InputError, match=r"(?s)another sweep.*-columns \(SHA-256"):
             other = _design(30) | {"formulation": np.array(["published", "exact", "exact"] * 10)}
             del other["e"]
             self._sweep(path, other)

@@ -34,6 +34,7 @@ program test_effects
    call check_energy(with_inerter(0.5_wp), 'corner inerters')
    call check_jacobian(shaken_vertically(0.65_wp), 'vertical motion')
    call check_energy(shaken_vertically(0.65_wp), 'vertical motion')
+   if (checks%wants('absent')) call check_absent()
    if (checks%wants('no_inerter')) call check_no_inerter()
    if (checks%wants('host')) call check_host()
    if (checks%wants('merged_times')) call check_merged_times()
@@ -92,6 +93,26 @@ contains
       allocate (case%vertical)
       case%vertical%ratio = ratio
    end function shaken_vertically
+
+   !> A group that is absent from a case adds no loop, state or coefficient to its equation.
+   subroutine check_absent()
+      type(case_t) :: case
+      type(motion_t), target :: motion
+      type(equation_t) :: with
+      type(equation_t) :: without
+
+      case = damped(2.0_wp)
+      motion = motion_from_case(case)
+      call build_equation(case, motion, with)
+      deallocate (case%damper)
+      call build_equation(case, motion, without)
+      call checks%that(.not. allocated(without%effects), 'no further effect')
+      call checks%that(size(with%effects) == 1, 'the damper alone')
+      call checks%that(size(with%scene%terms) == size(without%scene%terms) + 1, 'one loop more')
+      call checks%that(with%scene%n == without%scene%n, 'no state more')
+      call checks%that(with%scene%n_coef == without%scene%n_coef + with%effects(1)%n_coef, &
+         'the coefficients of the damper alone')
+   end subroutine check_absent
 
    !> A host that advances a wall under the case's own motion gets the bits of one run, also with
    !> losses by a table; it hands over the horizontal motion, which a record of its own does not

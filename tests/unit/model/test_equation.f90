@@ -8,7 +8,7 @@ program test_equation
    use rwmf_model_jacobian, only: jacobian
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_published, only: coefficients_a, coefficients_b
+   use published, only: coefficients_a, coefficients_b
    use rwmf_motion_ground_motion, only: acceleration, interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use scenes, only: block_scene, rwmf_scene

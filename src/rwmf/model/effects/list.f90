@@ -22,7 +22,7 @@ module rwmf_model_effects_list
    implicit none
    private
 
-   public :: all_effects, has_effects, prepare_effect
+   public :: all_effects, prepare_effect
 
 contains
 
@@ -77,18 +77,5 @@ contains
          ! a base, a rule of impacts, a law of the cable: nothing beyond wall and cable
       end select
    end subroutine prepare_effect
-
-   !> Does the case call for any effect of the list?
-   logical function has_effects(case)
-      type(case_t), intent(in) :: case
-      type(case_group_t), allocatable :: effects(:)
-      integer :: i
-
-      effects = all_effects()
-      has_effects = .false.
-      do i = 1, size(effects)
-         has_effects = has_effects .or. effects(i)%is_present(case)
-      end do
-   end function has_effects
 
 end module rwmf_model_effects_list

@@ -1,7 +1,4 @@
-"""The reference of outputs in the documentation, made from the kernel's table of quantities.
-
-``python -m rwmf.output_reference > docs/reference/outputs.md`` makes the page.
-"""
+"""The reference of outputs in the documentation, made from the kernel's table of quantities."""
 
 from __future__ import annotations
 
@@ -10,7 +7,7 @@ from rwmf.quantities import QUANTITIES, Quantity
 _INTRODUCTION = """\
 # Outputs
 
-Made by `python -m rwmf.output_reference` from the one table that also orders and labels them
+Made by `tools/docs --made` from the one table that also orders and labels them
 (`src/rwmf/simulation/quantities.f90`).
 
 A **key** stands in CSV and JSON and ends with its unit; `over_...` says what a number is divided
@@ -102,7 +99,3 @@ def _row(item: Quantity, output: str) -> str:
         f"| `{item.key}` | {name} | {item.kind} | {item.unit} | {item.meaning} | {found} "
         f"| {present} |"
     )
-
-
-if __name__ == "__main__":
-    print(make(), end="")

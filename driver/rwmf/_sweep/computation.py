@@ -11,16 +11,15 @@ from typing import TypedDict
 
 import xarray as xr
 
-from rwmf._arguments import case_of, checked, path_of
+from rwmf._arguments import checked, path_of
 from rwmf._files import files
 from rwmf._sweep import netcdf
 from rwmf._sweep.chunk_store import ChunkStore, read_layout
 from rwmf._sweep.executors import count_threads, run_in_threads, run_on
-from rwmf._sweep.intensity import Intensity, choose_intensity, scale_to_one_g
+from rwmf._sweep.kept_quantities import QUANTITIES
 from rwmf._sweep.layout import Layout, difference
-from rwmf._sweep.plan import Plan, make_plan, varied_keys
-from rwmf._sweep.points import Points, point_axis
-from rwmf._sweep.quantities import QUANTITIES
+from rwmf._sweep.plan import Plan, Request, make_plan
+from rwmf._sweep.points import Points
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf._sweep.task import Chunk
 from rwmf.case import CaseLike, Motion
@@ -152,43 +151,15 @@ def sweep(
     Interrupted
         After Ctrl-C.
     """
-    case = case_of(case)
-    found: Sequence[RecordFile] = find_records(records, unit=unit, dt=dt) if len(records) else ()
-    measure: Intensity | None = None
-    if intensity is not None:
-        if not found:
-            raise InputError(f"intensity = {intensity!r}: needs records, which it scales")
-        # the records of a table must be those that are scaled: a second reading finds them
-        table = None if points is None else point_axis(points, found, unit, dt)
-        varied = varied_keys(case, grid or {}, table)
-        measure = choose_intensity(case, intensity, period, damping, varied)
-        found = scale_to_one_g(case, found, measure)
-    elif period is not None or damping is not None:
-        raise InputError("period and damping: belong to intensity, which is not given")
-    table = None if points is None else point_axis(points, found, unit, dt)
-    named = () if table is None else [scene.record for scene in table.scenes if scene.record]
-    if intensity is not None and any(record not in found for record in named):
-        raise InputError(f"intensity = {intensity!r}: the records of points must be in records")
-    plan = make_plan(
-        case,
-        grid or {},
-        # what the points name is no axis of its own
-        () if named else found,
-        None if quantities is None else tuple(quantities),
-        chunk,
-        table,
-        measure,
+    request = Request(
+        case, grid, records, points, quantities, chunk, unit, dt, intensity, period, damping
     )
-    work = _Work(plan, threads, executor, progress, part)
-    if file is None:
-        _check_part(part, in_memory=True)
-        chunks = {chunk.number: chunk for chunk in work.run(set())}
-        return _to_dataset(plan.layout, chunks.__getitem__)
-    inputs: list[str | os.PathLike[str]] = [*case.inputs]
-    inputs += [record.path for record in (*found, *named) if record.path]
-    if isinstance(points, str | os.PathLike):
-        inputs.append(points)
-    return _sweep_to_file(work, Path(file), inputs, restart)
+    work = _Work(make_plan(request), threads, executor, progress, part)
+    if file is not None:
+        return _sweep_to_file(work, Path(file), restart)
+    _check_part(part, in_memory=True)
+    chunks = {chunk.number: chunk for chunk in work.run(set())}
+    return _to_dataset(work.plan.layout, chunks.__getitem__)
 
 
 class _Work:
@@ -235,12 +206,10 @@ class _Work:
             tell()
 
 
-def _sweep_to_file(
-    work: _Work, path: Path, inputs: Sequence[str | os.PathLike[str]], restart: bool
-) -> xr.Dataset:
+def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
     netcdf.check_package()
     store_path = path_of_store(path, work.part)
-    files.check_outputs([path, store_path], inputs)
+    files.check_outputs([path, store_path], work.plan.inputs)
     if not files.is_regular_or_new(path):
         raise InputError(f"{path}: a sweep is read again, it needs a regular file")
     layout = work.plan.layout

@@ -1,7 +1,4 @@
-"""The namelist reference of the documentation, made from the kernel's table of keys.
-
-``python -m rwmf.key_reference > docs/reference/namelist.md`` makes the page.
-"""
+"""The namelist reference of the documentation, made from the kernel's table of keys."""
 
 from __future__ import annotations
 
@@ -12,7 +9,7 @@ from rwmf import _library
 _INTRODUCTION = """\
 # Namelist reference
 
-Made by `python -m rwmf.key_reference` from the one table that also validates a case
+Made by `tools/docs --made` from the one table that also validates a case
 (`src/rwmf/input/schema.f90`).
 
 One group, one effect: a group that is absent is an effect that is not simulated. Names of groups
@@ -33,7 +30,7 @@ def make() -> str:
         One table for each group, in the order of the kernel's table.
     """
     parts = [_INTRODUCTION]
-    for group, keys in groupby(_library.schema(), key=lambda row: row[0]):
+    for group, keys in groupby(_library.schema(), key=lambda row: row.group):
         parts.append(
             f"\n## `&{group}`\n\n| key | type | unit | default | allowed | usual | meaning |"
         )
@@ -42,12 +39,8 @@ def make() -> str:
     return "\n".join(parts) + "\n"
 
 
-def _row(key: list[str]) -> str:
-    _, name, kind, unit, default, allowed, meaning, usual = key
+def _row(row: _library.KeyRow) -> str:
+    _, name, kind, unit, default, allowed, meaning, usual = row
     if kind == "choice":
         allowed = ", ".join(f"'{word}'" for word in allowed.split())
     return f"| `{name}` | {kind} | {unit} | {default} | {allowed} | {usual} | {meaning} |"
-
-
-if __name__ == "__main__":
-    print(make(), end="")

@@ -1,12 +1,12 @@
-!> The coefficients A_i and B_i of Eq. (15), in the paper's letters: the measure of what the
-!> loops over lanes add up to (tests/unit/model/test_equation.f90).
+!> The coefficients A_i and B_i of Eq. (15), in the paper's letters, to compare with the sum of the
+!> loops over lanes (tests/unit/model/test_equation.f90).
 !>
 !>    theta'' = A_1 theta'**2 + A_2 theta' + A_3 u_g'' + A_4   for theta < 0   (15a)
 !>    theta'' = B_1 theta'**2 + B_2 theta' + B_3 u_g'' + B_4   for theta > 0   (15b)
 !>
 !> Differences of sines are written in another but equal form, because the printed one loses all
 !> digits of a small rotation: sin(alpha) - sin(alpha - phi), with phi = |theta|, in b_5 and a_7.
-module rwmf_model_published
+module published
    use rwmf_core_kinds, only: wp
    use rwmf_model_parameters, only: parameters_t
    implicit none
@@ -99,4 +99,4 @@ contains
       cosine = 1 - 2*half_sine**2
    end subroutine half_angle_kinematics
 
-end module rwmf_model_published
+end module published
