@@ -48,7 +48,6 @@ contains
       equation%has_cable = allocated(case%cable)
       equation%motion => motion
       equation%p = parameters_of(case)
-      equation%sin_alpha = sin(equation%p%alpha)
       equation%state%frame_slope = equation%p%omega_squared
       equation%has_impacts = .false.
       allocate (equation%scene%terms(0))
@@ -90,7 +89,7 @@ contains
       equation%geometry = geometry_of(equation%p%alpha, case%model%formulation, &
          equation%has_impacts, link)
       if (.not. equation%has_impacts) equation%inertia = (4*equation%p%cos_alpha**2 &
-         + equation%sin_alpha**2)/3
+         + equation%p%sin_alpha**2)/3
       equation%scene%has_wall = .true.
       equation%scene%n_coef = first_wall + wall_coefficients - 1
    end subroutine add_wall

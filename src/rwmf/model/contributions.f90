@@ -61,7 +61,6 @@ contains
       associate (added => equation%effects(n + 1))
          if (effect%reads == 0) added%first = equation%scene%n + 1
          added%coef = equation%scene%n_coef + 1
-         equation%has_corner_at_turn = equation%has_corner_at_turn .or. added%has_corner_at_turn
          equation%state%ends_at_peak = equation%state%ends_at_peak .or. added%has_corner_at_turn
          if (added%has_corner_at_turn) equation%creep = slow*equation%p%alpha*sqrt( &
             equation%p%g_over_R)

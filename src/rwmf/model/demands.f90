@@ -268,7 +268,7 @@ contains
       real(wp) :: h, b, arm, sine, cosine, height, push
 
       h = equation%p%R*equation%p%cos_alpha
-      b = equation%p%R*equation%sin_alpha
+      b = equation%p%R*equation%p%sin_alpha
       ! from the axis to the pivot
       arm = equation%state%side*equation%p%R*equation%geometry%sine_wall
       sine = sin(y(1))

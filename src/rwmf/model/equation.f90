@@ -214,8 +214,6 @@ module rwmf_model_equation
    type :: model_t
       type(parameters_t) :: p
       !! parameters in the paper's letters; those of absent effects are zero
-      real(wp) :: sin_alpha
-      !! of the slenderness [-]
       real(wp) :: threshold
       !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
       real(wp) :: weight_share = 0
@@ -231,11 +229,9 @@ module rwmf_model_equation
       !! of the frame
       logical :: has_loading_direction = .false.
       !! rates depend on the sign of theta'
-      logical :: has_corner_at_turn = .false.
-      !! an effect has a law with a corner where theta' is zero
       real(wp) :: creep = 0
-      !! velocity below which a wall on its base counts as resting: a steep law holds it up to that
-      !! velocity, at which it would lift off by creeping [rad/s]
+      !! velocity below which a wall on its base counts as resting; 0 unless an effect has a law with
+      !! a corner at theta' = 0, which may hold it up to that velocity [rad/s]
       logical :: moves_at_rest = .false.
       !! further states move while the wall rests
       logical :: has_wall
@@ -518,7 +514,7 @@ contains
 
       which = equation%state%side
       if (present(side)) which = side
-      call equation%cable_law(equation%cable, equation%state%tendon, equation%sin_alpha, &
+      call equation%cable_law(equation%cable, equation%state%tendon, equation%p%sin_alpha, &
          which*theta, which, cable)
    end function cable_at
 

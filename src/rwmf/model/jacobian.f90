@@ -107,7 +107,7 @@ contains
       step(1) = h
       by_theta = (second_derivative(equation, t, y + step) &
          - second_derivative(equation, t, y - step))/(2*h)
-      if (equation%has_corner_at_turn) h = h*max(abs(y(2)), slowest)
+      if (equation%creep > 0) h = h*max(abs(y(2)), slowest)
       step = 0
       step(2) = h
       by_theta_dot = (second_derivative(equation, t, y + step) &

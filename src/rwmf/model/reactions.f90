@@ -194,7 +194,7 @@ contains
       if (.not. equation%has_cable) return
       run = [sin(theta), cos(theta)]
       if (equation%cable%is_straight) then
-         associate (s => equation%sin_alpha, c => equation%p%cos_alpha)
+         associate (s => equation%p%sin_alpha, c => equation%p%cos_alpha)
             run = [equation%state%side*2*s*sin(theta/2)**2 + 2*c*sin(theta), &
                s*equation%state%side*sin(theta) + 2*c*cos(theta)]
          end associate
@@ -230,7 +230,7 @@ contains
 
       drift = sin(theta)
       if (equation%has_impacts) then
-         drift = drift + sign(sin(theta/2)**2, theta)*equation%sin_alpha/equation%p%cos_alpha
+         drift = drift + sign(sin(theta/2)**2, theta)*equation%p%sin_alpha/equation%p%cos_alpha
       end if
    end function wall_drift
 

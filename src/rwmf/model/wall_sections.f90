@@ -158,7 +158,7 @@ contains
       real(wp) :: cable(2)
 
       loads%h = equation%p%R*equation%p%cos_alpha
-      loads%b = equation%p%R*equation%sin_alpha
+      loads%b = equation%p%R*equation%p%sin_alpha
       loads%turn = y_ddot
       loads%sine = sin(y(1))
       loads%cosine = cos(y(1))

@@ -288,7 +288,7 @@ contains
       real(wp) :: x(2)
 
       x = 0
-      if (equation%has_impacts) x(1) = equation%state%side*equation%p%R*equation%sin_alpha
+      if (equation%has_impacts) x(1) = equation%state%side*equation%p%R*equation%p%sin_alpha
    end function pivot
 
    !> Left top corner; of `symmetric` the one opposite to the pivot; of a hinged wall the middle.
@@ -318,7 +318,7 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp) :: x(2)
 
-      x = place(equation, y(1), -equation%p%R*[equation%state%side*equation%sin_alpha, &
+      x = place(equation, y(1), -equation%p%R*[equation%state%side*equation%p%sin_alpha, &
          equation%p%cos_alpha])
    end function lifting_corner
 
@@ -338,7 +338,7 @@ contains
       ! u_s(theta) once more from the geometry, its derivative by a complex step
       phi = equation%state%side*y(1)
       w = cmplx(phi, step, wp)
-      associate (s => equation%sin_alpha, c => equation%p%cos_alpha, L => equation%geometry%link)
+      associate (s => equation%p%sin_alpha, c => equation%p%cos_alpha, L => equation%geometry%link)
          rise = 2*(c*cos(w) + s*sin(w) - c)
          if (.not. equation%has_impacts) then
             w = cmplx(y(1), step, wp)

@@ -76,8 +76,8 @@ contains
       call checks%that(abs(virgin_displacement(0.0_wp, 3.0_wp)) <= 0, 'nothing')
    end subroutine check_closed_forms
 
-   !> A force that hardening has turned against z goes by loading on: 1 - z decays with exp(-way) for
-   !> n = 1, z = tanh(atanh(z_0) + way) for n = 2, and z = 1 to round-off stays what it is.
+   !> A force that hardening has turned against z goes by loading on: 1 - z decays with exp(-way)
+   !> for n = 1, z = tanh(atanh(z_0) + way) for n = 2, and z = 1 to round-off stays that.
    subroutine check_loading_on()
       real(wp), parameter :: x(3) = [-9.5_wp, -15.0_wp, -400.0_wp]
       real(wp), parameter :: left(5) = [0.4_wp, 1.0e-3_wp, 1.0e-9_wp, 4.0e-16_wp, 0.0_wp]

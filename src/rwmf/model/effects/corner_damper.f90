@@ -69,7 +69,7 @@ contains
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef(1) = effect%constants(1)*(2*model%sin_alpha)**2
+      coef(1) = effect%constants(1)*(2*model%p%sin_alpha)**2
    end subroutine damper_coefficients
 
 end module rwmf_model_effects_corner_damper

@@ -71,7 +71,7 @@ contains
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef(1) = effect%constants(1)*(2*model%sin_alpha)**2
+      coef(1) = effect%constants(1)*(2*model%p%sin_alpha)**2
    end subroutine inerter_coefficients
 
    !> Kinetic energy of the inerter [J/kg].
@@ -80,7 +80,7 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
 
-      energy = equation%p%R**2*(effect%constants(1)*(2*equation%sin_alpha*cos(y(1)/2))**2)*y(2)**2/2
+      energy = equation%p%R**2*(effect%constants(1)*(2*equation%p%sin_alpha*cos(y(1)/2))**2)*y(2)**2/2
    end function inerter_energy
 
 end module rwmf_model_effects_corner_inerter

@@ -127,8 +127,8 @@ contains
          other = n
          n = n - 1
       end if
-      coef(:2) = 2*model%sin_alpha*[state%springs(n)%offset/model%p%R, &
-         4*model%sin_alpha*state%springs(n)%slope]
+      coef(:2) = 2*model%p%sin_alpha*[state%springs(n)%offset/model%p%R, &
+         4*model%p%sin_alpha*state%springs(n)%slope]
       coef(3) = state%springs(other)%offset
    end subroutine fuse_coefficients
 

@@ -28,7 +28,7 @@ contains
       group%reasons(1) = 'dampers work under its corners'
       group%keys = [ &
          with_si('N', usually('[1e-4, 10]', required('nl_damper', 'eta_1', 'real', '-', &
-            not_negative, 'force of the damper under each corner of the base at 1 m/s over m_w g'))), &
+            not_negative, 'force at 1 m/s of the damper under each corner over m_w g'))), &
          usually('[1e3, 1e8]', dimensional('nl_damper', 'F_1', 'real', 'N', 'eta_1', '', &
             'or that force', not_negative)), &
          required('nl_damper', 'exponent', 'real', '-', '[0.15, 2]', &
@@ -77,7 +77,7 @@ contains
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      coef = [2*model%p%R*model%sin_alpha, effect%constants(1)*2*model%sin_alpha/model%p%R, &
+      coef = [2*model%p%R*model%p%sin_alpha, effect%constants(1)*2*model%p%sin_alpha/model%p%R, &
          effect%constants(2)]
    end subroutine nl_damper_coefficients
 

@@ -4,8 +4,8 @@
 !> With x = u/u_y, and z >= 0 counted from where it is zero, dx = dz/(1 - c z**n); c = 1 while |z|
 !> grows, 1 - 2 beta <= 0 while it falls. With z = 1 - exp(-w) the way is the integral of
 !> h(w) = exp(-w)/(1 - c (1 - exp(-w))**n), which is bounded, for c = 1 by 1/n <= h <= 1, and smooth
-!> but for w = 0: tanh-sinh quadrature gives all digits. From some w on z is 1 to round-off: h is then
-!> 1/n, or zero while |z| falls.
+!> but for w = 0: tanh-sinh quadrature gives all digits. From some w on z is 1 to round-off: h is
+!> then 1/n, or zero while |z| falls.
 module rwmf_model_hysteresis_bouc_wen_backbone
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow

@@ -315,7 +315,7 @@ contains
       integer :: i
 
       window%is_known = .true.
-      window%ends_at_peak = model%has_loading_direction .or. model%has_corner_at_turn
+      window%ends_at_peak = model%has_loading_direction .or. model%creep > 0
       if (model%cable%is_tendon) call narrow_window(model, state%side, 0, model%cable%tendon, &
          state%tendon, window)
       do i = 1, size(model%springs)
@@ -361,7 +361,7 @@ contains
       else if (model%springs(number)%place == place_frame) then
          x = frame_displacement(model, side, side*phi)
       else
-         x = 4*model%p%R*model%sin_alpha*sin(phi/2)
+         x = 4*model%p%R*model%p%sin_alpha*sin(phi/2)
       end if
    end function elongation_of
 
@@ -419,12 +419,12 @@ contains
          if (number == 0) then
             if (.not. model%cable%is_straight) angle = x/model%cable%b
          else if (model%springs(number)%place /= place_frame) then
-            angle = 2*asin(x/(4*R*model%sin_alpha))
+            angle = 2*asin(x/(4*R*model%p%sin_alpha))
          else if (.not. shape%link > 0) then
             away = side*x/(2*R)
             if (shape%sine_link(side) > 0) then
                ! as a difference of sines that keeps all digits of a small rotation
-               associate (s => model%sin_alpha, c => model%p%cos_alpha)
+               associate (s => model%p%sin_alpha, c => model%p%cos_alpha)
                   cosine = sqrt(c**2 + away*(2*s - away))
                   angle = atan2(s*(away*(2*s - away)/(cosine + c)) + c*away, c*cosine &
                      + s*(s - away))

@@ -88,7 +88,7 @@ contains
       integer, intent(in) :: i
       !! number of the drift
       integer, intent(in) :: side
-      !! 1: its limit is -1; -1: its limit is 1
+      !! sign of the difference to the limit
 
       watch = watch_t(i, 0, level=-real(side, wp), side=real(side, wp))
    end function watch_of

@@ -122,8 +122,8 @@ contains
    !> Let the loops over lanes follow the branches of storeys.
    !>
    !> Where the floors below the roof have states, the wall bears the uppermost storey alone, and a
-   !> smooth one by its state: what follows for lift-off then stays known. To find it anew after each
-   !> branch takes the cube of the number of storeys.
+   !> smooth one by its state: what follows for lift-off then stays known. To find it anew after
+   !> each branch takes the cube of the number of storeys.
    pure subroutine renew_storeys(model, state, highest)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
