@@ -4,9 +4,9 @@
 
 The scenes are the numbered ones of tests/support/alone.py, of every family of combinations. Each
 quantity that a scene has is requested by itself and among all: as rows in lanes and of single runs,
-as ordinates (`fast` and general lanes), and for every twelfth pair of scenes in a sweep, by a host
+as ordinates (`auto` and `dop853`), and for every twelfth pair of scenes in a sweep, by a host
 in C and by rwmf-batch; runs keep nothing, a history, energies or reactions alone. The bits have to
-be the same; an ordinate of method `fast` has to agree with the general kernel to 100 rtol. Every
+be the same; a peak requested by itself, without chatter, has to agree to 100 rtol. Every
 difference is listed; the standard error stream shows the progress.
 """
 

@@ -72,7 +72,7 @@ def _print_costs(n: int) -> None:
     print(f"| {n} rows: columns beside T_s | row, us | ordinate of a grid, us | ratio |")
     print("|---|---|---|---|")
     for name, groups, spread, keys in SCENES:
-        scene = case(read_record(RECORD), "fast", 1e-7).replace(
+        scene = case(read_record(RECORD), "auto", 1e-7).replace(
             model={"formulation": "symmetric"}, frame={"gamma": 5.0}, **groups
         )
         base = {"gamma": "frame.gamma", "b": "wall.b"}

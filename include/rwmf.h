@@ -162,8 +162,8 @@ typedef struct {
  * rows->n*n_quantities numbers, row after row: quantity k of row i is results[i*n_quantities + k], NaN
  * where it does not apply; counts, yes (1) and no (0) are numbers, too. `status` has room for rows->n
  * of RWMF_ROW_. A row that cannot be run is no failure of the call: the others go on. No bit of a row
- * depends on the other rows or on `threads`; it has those of `rwmf_run_case` by every method but 'fast',
- * which 'auto' means here. */
+ * depends on the other rows or on `threads`; it has those of `rwmf_run_case` by every method but 'auto',
+ * which takes the pair for its tolerance here. */
 int rwmf_run_rows(const rwmf_case *scene, const rwmf_rows *rows, int threads, double *results,
                   int32_t *status, char *message, size_t size);
 

@@ -52,7 +52,7 @@ module rwmf
    use rwmf_core_error, only: err_input, err_interrupt, err_numerical, error_t
    ! kinds of the real and integer components
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_spectrum_fast_simd_dispatch, only: instruction_set
+   use rwmf_integrator_lane_kernels, only: instruction_set
    use rwmf_core_version, only: version
    implicit none
    private

@@ -30,7 +30,7 @@ def spectra(rows: Sequence[Row], dependence: dict[str, Any], path: Path) -> None
     rows : sequence of Row
         All programs.
     dependence : dict
-        'tolerances' (rows of `fast`), and lists of points of 'ordinates', 'seconds of motion' and
+        'tolerances' (rows of `auto`), and lists of points of 'ordinates', 'seconds of motion' and
         'threads'.
     path : Path
         File to write.
@@ -45,7 +45,7 @@ def spectra(rows: Sequence[Row], dependence: dict[str, Any], path: Path) -> None
             x, y = np.array(dependence[what]).T
             axes.loglog(x, 1e6 * y, "o-", color=COLOURS[0])
             axes.set_xlabel("seconds of motion (s)" if "seconds" in what else what)
-            axes.set_ylabel("" if i else "fast: µs an ordinate")
+            axes.set_ylabel("" if i else "µs an ordinate")
             axes.set_ylim(bottom=0.5e6 * y.min(), top=2e6 * y.max())
             if what == "threads":
                 axes.set_xticks(x, [f"{count:g}" for count in x])
@@ -62,7 +62,7 @@ def _work_precision(
     ours = [row for row in tolerances if row.gamma == gamma]
     axes.loglog(
         [1e6 * row.seconds for row in ours], [max(row.error, FLOOR) for row in ours], "-",
-        color=COLOURS[0], zorder=1, label=f"fast, rtol {ours[0].rtol:.0e} to {ours[-1].rtol:.0e}",
+        color=COLOURS[0], zorder=1, label=f"auto, rtol {ours[0].rtol:.0e} to {ours[-1].rtol:.0e}",
     )  # fmt: skip
     names = list(dict.fromkeys(row.program for row in rows))
     for number, name in enumerate(names):
@@ -70,7 +70,7 @@ def _work_precision(
         axes.loglog(
             [1e6 * row.seconds for row in found], [max(row.error, FLOOR) for row in found],
             MARKERS[number % len(MARKERS)], color=COLOURS[number % len(COLOURS)], label=name,
-            fillstyle="full" if name in ("fast", *METHODS) else "none",
+            fillstyle="full" if name in ("auto", *METHODS) else "none",
         )  # fmt: skip
     axes.set_title(f"γ = {gamma:g}; filled: methods of the kernel, open: other programs")
     axes.set_xlabel("µs an ordinate")

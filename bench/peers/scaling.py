@@ -1,4 +1,4 @@
-"""What the cost of `fast` depends on: ordinates, length, tolerance, threads, formulation."""
+"""What the cost of an ordinate depends on: ordinates, length, tolerance, threads, formulation."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def ordinates(record: Record, most: int, repeats: int) -> Points:
     while n <= most:
         # a list of periods is limited, a grid is not
         grid = {"T_s_min": 0.3, "T_s_max": 3.0, "n": n, "spacing": "linear"}
-        scene = case(record, "fast", RTOL, spectrum=grid if n > 1 else {"T_s": [1.0]})
+        scene = case(record, "auto", RTOL, spectrum=grid if n > 1 else {"T_s": [1.0]})
         _, seconds = kernel(scene, None, GAMMAS[0], repeats=repeats if n <= 1000 else 1)
         found.append((float(n), seconds / n))
         n *= 10
@@ -73,7 +73,7 @@ def lengths(record: Record, T_s: Array, repeats: int) -> Points:
     with tempfile.TemporaryDirectory() as folder:
         for factor in LENGTHS:
             longer = _scaled(record, factor, Path(folder) / f"{factor}.csv")
-            _, seconds = kernel(case(longer, "fast", RTOL), T_s, GAMMAS[0], repeats=repeats)
+            _, seconds = kernel(case(longer, "auto", RTOL), T_s, GAMMAS[0], repeats=repeats)
             found.append((float(longer.t[-1]), seconds / T_s.size))
     return found
 
@@ -103,10 +103,10 @@ def tolerances(record: Record, T_s: Array, truth: dict[float, Array], repeats: i
     Returns
     -------
     list of Row
-        Of `fast`.
+        Of `auto`.
     """
     return [
-        kernel_row(record, "fast", rtol, gamma, T_s, truth[gamma], repeats)
+        kernel_row(record, "auto", rtol, gamma, T_s, truth[gamma], repeats)
         for gamma in GAMMAS
         for rtol in TOLERANCES
     ]
@@ -134,7 +134,7 @@ def threads(record: Record, n: int, repeats: int) -> Points:
     T_s = np.linspace(0.3, 3.0, n)
     for _ in range(repeats):
         for count in counts:
-            _, seconds = kernel(case(record, "fast", RTOL), T_s, GAMMAS[0], threads=count)
+            _, seconds = kernel(case(record, "auto", RTOL), T_s, GAMMAS[0], threads=count)
             best[count] = min(best[count], seconds)
     return [(float(count), seconds / n) for count, seconds in best.items()]
 
@@ -159,7 +159,7 @@ def formulations(record: Record, n: int, repeats: int) -> list[tuple[str, float,
     found = []
     for formulation, law in FORMULATIONS:
         for gamma in GAMMAS:
-            scene = case(record, "fast", RTOL).replace(
+            scene = case(record, "auto", RTOL).replace(
                 model={"formulation": formulation}, cable={"law": law}
             )
             costs = [

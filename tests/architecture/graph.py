@@ -32,9 +32,9 @@ _COMMENTS = {
     ("", ".sh", ".build", ".awk"): re.compile(r"^\s*#[^\n]*", re.MULTILINE),
     (".html",): re.compile(r"<!--.*?-->", re.DOTALL),
 }
-# What a simulation and an ordinate of `fast` begin with, under the names of the trees so far.
+# What a simulation and an ordinate begin with, under the names of the trees so far.
 SIMULATE = ("rwmf_simulation_simulate", "rwmf_simulation")
-ORDINATE = ("rwmf_spectrum_fast_driver", "rwmf_fast_spectrum")
+ORDINATE = ("rwmf_spectrum_lanes", "rwmf_spectrum_fast_driver")
 
 # low + (high - low)/2 and (low + high)/2
 _HALVED = re.compile(
@@ -169,7 +169,7 @@ ROWS: dict[str, Callable[[Tree], object]] = {
     "of these inside a layer or top folder": _inside,
     "longest chain": lambda tree: len(tree.longest_chain),
     "modules that `simulate` meets": lambda tree: len(tree.closure(_first(tree, SIMULATE))),
-    "modules that an ordinate of `fast` adds": lambda tree: len(
+    "modules that an ordinate adds": lambda tree: len(
         tree.closure(_first(tree, ORDINATE)) - tree.closure(_first(tree, SIMULATE))
     ),
     **{

@@ -70,11 +70,8 @@ NAMING_MODULES = {"storeys": 37, "vertical": 25, "yielding": 16}
 # Procedures over the bounds, and why they may be. Whoever shortens one removes its line.
 _CALLER_IS_NO_FORTRAN = "an interface for C or f2py: scalars and plain arrays, no types"
 _STEP_OF_A_HOST = "both ends of a step of a host, what is found, and an error that it may leave out"
-_ONE_LANE = "part of a vectorised loop: what is passed stays in registers"
 LARGE: dict[str, str] = {
-    "rwmf_spectrum_fast_step_kernel:take_step": "a vectorised loop, its stages written out",
     "rwmf_integrator_lane_control:judge_step": "a vectorised loop: a call would end it",
-    "rwmf_spectrum_fast_step_kernel:state_at_node": _ONE_LANE,
     "rwmf_integrator_lane_step:attempt_step": "a block of lanes as plain arrays",
     "rwmf_embedding_element_events:next_impact": _STEP_OF_A_HOST,
     "rwmf_embedding_element_events:next_lift_off": _STEP_OF_A_HOST,

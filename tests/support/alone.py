@@ -20,8 +20,8 @@ Found = dict[str, Numbers]
 Path_ = Callable[[rwmf.Case, Sequence[str], Path], Found]
 
 RTOL = 1e-7
-# paths whose ordinates method fast may compute, where nothing else is requested
-_BY_FAST = ("rows", "spectrum", "sweep", "C")
+# paths whose ordinates leave out chatter, where only peaks are requested
+_WITHOUT_CHATTER = ("rows", "spectrum", "sweep", "C")
 FAMILIES = (combination, further_combination, spectrum_combination)
 
 
@@ -109,17 +109,17 @@ def differences(number: int, folder: Path) -> Iterator[str]:
         together = compute(case, keys, folder)
         for key in keys:
             alone = compute(case, [key], folder)[key]
-            if not _is_same(alone, together[key], key if name in _BY_FAST else ""):
+            if not _is_same(alone, together[key], key if name in _WITHOUT_CHATTER else ""):
                 yield f"{number}, {name}, {key}: {alone} alone, {together[key]} among all"
     yield from _run_differences(number, case)
 
 
 def _is_same(alone: Numbers, together: Numbers, key: str) -> bool:
-    """Compare bits; ordinates of `fast` are close to those of the general kernel."""
+    """Compare bits; peaks without chatter are close to those of the complete motion."""
     if np.array_equal(alone, together, equal_nan=True):
         return True
-    by_fast = ("u_s_max_m", "theta_max_over_alpha", "cable_force_increment_max")
-    return key.startswith(by_fast) and np.allclose(
+    peaks = ("u_s_max_m", "theta_max_over_alpha", "cable_force_increment_max")
+    return key.startswith(peaks) and np.allclose(
         alone, together, rtol=100 * RTOL, atol=0, equal_nan=True
     )
 
@@ -168,7 +168,7 @@ def _rows_of_runs(case: rwmf.Case, keys: Sequence[str], _: Path) -> Found:
 
 
 def _spectrum(case: rwmf.Case, keys: Sequence[str], _: Path) -> Found:
-    """Ordinates of three periods, by `fast` where it can."""
+    """Ordinates of three periods."""
     periods = [0.31, 0.7, 1.9]
     found = rwmf.spectrum(case, T_s=periods, quantities=keys)
     return {key: np.ravel(found[find(key).names("ordinate")[0]]) for key in keys}

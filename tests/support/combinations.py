@@ -147,7 +147,7 @@ def further_combination(number: int) -> Combination:
 
 
 def spectrum_combination(number: int) -> Combination:
-    """Make a scene with `&spectrum` that method `fast` supports.
+    """Make a scene with `&spectrum` of two states without hysteresis.
 
     Parameters
     ----------

@@ -68,9 +68,9 @@ def _of_scene(batch: Path, scene: Scene, number: int) -> Iterator[Row]:
     yield Row(f"{key}/given", partial(run_scene, batch, scene, scene.text, 2), is_special)
     if scene.has_spectrum:
         for threads in _THREADS:
-            text = scenes.with_solver(scene.text, "fast", None)
+            text = scenes.with_solver(scene.text, "auto", None)
             ask = partial(run_scene, batch, scene, text, threads)
-            yield Row(f"{key}/fast/threads-{threads}", ask, is_quick)
+            yield Row(f"{key}/auto/threads-{threads}", ask, is_quick)
     methods = METHODS if is_special else (METHODS[number % 4], METHODS[4])
     for method in methods:
         text = scenes.with_solver(scene.text, method, None)

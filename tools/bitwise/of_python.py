@@ -61,7 +61,7 @@ def rows() -> Iterator[Row]:
 
 
 def _of_spectrum(scene: Scene, *, is_quick: bool) -> Iterator[Row]:
-    for method in ("fast", "dop853"):
+    for method in ("auto", "dop853"):
         for threads in (1, 2):
             key = f"python/spectrum/{scene.name}/{method}/threads-{threads}"
             yield Row(key, partial(spectrum, scene, method, threads), is_quick)

@@ -155,8 +155,8 @@ _SWEEPS: dict[str, Callable[[], xr.Dataset]] = {
     "displacements": lambda: rwmf.sweep(
         _case(), {"T_s": _PERIODS, "e": [0.8, 0.9], "formulation": ["exact", "published"]}
     ),
-    "fast": lambda: rwmf.sweep(
-        _case(solver={"method": "fast"}), {"T_s": _PERIODS, "gamma": [5.0, 100.0], "b": [0.4, 0.5]}
+    "auto": lambda: rwmf.sweep(
+        _case(solver={"method": "auto"}), {"T_s": _PERIODS, "gamma": [5.0, 100.0], "b": [0.4, 0.5]}
     ),
     "quantities": lambda: rwmf.sweep(_case(), {"T_s": _PERIODS}, quantities=_ASKED),
     "scale-and-eta": lambda: rwmf.sweep(

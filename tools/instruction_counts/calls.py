@@ -95,7 +95,7 @@ CALLS = (
     Call("run_tendon", "run", (_WALL, _FRAME, _TENDON, _IMPACT, _RECORD, _EXACT)),
     Call("run_bouc_wen", "run", (*_BASIC, _BOUC_WEN)),
     Call(
-        "spectrum_fast",
+        "spectrum_smooth",
         "spectrum",
         (*_BASIC, "&spectrum T_s_min = 0.3, T_s_max = 3.0, n = 32, gamma = 5.0, 100.0 /"),
     ),

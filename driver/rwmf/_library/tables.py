@@ -33,7 +33,7 @@ def version() -> str:
 
 
 def instruction_set() -> str:
-    """Instructions that method ``fast`` uses on this processor.
+    """Instructions that spectra use on this processor.
 
     Returns
     -------

@@ -31,7 +31,7 @@ module rwmf_bindings_python_kernel
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_simulate, only: simulate_with_motion
-   use rwmf_spectrum_fast_simd_dispatch, only: kernel_instructions => instruction_set
+   use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
    use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_quantities, only: default_quantity, keys_asked_by, list_applicable
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum
@@ -53,7 +53,7 @@ contains
       call put_text(kernel_version, buffer, length)
    end subroutine version
 
-   !> Instructions that method 'fast' uses on this processor.
+   !> Instructions that spectra use on this processor.
    subroutine instruction_set(buffer, length)
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length

@@ -25,17 +25,17 @@ contains
       character(16) :: name
 
       name = method
-      if (method == 'auto') name = 'dop853'
+      if (method == 'auto' .or. method == 'fast') name = 'dop853'
    end function run_method
 
-   !> The method of a spectrum: what 'auto' means there.
+   !> The method of a spectrum: 'auto' is the pair for its tolerance, 'fast' another word for it.
    pure function spectrum_method(method) result(name)
       character(*), intent(in) :: method
       !! as the case gives it
       character(16) :: name
 
       name = method
-      if (method == 'auto') name = 'fast'
+      if (method == 'fast') name = 'auto'
    end function spectrum_method
 
    !> The integrator that `&solver method` names.
@@ -45,8 +45,7 @@ contains
       class(integrator_t), allocatable, intent(out) :: integrator
 
       select case (run_method(method))
-      case ('dop853', 'fast')
-         ! A single run has no lanes.
+      case ('dop853')
          allocate (explicit_pair_t :: integrator)
          select type (integrator)
          type is (explicit_pair_t)

@@ -4,11 +4,14 @@
 !> with AVX2 (four) and with AVX-512 (eight). The choice is made at run time and changes no bit of a
 !> result.
 module rwmf_integrator_lane_kernels
+#ifdef LANE_LEVELS
+   use, intrinsic :: iso_c_binding, only: c_int
+#endif
    use rwmf_integrator_lane_control_l16, only: judge_step, pass_knots, plan_step
    use rwmf_integrator_lane_reactions_l16, only: screen_steps
    use rwmf_integrator_lane_step_l16, only: attempt_step
    use rwmf_model_lanes_l16, only: team_width => lane_count
-#ifdef FAST_LEVELS
+#ifdef LANE_LEVELS
    use rwmf_integrator_lane_control_l16_v3, only: judge_step_v3 => judge_step, &
       pass_knots_v3 => pass_knots, plan_step_v3 => plan_step
    use rwmf_integrator_lane_control_l16_v4, only: judge_step_v4 => judge_step, &
@@ -21,7 +24,7 @@ module rwmf_integrator_lane_kernels
    implicit none
    private
 
-   public :: lane_kernels_t, lane_kernels_of, team_width
+   public :: lane_kernels_t, lane_kernels_of, team_width, best_level, instruction_set
 
    !> The loops, compiled for one instruction set.
    type :: lane_kernels_t
@@ -32,7 +35,44 @@ module rwmf_integrator_lane_kernels
       procedure(screen_steps), pointer, nopass :: screen_steps => null()
    end type lane_kernels_t
 
+#ifdef LANE_LEVELS
+   interface
+      !> 1, 3 or 4: the x86-64 level of this processor that the kernel has code for.
+      function processor_level() bind(c, name='rwmf_processor_level') result(level)
+         import :: c_int
+         implicit none
+         integer(c_int) :: level
+      end function processor_level
+   end interface
+#endif
+
 contains
+
+   !> Instruction set of this processor: 1 (baseline), 3 (AVX2) or 4 (AVX-512).
+   integer function best_level() result(level)
+      level = 1
+#ifdef LANE_LEVELS
+      level = int(processor_level())
+#endif
+   end function best_level
+
+   !> Name of the instructions that spectra use on this processor.
+   function instruction_set() result(name)
+      character(9) :: name
+      !! 'x86-64', 'x86-64-v3' (AVX2), 'x86-64-v4' (AVX-512); elsewhere 'generic'
+
+      name = 'generic'
+#ifdef LANE_LEVELS
+      select case (best_level())
+      case (4)
+         name = 'x86-64-v4'
+      case (3)
+         name = 'x86-64-v3'
+      case default
+         name = 'x86-64'
+      end select
+#endif
+   end function instruction_set
 
    !> The loops for an instruction set.
    pure type(lane_kernels_t) function lane_kernels_of(level) result(kernels)
@@ -40,7 +80,7 @@ contains
       !! 1, 3 or 4, at most that of the processor
 
       select case (level)
-#ifdef FAST_LEVELS
+#ifdef LANE_LEVELS
       case (4)
          kernels = lane_kernels_t(plan_step_v4, attempt_step_v4, judge_step_v4, &
             pass_knots_v4, screen_steps_v4)

@@ -4,7 +4,8 @@ module rwmf_integrator_pairs
    implicit none
    private
 
-   public :: pair_t, sum_t, most_stages, most_terms, sum_of, dormand_prince_853, verner_65
+   public :: pair_t, sum_t, most_stages, most_terms, sum_of, step_tolerance
+   public :: dormand_prince_853, tsitouras_papakostas_64, tsitouras_papakostas_75
 
    integer, parameter :: most_stages = 12
    integer, parameter :: most_terms = 9
@@ -21,6 +22,8 @@ module rwmf_integrator_pairs
    !> A method with one or two embedded ones that estimate its error.
    type :: pair_t
       integer :: stages = 1
+      integer :: order = 1
+      !! of the solution
       integer :: error_order = 1
       !! the estimated local error shrinks as h**error_order
       real(wp) :: c(most_stages) = 0
@@ -38,6 +41,21 @@ module rwmf_integrator_pairs
    end type pair_t
 
 contains
+
+   !> Tolerance for the estimated error of a step, so that its true error is about rtol: a solution
+   !> of a higher order is more accurate than its estimate [-].
+   pure real(wp) function step_tolerance(pair, rtol) result(tolerance)
+      type(pair_t), intent(in) :: pair
+      real(wp), intent(in) :: rtol
+      !! [-]
+
+      real(wp), parameter :: share = 0.3_wp
+      !! of rtol for one step: errors of several add up [-]
+
+      tolerance = rtol
+      if (pair%order > pair%error_order) tolerance = (share*rtol)**(real(pair%error_order, wp) &
+         /(pair%order + 1))
+   end function step_tolerance
 
    !> The sum with given weights.
    pure type(sum_t) function sum_of(weights) result(total)
@@ -101,6 +119,7 @@ contains
       integer :: i
 
       pair%stages = s
+      pair%order = 8
       pair%error_order = 8
       pair%c(:s) = c
       do i = 2, s
@@ -112,31 +131,66 @@ contains
       pair%e_low = sum_of(e3)
    end function dormand_prince_853
 
-   !> Verner's method of order 6 with an error estimator of order 5 (SIAM J. Numer. Anal. 15, 1978;
-   !> the coefficients of DVERK).
-   pure type(pair_t) function verner_65() result(pair)
-      integer, parameter :: s = 8
+   !> Tsitouras and Papakostas' pair 6(4) of seven stages (SIAM J. Sci. Comput. 20, 1999).
+   pure type(pair_t) function tsitouras_papakostas_64() result(pair)
+      integer, parameter :: s = 7
       !! stages
       real(wp) :: b(s)
 
       pair%stages = s
-      pair%error_order = 6
-      pair%c(:s) = [0.0_wp, 1/6.0_wp, 4/15.0_wp, 2/3.0_wp, 5/6.0_wp, 1.0_wp, 1/15.0_wp, 1.0_wp]
-      pair%a(2) = sum_of([1/6.0_wp])
-      pair%a(3) = sum_of([4/75.0_wp, 16/75.0_wp])
-      pair%a(4) = sum_of([5/6.0_wp, -8/3.0_wp, 5/2.0_wp])
-      pair%a(5) = sum_of([-165/64.0_wp, 55/6.0_wp, -425/64.0_wp, 85/96.0_wp])
-      pair%a(6) = sum_of([12/5.0_wp, -8.0_wp, 4015/612.0_wp, -11/36.0_wp, 88/255.0_wp])
-      pair%a(7) = sum_of([-8263/15000.0_wp, 124/75.0_wp, -643/680.0_wp, -81/250.0_wp, &
-         2484/10625.0_wp, 0.0_wp])
-      pair%a(8) = sum_of([3501/1720.0_wp, -300/43.0_wp, 297275/52632.0_wp, -319/2322.0_wp, &
-         24068/84065.0_wp, 0.0_wp, 3850/26703.0_wp])
-      b = [3/40.0_wp, 0.0_wp, 875/2244.0_wp, 23/72.0_wp, 264/1955.0_wp, 0.0_wp, &
-         125/11592.0_wp, 43/616.0_wp]
+      pair%order = 6
+      pair%error_order = 5
+      pair%c(:s) = [0.0_wp, 4/27.0_wp, 2/9.0_wp, 3/7.0_wp, 11/16.0_wp, 10/13.0_wp, 1.0_wp]
+      pair%a(2) = sum_of([4/27.0_wp])
+      pair%a(3) = sum_of([1/18.0_wp, 1/6.0_wp])
+      pair%a(4) = sum_of([66/343.0_wp, -729/1372.0_wp, 1053/1372.0_wp])
+      pair%a(5) = sum_of([13339/49152.0_wp, -4617/16384.0_wp, 5427/53248.0_wp, 95207/159744.0_wp])
+      pair%a(6) = sum_of([-6935/57122.0_wp, 23085/48334.0_wp, 33363360/273642941.0_wp, &
+         972160/118442467.0_wp, 172687360/610434253.0_wp])
+      pair%a(7) = sum_of([611/1891.0_wp, -4617/7564.0_wp, 6041007/13176488.0_wp, &
+         12708836/22100117.0_wp, -35840000/62461621.0_wp, 6597591/7972456.0_wp])
+      b = [131/1800.0_wp, 0.0_wp, 1121931/3902080.0_wp, 319333/1682928.0_wp, &
+         262144/2477325.0_wp, 4084223/15177600.0_wp, 1891/25200.0_wp]
       pair%b = sum_of(b)
       pair%weight(:s) = b
-      pair%e = sum_of(b - [13/160.0_wp, 0.0_wp, 2375/5984.0_wp, 5/16.0_wp, 12/85.0_wp, &
-         3/44.0_wp, 0.0_wp, 0.0_wp])
-   end function verner_65
+      pair%e = sum_of(b - [2694253/26100360.0_wp, 0.0_wp, 83647323/535804360.0_wp, &
+         691202281/1789061040.0_wp, -1275547648/10565208225.0_wp, 0.4_wp, 1891/25200.0_wp])
+   end function tsitouras_papakostas_64
+
+   !> Their pair 7(5) of nine stages.
+   pure type(pair_t) function tsitouras_papakostas_75() result(pair)
+      integer, parameter :: s = 9
+      !! stages
+      real(wp) :: b(s)
+
+      pair%stages = s
+      pair%order = 7
+      pair%error_order = 6
+      pair%c(:s) = [0.0_wp, 1/18.0_wp, 1/9.0_wp, 1/6.0_wp, 0.445_wp, 56482/115069.0_wp, &
+         74/95.0_wp, 8/9.0_wp, 1.0_wp]
+      pair%a(2) = sum_of([1/18.0_wp])
+      pair%a(3) = sum_of([0.0_wp, 1/9.0_wp])
+      pair%a(4) = sum_of([1/24.0_wp, 0.0_wp, 1/8.0_wp])
+      pair%a(5) = sum_of([2183971/4000000.0_wp, 0.0_wp, -8340813/4000000.0_wp, &
+         3968421/2000000.0_wp])
+      pair%a(6) = sum_of([695768212/7463744411.0_wp, 0.0_wp, -1803549175.0_wp/7007942496.0_wp, &
+         3474507053.0_wp/6790877290.0_wp, 2188198899.0_wp/15264927763.0_wp])
+      pair%a(7) = sum_of([-11894934857.0_wp/8390623634.0_wp, 0.0_wp, 53094780276.0_wp/9800512003.0_wp, &
+         -8415376229.0_wp/2277049503.0_wp, -18647567697.0_wp/10138317907.0_wp, 27551494893.0_wp/11905950217.0_wp])
+      pair%a(8) = sum_of([30828057951.0_wp/7654644085.0_wp, 0.0_wp, -4511704/324729.0_wp, &
+         16217851618.0_wp/1651177175.0_wp, 282768186839.0_wp/40694064384.0_wp, &
+         -104400780537.0_wp/15869257619.0_wp, 5409241639.0_wp/9600177208.0_wp])
+      pair%a(9) = sum_of([-133775720546.0_wp/36753383835.0_wp, 0.0_wp, 49608695511.0_wp/4066590848.0_wp, &
+         -59896475201.0_wp/7901259813.0_wp, -48035527651.0_wp/5727379426.0_wp, &
+         86266718551.0_wp/10188951048.0_wp, -7751618114.0_wp/23575802495.0_wp, 2289274942.0_wp/8464405725.0_wp])
+      b = [597988726/12374436915.0_wp, 0.0_wp, 0.0_wp, 3138312158.0_wp/11968408119.0_wp, &
+         480882843/7850665645.0_wp, 988558885/3512253271.0_wp, 5302636961.0_wp/26425940286.0_wp, &
+         1259489433.0_wp/12163586030.0_wp, 1016647712.0_wp/23899101975.0_wp]
+      pair%b = sum_of(b)
+      pair%weight(:s) = b
+      pair%e = sum_of(b - [1421940313.0_wp/46193547077.0_wp, 0.0_wp, 0.0_wp, &
+         1943068601.0_wp/5911217046.0_wp, -3807140880.0_wp/8205366359.0_wp, 9377220888.0_wp/11577671635.0_wp, &
+         586186883/5187186385.0_wp, 1114095023.0_wp/8014791121.0_wp, 1016647712.0_wp/23899101975.0_wp])
+   end function tsitouras_papakostas_75
 
 end module rwmf_integrator_pairs

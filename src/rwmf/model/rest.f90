@@ -1,13 +1,17 @@
 !> When chatter ends and the wall rests: a question about the ground motion alone.
 module rwmf_model_rest
    use rwmf_core_kinds, only: wp
+   use rwmf_model_assembly, only: enter_side, second_derivative
    use rwmf_model_equation, only: equation_t, interval_of, lift_off_drives
    use rwmf_model_lift_off, only: drive_turns
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until
    implicit none
    private
 
-   public :: pressing_acceleration, may_rest, inverse_inertia
+   real(wp), parameter :: most_varied = 4
+   !! variation of the drives over the least pressure for which chatter is said to settle [-]
+
+   public :: pressing_acceleration, may_rest, will_settle, inverse_inertia
 
 contains
 
@@ -88,6 +92,116 @@ contains
       press = pressing_acceleration(equation, t, t + chatter)
       may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
    end function may_rest
+
+   !> Does the chatter after an impact end by itself, below an angle and before a side is pulled? Then
+   !> a wall put to rest at once has the same largest displacement and lifts off in the same instant.
+   !>
+   !> Under a deceleration p(t) >= p_min > 0 a flight returns with at most sqrt(p_1/p_0) of its
+   !> velocity, p_0 and p_1 the least and the largest deceleration in it. Impact number n therefore
+   !> leaves at most w e**n, w = v exp(V/2), V the total variation of ln(p). The flights take at most
+   !> 2 w/(p_min (1 - e)) together, and none rises above w**2/(2 p_min). What rotation and velocity
+   !> take off p is small below a small angle: four times its largest value at the bounds is allowed
+   !> for.
+   logical function will_settle(equation, t, v, e, angle, t_pulled) result(will)
+      type(equation_t), intent(inout) :: equation
+      !! of two states, without hysteresis; returns as it was
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: v
+      !! magnitude of the angular velocity after the impact [rad/s]
+      real(wp), intent(in) :: e
+      !! velocity factor [-]
+      real(wp), intent(in) :: angle
+      !! that no flight may exceed [rad]
+      real(wp), intent(inout) :: t_pulled
+      !! from which on a side is pulled, as far as a call before has found out [s]
+      real(wp), parameter :: patience = 3
+      !! span that is examined over the duration of chatter under a steady pressure [-]
+      real(wp) :: drive(2), gain, pressure, least, variation, span, w
+
+      will = .false.
+      drive = lift_off_drives(equation, interval_of(equation), t)
+      gain = inverse_inertia(equation)
+      pressure = -gain*maxval(drive)
+      if (pressure <= 0 .or. e >= 1) return
+      if (v**2 > 2*pressure*angle) return
+      span = patience*2*v/(pressure*(1 - e))
+      if (.not. is_known_until(equation%motion, interval_of(equation), t + span)) return
+      if (t < t_pulled .and. t + span >= t_pulled) return
+      call press_over(equation, t, t + span, least, variation, t_pulled)
+      if (variation > most_varied*least) return
+      w = v*exp(variation/(2*least))
+      least = gain*least
+      pressure = least - 4*lost_pressure(equation, t, w, w**2/(2*least), -gain*drive)
+      if (pressure < least/2) return
+      will = 2*w <= pressure*(1 - e)*span .and. w**2 <= 2*pressure*angle
+   end function will_settle
+
+   !> Least acceleration of the ground that presses the wall down in a span, and how much the drives
+   !> vary in it.
+   pure subroutine press_over(equation, t_begin, t_end, least, variation, t_pulled)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t_begin
+      !! in the interval that is in force [s]
+      real(wp), intent(in) :: t_end
+      !! [s]
+      real(wp), intent(out) :: least
+      !! not positive where one side lets go [m/s2]
+      real(wp), intent(out) :: variation
+      !! [m/s2]
+      real(wp), intent(inout) :: t_pulled
+      !! from which on one does, if there is such a time in the span [s]
+      real(wp) :: t, drive(2), before(2)
+      integer :: interval
+
+      interval = interval_of(equation)
+      t = t_begin
+      drive = lift_off_drives(equation, interval, t)
+      least = -maxval(drive)
+      variation = 0
+      do while (t < t_end .and. variation <= most_varied*least)
+         before = drive
+         t = min(drive_turns(equation, interval, t), t_end)
+         drive = lift_off_drives(equation, interval, t)
+         variation = variation + maxval(abs(drive - before))
+         least = min(least, -maxval(drive))
+         if (t < interval_end(equation%motion, interval)) cycle
+         interval = interval + 1
+         before = drive
+         drive = lift_off_drives(equation, interval, t)
+         variation = variation + maxval(abs(drive - before))
+         least = min(least, -maxval(drive))
+      end do
+      if (least <= 0) t_pulled = t
+   end subroutine press_over
+
+   !> By how much the deceleration of a wall close to its base falls short of that at its base, at
+   !> the bounds of velocity and rotation, to either side [rad/s2].
+   real(wp) function lost_pressure(equation, t, w, phi, at_base) result(lost)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: w
+      !! [rad/s]
+      real(wp), intent(in) :: phi
+      !! [rad]
+      real(wp), intent(in) :: at_base(2)
+      !! on the negative and on the positive side [rad/s2]
+      integer :: k, m
+
+      lost = 0
+      ! the side in force is the last, and stays
+      do k = 1, 2
+         call enter_side(equation%model_t, equation%state, -equation%state%side)
+         associate (side => equation%state%side)
+            do m = -1, 1, 2
+               lost = max(lost, at_base((side + 3)/2) + side*second_derivative(equation, t, &
+                  [0.0_wp, side*m*w]), at_base((side + 3)/2) + side*second_derivative(equation, &
+                  t, [side*phi, side*m*w]))
+            end do
+         end associate
+      end do
+   end function lost_pressure
 
    !> Angular acceleration of the resting wall per ground acceleration beyond the threshold [1/m].
    pure real(wp) function inverse_inertia(equation) result(gain)

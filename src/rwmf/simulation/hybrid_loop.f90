@@ -20,7 +20,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_hysteresis_spring_set, only: fuse_uplift, load_to, pass_window, renew_window, &
       reset_springs, tendon_is_broken, turn_back
    use rwmf_model_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, pull_duration
-   use rwmf_model_rest, only: may_rest
+   use rwmf_model_rest, only: may_rest, will_settle
    use rwmf_model_restitution, only: factor_at, largest_factor
    use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
    use rwmf_simulation_events_drift_events, only: cut_step, has_collapsed
@@ -531,6 +531,9 @@ contains
             largest_factor(hybrid%restitution, abs(after)), &
             negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), &
             negligible*hybrid%rtol*recorder%theta_dot_ends)
+         if (.not. rests .and. hybrid%settled_angle > 0) rests = will_settle(equation, hybrid%t, &
+            abs(after), largest_factor(hybrid%restitution, abs(after)), &
+            hybrid%settled_angle*max(recorder%theta_max, -recorder%theta_min), hybrid%t_pulled)
       end if
       if (rests) then
          if (allocated(recorder%forces) .or. allocated(recorder%demands)) then

@@ -47,6 +47,11 @@ module rwmf_simulation_hybrid_state
       real(wp) :: rtol
       !! requested relative tolerance [-]
       integer(i8) :: max_steps
+      real(wp) :: settled_angle = 0
+      !! part of the largest rotation below which chatter may be dropped that ends by itself: not 0
+      !! where the largest displacement alone counts [-]
+      real(wp) :: t_pulled = 0
+      !! time at which the motion pulls a side of the wall again, where it is known [s]
       integer :: drifts = 0
       !! number of drifts with a limit at which the scene collapses
       real(wp) :: flight = 0

@@ -450,9 +450,6 @@ contains
          if (case%output%reactions) keys = all_quantities%key
       end if
       call list_case_warnings(case, equation%motion, .false., keys, result%warnings)
-      if (case%solver%method == 'fast') then
-         call add_warning(result, 'method fast is for spectra: this run was integrated by dop853')
-      end if
    end subroutine collect_warnings
 
    subroutine fill_wall(case, equation, hybrid, recorder, result)

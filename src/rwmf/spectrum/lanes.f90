@@ -7,11 +7,13 @@ module rwmf_spectrum_lanes
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: of_length
-   use rwmf_integrator_lane_kernels, only: lane_kernels_of, team_width
-   use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, verner_65
+   use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, team_width
+   use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, &
+      tsitouras_papakostas_64, tsitouras_papakostas_75
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_model_scene, only: is_same_scene, scene_t
-   use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
+   use rwmf_motion_ground_motion, only: is_piecewise_linear, motion_t, refined_motion, &
+      scaled_motion
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_error_control, only: shake
    use rwmf_simulation_finite_check, only: is_finite
@@ -24,7 +26,6 @@ module rwmf_spectrum_lanes
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
       most_passes, response_size
-   use rwmf_spectrum_fast_simd_dispatch, only: best_level
    use rwmf_spectrum_quantities, only: asked_t, take_values
    use rwmf_spectrum_rows, only: row_motion, rows_t, take_row
    implicit none
@@ -271,7 +272,7 @@ contains
       call build_equation(run%case, motion, run%equation)
       run%size_guess = guess_size(run%case, run%equation)
       run%pass = 1
-      call begin_lane(run, lane%error)
+      call begin_lane(queue%asked, run, lane%error)
    end subroutine set_up
 
    type(kind_t) function kind_of(run) result(kind)
@@ -323,27 +324,40 @@ contains
    end subroutine run_alone
 
    !> Begin the run of a lane for its expected size.
-   subroutine begin_lane(run, error)
+   subroutine begin_lane(asked, run, error)
+      type(asked_t), intent(in) :: asked
       type(lane_run_t), intent(inout), target :: run
       type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: settled = 0.03_wp
+      !! part of the largest rotation so far that chatter may have where it is not followed [-]
 
       run%integrator%pair = pair_for(run%case, run%equation)
       call begin_run(run%case, run%size_guess, run%equation, run%integrator, run%hybrid, &
          run%recorder, error)
+      associate (equation => run%equation)
+         ! by name dop853 has the bits of single runs, which follow all impacts
+         if (asked%has_only_peaks .and. run%case%solver%method /= 'dop853' .and. equation%n == 2 &
+             .and. .not. (equation%has_bilinear_springs .or. equation%has_loading_direction)) &
+            run%hybrid%settled_angle = settled
+      end associate
    end subroutine begin_lane
 
-   !> The pair for a tolerance, unless the case names it; of runs at several tolerances the higher
-   !> order. The local errors of smooth hysteresis add up, so that it gets that as well.
+   !> The pair for a tolerance, unless the case names it; for runs at several tolerances, and under
+   !> motions without knots that limit the steps, the one of the highest order. The local errors of
+   !> smooth hysteresis add up: it gets one order more.
    pure type(pair_t) function pair_for(case, equation) result(pair)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
 
-      if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
-          .or. equation%floors%n > 1 .or. case%solver%method == 'dop853' &
-          .or. allocated(case%solver%accuracy)) then
+      if (case%solver%rtol < 1.0e-11_wp .or. case%solver%method == 'dop853' &
+          .or. allocated(case%solver%accuracy) &
+          .or. .not. is_piecewise_linear(equation%motion)) then
          pair = dormand_prince_853()
+      else if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
+               .or. equation%floors%n > 1) then
+         pair = tsitouras_papakostas_75()
       else
-         pair = verner_65()
+         pair = tsitouras_papakostas_64()
       end if
    end function pair_for
 
@@ -372,7 +386,7 @@ contains
              .and. run%pass < most_passes) then
             run%pass = run%pass + 1
             run%size_guess = merge(size_found, run%size_guess, size_found < 0.1_wp*run%size_guess)
-            call begin_lane(run, error)
+            call begin_lane(asked, run, error)
             return
          end if
          if (.not. asked%is_displacement) call report(asked, run, ordinate)

@@ -4,21 +4,15 @@ module rwmf_spectrum_quantities
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_explicit_pair, only: explicit_pair_t
-   use rwmf_model_assembly, only: build_equation, enter_side, equation_t
-   use rwmf_model_equation, only: frame_motion
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_finite_check, only: may_report
-   use rwmf_simulation_hybrid_loop, only: hybrid_t
    use rwmf_simulation_peak, only: list_reported
    use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up, of_demands, &
       of_displacement, of_energy, of_reactions, of_storeys, of_velocity, of_verification
-   use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_run, only: begin_run, fill_result, guess_size
    use rwmf_simulation_scalars, only: scalar_of, scalar_t
    use rwmf_simulation_simulate, only: simulate_instant
    implicit none
@@ -26,7 +20,6 @@ module rwmf_spectrum_quantities
 
    public :: asked_t, asked_of, keys_asked_by, check_asked, default_quantity, list_applicable
    public :: take_values
-   public :: follow_from_displacement, values_from_displacement
 
    character(*), parameter :: displacement = 'u_s_max_m'
    !! what is reported where nothing is asked for
@@ -43,6 +36,8 @@ module rwmf_spectrum_quantities
       !! what a run has to keep for them; not allocated: nothing
       logical :: is_displacement = .true.
       !! the largest displacement of the frame and nothing else
+      logical :: has_only_peaks = .false.
+      !! all of them follow from the largest rotations, whatever smaller ones there are
       logical :: is_watched = .false.
       !! some of them have peaks inside steps
       logical :: has_sensitivity = .false.
@@ -98,6 +93,7 @@ contains
       asked%is_watched = output%reactions .or. output%demands &
          .or. any(observed == of_velocity .or. observed == of_storeys)
       asked%is_displacement = all(asked%keys == displacement) .and. .not. asked%has_peak
+      asked%has_only_peaks = all(observed == of_displacement)
       asked%has_sensitivity = case%solver%verify .and. any(observed == of_verification)
       if (.not. (output%reactions .or. output%demands .or. output%energy)) return
       if (allocated(case%output)) then
@@ -210,74 +206,5 @@ contains
          if (.not. scalar%is_present) values(i) = ieee_value(1.0_wp, ieee_quiet_nan)
       end do
    end subroutine take_values
-
-   !> Does all that is asked for follow from the largest displacement of an ordinate that neither
-   !> overturned nor collapsed? So it is where a rotation to either side moves the frame as far and
-   !> strains the cable as much: not where the link is held at the left corner (`exact`), and not
-   !> for the cable force of a signed rotation (`published`).
-   pure logical function follow_from_displacement(asked, equation) result(follow)
-      type(asked_t), intent(in) :: asked
-      type(equation_t), intent(in) :: equation
-
-      follow = asked%is_displacement
-      if (follow .or. .not. equation%has_wall) return
-      associate (sine => equation%geometry%sine_link)
-         follow = abs(sine(1) - sine(-1)) <= 0 &
-            .and. all(all_quantities(asked%place)%observed == of_displacement)
-      end associate
-      if (equation%cable%is_signed) follow = follow &
-         .and. .not. any(all_quantities(asked%place)%group == 'cable')
-   end function follow_from_displacement
-
-   !> What follows from the largest displacement of a run.
-   subroutine values_from_displacement(asked, case, motion, u_s_max, values, is_done)
-      type(asked_t), intent(in) :: asked
-      type(case_t), intent(in) :: case
-      !! with a wall, and any period of the frame
-      type(motion_t), intent(in) :: motion
-      !! any
-      real(wp), intent(in) :: u_s_max
-      !! [m]
-      real(wp), intent(out) :: values(:)
-      !! (quantities) [unit of each]
-      logical, intent(out) :: is_done
-      !! all of them are finite
-      type(equation_t), target :: equation
-      type(explicit_pair_t) :: integrator
-      type(hybrid_t) :: hybrid
-      type(recorder_t) :: recorder
-      type(result_t) :: result
-      type(error_t), allocatable :: error
-
-      call build_equation(case, motion, equation)
-      call begin_run(case, guess_size(case, equation), equation, integrator, hybrid, recorder, &
-         error)
-      allocate (result%warnings(0))
-      call enter_side(equation%model_t, equation%state, 1)
-      recorder%u_max = u_s_max
-      recorder%theta_max = rotation_of(equation, u_s_max)
-      recorder%theta_min = -recorder%theta_max
-      call fill_result(case, equation, hybrid, recorder, result)
-      call take_values(asked, case, result, values, is_done)
-   end subroutine values_from_displacement
-
-   !> Rotation at a displacement of the frame, by Newton's method [rad].
-   real(wp) function rotation_of(equation, u_s) result(theta)
-      type(equation_t), intent(in) :: equation
-      !! on the side +1
-      real(wp), intent(in) :: u_s
-      !! [m]
-      integer, parameter :: most = 20
-      real(wp) :: u, slope, change
-      integer :: i
-
-      theta = 0
-      do i = 1, most
-         call frame_motion(equation, equation%state%side, [theta, 1.0_wp], u, slope)
-         change = (u_s - u)/slope
-         theta = theta + change
-         if (abs(change) <= 4*epsilon(theta)*abs(theta)) return
-      end do
-   end function rotation_of
 
 end module rwmf_spectrum_quantities

@@ -7,21 +7,17 @@ module rwmf_spectrum_spectrum
    use rwmf_core_error, only: err_input, err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_factory, only: spectrum_method
-   use rwmf_model_assembly, only: build_equation, equation_t
+   use rwmf_math_ordering, only: rising_order
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_scene_axes, only: set_axes
    use rwmf_problem_single_run, only: check_tolerance
    use rwmf_simulation_quantities, only: spelled
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: check_peak, simulate_with_motion
    use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_estimates, only: run_with_estimates
-   use rwmf_spectrum_fast_driver, only: begin_fast, exponential_t, run_fast
-   use rwmf_spectrum_fast_schedule, only: order_by_cost
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, refused
-   use rwmf_spectrum_quantities, only: asked_of, check_asked, follow_from_displacement, &
-      keys_asked_by, take_values, values_from_displacement
+   use rwmf_spectrum_quantities, only: asked_of, check_asked, keys_asked_by, take_values
    use rwmf_spectrum_rows, only: period_of, row_motion, rows_of_grid, &
       rows_of_table, rows_t, spectrum_periods, take_row
    use rwmf_spectrum_threads, only: choose_threads
@@ -234,11 +230,8 @@ contains
       real(wp), pointer :: values(:, :)
       integer(int8), pointer :: codes(:)
       character(24), allocatable :: status(:)
-      type(exponential_t) :: fast
       integer :: first, last, i
 
-      if (spectrum_method(queue%rows%case%solver%method) == 'fast') call begin_lanes(queue, &
-         spectrum%threads, control, fast)
       associate (n => queue%rows%n)
          values(1:n, 1:size(spectrum%quantities)) => spectrum%values
          codes(1:n) => spectrum%status
@@ -247,7 +240,6 @@ contains
             if (allocated(status)) deallocate (status)
             allocate (status(last - first + 1))
             status = interrupted
-            if (fast%is_used) call run_lanes(queue, first, fast, values(first:last, :), status)
             call run_block(queue, first, spectrum%threads, control, values(first:last, :), &
                status, spectrum%rhs_evaluations)
             do i = first, last
@@ -257,56 +249,6 @@ contains
          end do
       end associate
    end subroutine run_rows
-
-   !> Prepare method 'fast', if all that is asked for follows from displacements.
-   subroutine begin_lanes(queue, threads, control, fast)
-      type(queue_t), intent(in) :: queue
-      integer, intent(in) :: threads
-      type(control_t), intent(in) :: control
-      type(exponential_t), intent(out) :: fast
-      type(case_t) :: row
-      type(equation_t) :: equation
-
-      call begin_fast(queue%rows, threads, control, fast)
-      if (.not. fast%is_used .or. queue%asked%is_displacement) return
-      row%structure_t = queue%rows%case%structure_t
-      call set_axes(row, T_s=1.0_wp, gamma=1.0_wp)
-      call build_equation(row, fast%motion, equation)
-      fast%is_used = follow_from_displacement(queue%asked, equation)
-      fast%keeps_rows = fast%is_used
-   end subroutine begin_lanes
-
-   !> Compute the rows of a block that method 'fast' covers; the others keep their status.
-   subroutine run_lanes(queue, first, fast, values, status)
-      type(queue_t), intent(in) :: queue
-      integer, intent(in) :: first
-      !! number of the first row
-      type(exponential_t), intent(inout) :: fast
-      real(wp), intent(inout) :: values(:, :)
-      !! (rows, quantities)
-      character(24), intent(inout) :: status(:)
-      !! (rows)
-      real(wp) :: u_s_max(size(status))
-      logical :: is_done(size(status))
-      integer :: i
-
-      call run_fast(fast, first, u_s_max, is_done)
-      where (is_done) status = 'ok'
-      if (queue%asked%is_displacement) then
-         do i = 1, size(status)
-            if (is_done(i)) values(i, :) = u_s_max(i)
-         end do
-         return
-      end if
-      !$omp parallel do num_threads(fast%threads) schedule(dynamic, 16) default(shared)
-      do i = 1, size(status)
-         if (.not. is_done(i)) cycle
-         call values_from_displacement(queue%asked, fast%row(i), fast%motion, u_s_max(i), &
-            values(i, :), is_done(i))
-         if (.not. is_done(i)) status(i) = interrupted
-      end do
-      !$omp end parallel do
-   end subroutine run_lanes
 
    !> Number of a name in the table, which grows where it is not there yet.
    pure subroutine put_code(name, names, code)
@@ -338,9 +280,9 @@ contains
 
       associate (method => queue%rows%case%solver%method)
          ! lanes share what is asked of their errors
-         if ((spectrum_method(method) == 'fast' .or. method == 'dop853') &
+         if ((spectrum_method(method) == 'auto' .or. method == 'dop853') &
             .and. .not. queue%rows%has_own_estimate) then
-            call run_general_lanes(queue, first, threads, control, values, status, evaluations)
+            call run_lanes(queue, first, threads, control, values, status, evaluations)
             return
          end if
       end associate
@@ -352,8 +294,9 @@ contains
       !$omp end parallel do
    end subroutine run_block
 
-   !> Compute the rows that are still to be done in general lanes, the shortest periods first.
-   subroutine run_general_lanes(queue, first, threads, control, values, status, evaluations)
+   !> Compute the rows of a block in lanes, the shortest periods first: they take longest, and none
+   !> is left to the end.
+   subroutine run_lanes(queue, first, threads, control, values, status, evaluations)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: first
       integer, intent(in) :: threads
@@ -362,20 +305,19 @@ contains
       character(24), intent(inout) :: status(:)
       integer(i8), intent(inout) :: evaluations
       type(ordinate_t), allocatable :: ordinates(:)
-      integer, allocatable :: open(:)
+      integer, allocatable :: order(:)
       real(wp), allocatable :: T_s(:)
       integer :: i, m
 
-      open = pack([(i, i=1, size(status))], status == interrupted)
-      T_s = [(period_of(queue%rows, first + open(m) - 1), m=1, size(open))]
-      open = open(order_by_cost(T_s, spread(0, 1, size(open)), 0))
-      allocate (ordinates(size(open)))
-      ordinates%row = first + open - 1
+      T_s = [(period_of(queue%rows, first + i - 1), i=1, size(status))]
+      order = rising_order(T_s)
+      allocate (ordinates(size(order)))
+      ordinates%row = first + order - 1
       call run_with_estimates(queue, threads, control, ordinates)
       if (is_cancelled(control)) return
       evaluations = evaluations + sum(ordinates%rhs_evaluations)
-      do m = 1, size(open)
-         i = open(m)
+      do m = 1, size(order)
+         i = order(m)
          status(i) = ordinates(m)%failure
          if (ordinates(m)%failure /= '') cycle
          if (allocated(ordinates(m)%values)) then
@@ -387,7 +329,7 @@ contains
          if (ordinates(m)%collapsed) status(i) = 'collapsed'
          if (ordinates(m)%is_inaccurate) status(i) = 'inaccurate'
       end do
-   end subroutine run_general_lanes
+   end subroutine run_lanes
 
    !> Compute one row by the general kernel, with local work space only: threads run it at once.
    subroutine run_one(queue, number, control, values, status, evaluations)
@@ -411,7 +353,6 @@ contains
          call count_done(control)
          return
       end if
-      row%solver%method = trim(spectrum_method(row%solver%method))
       if (allocated(row%output)) deallocate (row%output)
       if (allocated(queue%asked%output)) row%output = queue%asked%output
       if (queue%rows%has_own_motion) then

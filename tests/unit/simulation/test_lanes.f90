@@ -5,9 +5,11 @@ program test_lanes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_input_reader, only: read_case_text
-   use rwmf_integrator_lane_kernels, only: lane_kernels_of, lane_kernels_t, team_width
+   use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, lane_kernels_t, &
+      team_width
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
-   use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, verner_65
+   use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, &
+      step_tolerance, tsitouras_papakostas_64, tsitouras_papakostas_75
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_lanes, only: of_input, of_plastic, of_viscous, power_count
@@ -15,7 +17,6 @@ program test_lanes
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate
-   use rwmf_spectrum_fast_simd_dispatch, only: best_level
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    implicit none
 
@@ -33,10 +34,16 @@ program test_lanes
    character(*), parameter :: yielding = '&yielding u_y=0.02, hardening=0.05'
    type(checks_t) :: checks
 
-   call check_order(verner_65(), 6, 'Verner 6(5)')
+   ! its error of order 7 vanishes for linear equations
+   call check_order(tsitouras_papakostas_64(), 7, 'Tsitouras-Papakostas 6(4)')
+   call check_order(tsitouras_papakostas_75(), 7, 'Tsitouras-Papakostas 7(5)')
    call check_order(dormand_prince_853(), 8, 'Dormand-Prince 8')
-   call check_work(verner_65(), 6, 'Verner 6(5)')
+   call check_work(tsitouras_papakostas_64(), 6, 'Tsitouras-Papakostas 6(4)')
+   call check_work(tsitouras_papakostas_75(), 7, 'Tsitouras-Papakostas 7(5)')
    call check_work(dormand_prince_853(), 8, 'Dormand-Prince 8')
+   call check_conditions(tsitouras_papakostas_64(), 6, 'Tsitouras-Papakostas 6(4)')
+   call check_conditions(tsitouras_papakostas_75(), 7, 'Tsitouras-Papakostas 7(5)')
+   call check_conditions(dormand_prince_853(), 8, 'Dormand-Prince 8')
    call check_bits(wall//cable//loss//pulses//devices//fuse, 'devices')
    call check_bits(wall//cable//loss//pulses//yielding//", law='bouc_wen', exponent=1.7 /", &
       'smooth hysteresis')
@@ -97,6 +104,36 @@ contains
       call checks%close_to(log(error(1)/error(2))/log(2.0_wp), real(order, wp), 'order of '//name, &
          atol=0.3_wp)
    end subroutine check_order
+
+   !> Conditions of order: sums of stages are nodes, powers of nodes are integrated, an embedded
+   !> solution differs from the solution by the order of the estimate.
+   subroutine check_conditions(pair, order, name)
+      type(pair_t), intent(in) :: pair
+      integer, intent(in) :: order
+      character(*), intent(in) :: name
+      real(wp), parameter :: round_off = 1.0e-14_wp
+      integer :: k, s
+
+      if (.not. checks%wants('conditions, '//name)) return
+      do s = 2, pair%stages
+         associate (a => pair%a(s))
+            call checks%close_to(sum(a%weight(:a%terms)), pair%c(s), 'nodes of '//name, &
+               atol=40*round_off)
+         end associate
+      end do
+      associate (c => pair%c(:pair%stages), b => pair%weight(:pair%stages), e => pair%e)
+         do k = 1, order
+            call checks%close_to(sum(b*c**(k - 1)), 1.0_wp/k, 'quadrature of '//name, &
+               atol=round_off)
+         end do
+         if (pair%order == pair%error_order) return
+         do k = 1, pair%error_order - 1
+            call checks%close_to(sum(e%weight(:e%terms)*c(e%stage(:e%terms))**(k - 1)), 0.0_wp, &
+               'estimate of '//name, atol=round_off)
+         end do
+         call checks%that(step_tolerance(pair, 1.0e-7_wp) > 1.0e-7_wp, 'tolerance of '//name)
+      end associate
+   end subroutine check_conditions
 
    !> The work of the dampers has the order of the pair: it is what a free oscillator loses.
    subroutine check_work(pair, order, name)

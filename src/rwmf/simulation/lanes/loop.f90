@@ -17,6 +17,7 @@ module rwmf_simulation_lanes_loop
       plan_one => plan_step
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_one_step, only: begin_at
+   use rwmf_integrator_pairs, only: step_tolerance
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of, rates_at
    use rwmf_model_hysteresis_bouc_wen, only: stable_pace, will_pass_zero
    use rwmf_model_lanes, only: power_count
@@ -33,7 +34,7 @@ module rwmf_simulation_lanes_loop
       stands_on_fuses, stay_at_rest
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
-   use rwmf_simulation_lanes_team, only: caution, create_team, find_steps_to_watch, &
+   use rwmf_simulation_lanes_team, only: create_team, find_steps_to_watch, &
       follow_curves, lane_t, line_row, longest_step, may_hide_turns, team_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_piece, &
@@ -97,11 +98,13 @@ contains
       team%is_busy(i) = .true.
       if (.not. allocated(lane%error)) then
          associate (tolerance => lane%integrator%tolerance)
-            team%tolerance(i, :) = caution(team%pair)*[tolerance%rtol, tolerance%atol]
+            team%tolerance(i, :) = step_tolerance(team%pair, tolerance%rtol)/tolerance%rtol &
+               *[tolerance%rtol, tolerance%atol]
          end associate
          if (lane%recorder%keeps_energy .and. .not. allocated(team%work)) allocate ( &
             team%work(team%width, power_count))
          team%table(i, of_longest) = longest_step(lane%equation)
+         team%table(i, of_interval) = -1
       end if
       call enter_team(lane, i, team)
    end subroutine join_team
@@ -242,8 +245,13 @@ contains
       integer, intent(in) :: i
       real(wp), intent(in) :: t_limit
       type(team_t), intent(inout) :: team
+      integer :: interval
 
-      team%table(i, of_interval) = interval_of(lane%equation)
+      interval = interval_of(lane%equation)
+      ! mostly an event has changed the course inside of an interval
+      if (interval == int(team%table(i, of_interval)) &
+          .and. abs(t_limit - team%table(i, of_limit)) <= 0) return
+      team%table(i, of_interval) = interval
       associate (row => line_row(t_limit, lane%equation%state%line, &
                                  lane%equation%state%vertical_line))
          team%table(i, of_limit) = row(1)
@@ -258,7 +266,8 @@ contains
    !> One step of all lanes, and what happens in it.
    subroutine step_team(lanes, team)
       type(lane_t), intent(inout), target :: lanes(:)
-      type(team_t), intent(inout) :: team
+      type(team_t), intent(inout), target :: team
+      integer, pointer, contiguous :: marks(:)
       integer :: i
 
       associate (scene => lanes(1)%equation%scene, n => lanes(1)%equation%n, &
@@ -288,8 +297,10 @@ contains
             call team%kernels%pass_knots(intervals, team%lines, team%table, team%mark)
          end if
       end associate
+      marks => team%mark
       do i = 1, team%width
-         if (team%mark(i) == is_done .or. .not. team%is_busy(i)) cycle
+         if (marks(i) == is_done) cycle
+         if (.not. team%is_busy(i)) cycle
          call check_progress(lanes(i), i, team)
          select case (team%mark(i))
          case (needs_look)

@@ -21,7 +21,7 @@ module rwmf_simulation_lanes_team
    implicit none
    private
 
-   public :: lane_t, team_t, create_team, leave_team, tabulate_lines, line_row, caution
+   public :: lane_t, team_t, create_team, leave_team, tabulate_lines, line_row
    public :: longest_step, find_steps_to_watch, follow_curves, may_hide_turns
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
@@ -248,14 +248,6 @@ contains
       row = [limit, line%a_0, line%slope, line%t_0, vertical%a_0, vertical%slope]
    end function line_row
 
-   !> Part of the tolerance that a step may use up: the errors of the lower order add up where the
-   !> steps are as long as they allow, under pulses and at short periods.
-   pure real(wp) function caution(pair)
-      type(pair_t), intent(in) :: pair
-
-      caution = merge(0.2_wp, 1.0_wp, pair%error_order < 8)
-   end function caution
-
    !> Longest step in which the events of a lane can be seen [s].
    real(wp) function longest_step(equation) result(longest)
       type(equation_t), intent(in) :: equation
@@ -345,16 +337,52 @@ contains
       type(polygon_t) :: rate
       real(wp) :: noise
 
-      rate = rate_in_step(team, i)
       associate (h => team%table(i, of_trial), y => team%y, y_new => team%y_new)
          noise = 8*epsilon(h)*(max(abs(y(i, 2)), abs(y_new(i, 2))) &
             + max(abs(y(i, 1)), abs(y_new(i, 1)))/h)
+         may = .not. turns_plainly(team, i, noise)
+         if (.not. may) return
+         rate = rate_in_step(team, i)
          ! from a turn on the motion goes where it is accelerated to
          if (abs(y(i, 2)) <= 0) rate%c(0) = sign(2*noise, rate%c(1))
          rate%c = sign(1.0_wp, rate%c(0))*rate%c
          may = changes_of(rate, noise) == unclear
       end associate
    end function may_hide_turns
+
+   !> Does theta' plainly keep its sign in a step, or change it once? All coefficients of
+   !> `rate_in_step` then lie beyond their margins: the same numbers, written out for most steps.
+   pure logical function turns_plainly(team, i, noise) result(is_plain)
+      type(team_t), intent(in) :: team
+      integer, intent(in) :: i
+      real(wp), intent(in) :: noise
+      !! round-off of theta' [rad/s]
+      real(wp) :: rise, rise_new, way, bend(2), r(0:4), c(0:5), margin
+
+      associate (h => team%table(i, of_trial), y => team%y, y_new => team%y_new, &
+                 last => team%pair%stages)
+         rise = h*team%k(i, 2, 1)
+         rise_new = h*team%k(i, 2, last)
+         r(0) = y(i, 2)
+         r(1) = r(0) + 0.25_wp*rise
+         r(4) = y_new(i, 2)
+         r(3) = r(4) - 0.25_wp*rise_new
+         way = (y_new(i, 1) - y(i, 1))/h
+         r(2) = 5*way - 2*(r(0) + r(4)) - 0.25_wp*(rise - rise_new)
+         ! fourth differences of the points of the quintic, over h
+         bend(1) = 0.2_wp*(r(3) - 3*r(2) + 3*r(1) - r(0))
+         bend(2) = 0.2_wp*(r(4) - 3*r(3) + 3*r(2) - r(1))
+         margin = longest_angle(2)*(abs(bend(2) - bend(1)) + longest_angle(2)*maxval(abs(bend)))/20
+         c(0) = r(0)
+         c(1) = 0.2_wp*(r(0) + 4*r(1))
+         c(2) = 0.2_wp*(2*r(1) + 3*r(2))
+         c(3) = 0.2_wp*(3*r(2) + 2*r(3))
+         c(4) = 0.2_wp*(4*r(3) + r(4))
+         c(5) = r(4)
+         is_plain = min(abs(c(0)), abs(c(1)), abs(c(2)) - margin, abs(c(3)) - margin, abs(c(4)), &
+            abs(c(5))) > 2*noise .and. count(c(1:)*c(:4) < 0) <= 1
+      end associate
+   end function turns_plainly
 
    !> Accelerations of the ground where they are not on a straight line.
    subroutine follow_curves(lanes, team)

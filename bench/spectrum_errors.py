@@ -1,6 +1,6 @@
-"""Method `fast`: does it keep what it is asked for, under motions that are much too strong as well.
+"""Measure whether spectra keep their tolerance, under motions that are much too strong as well.
 
-    .venv/bin/python bench/fast_errors.py
+    .venv/bin/python bench/spectrum_errors.py
 
 El Centro times 1 to 8, the wall of the paper in two widths, three formulations, 76 periods, mass
 ratios from 5 to 1800. An ordinate is too wrong when its error exceeds rtol times its sensitivity to
@@ -32,7 +32,7 @@ Array = npt.NDArray[np.float64]
 
 def _scene(formulation: str, b: float, gamma: float) -> rwmf.Case:
     """State a scene, but for the scale of the motion."""
-    return case(read_record(RECORD), "fast", RTOLS[0]).replace(
+    return case(read_record(RECORD), "auto", RTOLS[0]).replace(
         wall={"b": b}, frame={"gamma": gamma}, model={"formulation": formulation}
     )
 
@@ -45,7 +45,7 @@ def _peaks(scene: rwmf.Case, scale: float, method: str, rtol: float) -> Array:
 
 def _worst(scene: rwmf.Case, scale: float, truth: Array, rtol: float) -> list[tuple[float, float]]:
     """Periods [s] that are too wrong, and by how many times what is allowed."""
-    error = np.abs(_peaks(scene, scale, "fast", rtol) / truth - 1)
+    error = np.abs(_peaks(scene, scale, "auto", rtol) / truth - 1)
     if not np.any(error > rtol):
         return []
     nudged = _peaks(scene, scale * (1 + NUDGE), "dop853", 1e-12)

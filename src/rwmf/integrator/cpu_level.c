@@ -1,4 +1,4 @@
-/* Which compilation of the vectorised loops can this processor run? See simd_dispatch.F90. */
+/* Which compilation of the vectorised loops can this processor run? See lane_kernels.F90. */
 
 int rwmf_processor_level(void);
 

@@ -1,35 +1,15 @@
-!> Order in which the ordinates of a fast spectrum are started.
-module rwmf_spectrum_fast_schedule
+!> Order of numbers.
+module rwmf_math_ordering
    use rwmf_core_kinds, only: wp
    implicit none
    private
 
-   public :: order_by_cost
+   public :: rising_order
 
 contains
 
-   !> Indices of the periods, the most expensive ones first: by the length of their steps, then in
-   !> rising order. Adjacent periods have similar motions, and no expensive one is left to the end.
-   pure function order_by_cost(T_s, level, last_level) result(order)
-      real(wp), intent(in) :: T_s(:)
-      !! (n_T) [s]
-      integer, intent(in) :: level(:)
-      !! (n_T) halvings of the step
-      integer, intent(in) :: last_level
-      !! periods beyond it are left out
-      integer, allocatable :: order(:)
-      integer :: rising(size(T_s))
-      integer :: l
-
-      rising = sorted(T_s)
-      allocate (order(0))
-      do l = last_level, 0, -1
-         order = [order, pack(rising, level(rising) == l)]
-      end do
-   end function order_by_cost
-
-   !> Indices of a list in rising order, by merging sorted runs.
-   pure function sorted(x) result(order)
+   !> Indices of a list in rising order, by merging sorted runs; equal numbers keep theirs.
+   pure function rising_order(x) result(order)
       real(wp), intent(in) :: x(:)
       integer :: order(size(x))
       integer :: i, n
@@ -44,14 +24,13 @@ contains
          end do
          n = 2*n
       end do
-   end function sorted
+   end function rising_order
 
    !> Indices of two sorted lists, merged in rising order.
    pure function merged(x, left, right) result(order)
       real(wp), intent(in) :: x(:)
-      integer, intent(in) :: left(:)
+      integer, intent(in) :: left(:), right(:)
       !! indices in the order of x
-      integer, intent(in) :: right(:)
       integer :: order(size(left) + size(right))
       integer :: i, j, k
       logical :: takes_left
@@ -71,4 +50,4 @@ contains
       end do
    end function merged
 
-end module rwmf_spectrum_fast_schedule
+end module rwmf_math_ordering

@@ -1,4 +1,4 @@
-"""Method `fast` keeps its tolerance, and its loops are vectorised by the compiler in use."""
+"""Spectra keep their tolerance, and the compiler in use vectorises the loops of the lanes."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from random_cases import random_cases
 
 INPUTS = ROOT / "inputs"
 BUILD = ROOT / "build"
-FAST = ROOT / "src" / "rwmf" / "spectrum" / "fast"
+SOURCES = ROOT / "src" / "rwmf"
 TRUSTED = {"method": "dop853", "rtol": 1e-13}
-# the fallback, dop853, errs up to this times its rtol
-FALLBACK = 10.0
+# error over rtol and sensitivity
+PROMISED = 1.0
 
 Array = npt.NDArray[np.float64]
 
 
-def _peaks(case: rwmf.Case) -> tuple[Array, int]:
-    found = rwmf.spectrum(case)
-    return found.u_s_max.values[0], int(found.attrs["rhs_evaluations"])
+def _peaks(case: rwmf.Case) -> Array:
+    peaks: Array = rwmf.spectrum(case).u_s_max.values[0]
+    return peaks
 
 
 def _sensitivity(case: rwmf.Case, truth: Array, change: float) -> Array:
@@ -38,7 +38,7 @@ def _sensitivity(case: rwmf.Case, truth: Array, change: float) -> Array:
     largest = np.zeros_like(truth)
     for sign in (-1, 1):
         value = float(getattr(case.motion, key)) * (1 + sign * change)
-        other, _ = _peaks(case.replace(motion={key: value}, solver=TRUSTED))
+        other = _peaks(case.replace(motion={key: value}, solver=TRUSTED))
         largest = np.maximum(largest, np.abs(other / truth - 1) / change)
     return largest
 
@@ -56,7 +56,7 @@ def _sensitivity(case: rwmf.Case, truth: Array, change: float) -> Array:
 def test_shipped_spectra_keep_the_tolerance(
     name: str, formulation: str, record_folder: Path
 ) -> None:
-    """Every eighth period of the figures: error at most rtol, all of them in lanes."""
+    """Every eighth period of the figures: error at most rtol."""
     case = (
         rwmf.Case.from_namelist(INPUTS / f"{name}.nml")
         if "13" not in name
@@ -65,10 +65,9 @@ def test_shipped_spectra_keep_the_tolerance(
     changes = {"T_s_min": None, "T_s_max": None, "n": None, "spacing": None}
     changes["T_s"] = np.linspace(0.05, 3.0, 38).tolist()
     case = case.replace(spectrum=changes, model={"formulation": formulation})
-    truth, _ = _peaks(case.replace(solver=TRUSTED))
+    truth = _peaks(case.replace(solver=TRUSTED))
     for rtol in (1e-7, 1e-8, 1e-9):
-        found, evaluations = _peaks(case.replace(solver={"rtol": rtol}))
-        assert evaluations == 0
+        found = _peaks(case.replace(solver={"rtol": rtol}))
         assert np.max(np.abs(found / truth - 1)) <= rtol
 
 
@@ -83,25 +82,22 @@ def _record(name: str, record_folder: Path) -> rwmf.Case:
 @pytest.mark.parametrize("rtol", [1e-5, 1e-7, 1e-9])
 def test_random_scenes_keep_the_tolerance(rtol: float, record_folder: Path) -> None:
     """Error at most rtol, or rtol times the sensitivity of the ordinate to its motion."""
-    lanes = 0
     for case in random_cases(24, seed=8, records=record_folder):
         period = float(case.frame.T_s)
         case = case.replace(
             spectrum={"T_s": [period, 0.7 * period], "gamma": [float(case.frame.gamma), 5.0]}
         )
-        truth, _ = _peaks(case.replace(solver=TRUSTED))
-        found, evaluations = _peaks(case.replace(solver={"rtol": rtol}))
+        truth = _peaks(case.replace(solver=TRUSTED))
+        found = _peaks(case.replace(solver={"rtol": rtol}))
         lifted = truth > 0
         error = np.abs(found[lifted] / truth[lifted] - 1)
         kappa = np.maximum(1.0, _sensitivity(case, truth, 10 * rtol)[lifted])
-        assert np.all(error <= (FALLBACK if evaluations else 1.0) * rtol * kappa), case.text
-        lanes += evaluations == 0
-    assert lanes >= 12, "most scenes must be covered by the lanes"
+        assert np.all(error <= PROMISED * rtol * kappa), case.text
 
 
 @pytest.mark.parametrize("formulation", ["symmetric", "exact"])
-def test_effects_that_depend_on_the_rotation_alone(formulation: str, record_folder: Path) -> None:
-    """Dampers, inerters, vertical motion and a link of finite length are in the polynomials."""
+def test_effects_keep_the_tolerance(formulation: str, record_folder: Path) -> None:
+    """Dampers, inerters, vertical motion and a link of finite length, alone and together."""
     groups: dict[str, dict[str, object]] = {
         "damper": {"c_over_m_w": 0.5},
         "inerter": {"inertance_over_m_w": 0.2},
@@ -117,7 +113,6 @@ def test_effects_that_depend_on_the_rotation_alone(formulation: str, record_fold
     for changes in [{name: keys} for name, keys in groups.items()] + [groups]:
         scene = case.replace(**changes)
         found = rwmf.spectrum(scene)
-        assert found.attrs["rhs_evaluations"] == 0
         truth = rwmf.spectrum(scene.replace(solver=TRUSTED))
         assert np.max(np.abs(found.u_s_max.values / truth.u_s_max.values - 1)) < 2e-8, changes
 
@@ -154,9 +149,8 @@ def _with_all(case: rwmf.Case, x: list[float]) -> rwmf.Case:
 def test_random_scenes_against_single_runs(
     change: Callable[[rwmf.Case, list[float]], rwmf.Case], rtol: float, record_folder: Path
 ) -> None:
-    """How they end, and errors as above, of what else the lanes cover; the same bits in a team."""
+    """Ends and errors as those of single runs at their tightest; the same bits in a team."""
     generator = np.random.default_rng(5)
-    lanes = 0
     ends = set()
     for base in random_cases(40, seed=11, records=record_folder):
         case = change(base, generator.random(8).tolist())
@@ -174,11 +168,8 @@ def test_random_scenes_against_single_runs(
         error = abs(peak - truth.u_s_max) / max(truth.u_s_max, 1e-300)
         if end == "ok" and error > rtol:
             error /= max(1.0, _sensitivity_of_run(case, truth.u_s_max, 10 * rtol))
-        in_lanes = found.attrs["rhs_evaluations"] == 0
         if end == "ok":
-            assert error <= (1.0 if in_lanes else FALLBACK) * rtol, case.text
-        lanes += in_lanes
-    assert lanes >= 20, "most scenes must be covered by the lanes"
+            assert error <= PROMISED * rtol, case.text
     assert change is not _with_p_delta or "collapsed" in ends
 
 
@@ -199,8 +190,8 @@ def _sensitivity_of_run(case: rwmf.Case, truth: float, change: float) -> float:
     return largest
 
 
-def test_bare_frame_is_exact(record_folder: Path) -> None:
-    """The linear recursion against the general kernel at its tightest, damped and overdamped."""
+def test_bare_frames_keep_the_tolerance(record_folder: Path) -> None:
+    """Frames alone against the tightest tolerance, damped and overdamped."""
     for xi_s in (0.02, 0.2, 1.3):
         case = rwmf.Case(
             frame={"xi_s": xi_s},
@@ -208,9 +199,10 @@ def test_bare_frame_is_exact(record_folder: Path) -> None:
             spectrum={"T_s": np.geomspace(0.02, 8.0, 40).tolist()},
         )
         found = rwmf.spectrum(case)
-        assert found.attrs["rhs_evaluations"] == 0
         truth = rwmf.spectrum(case.replace(solver=TRUSTED))
-        assert np.max(np.abs(found.u_s_max.values / truth.u_s_max.values - 1)) < 1e-11
+        error = np.max(np.abs(found.u_s_max.values / truth.u_s_max.values - 1))
+        # what steps of a lightly damped frame err adds up over its memory
+        assert error <= 10 * float(case.solver.rtol)
 
 
 def test_peak_in_the_first_step_of_a_frame(tmp_path: Path) -> None:
@@ -222,49 +214,23 @@ def test_peak_in_the_first_step_of_a_frame(tmp_path: Path) -> None:
         motion={"kind": "record", "file": str(path), "unit": "m/s2"},
         spectrum={"T_s": [0.3, 2.0, 2.2]},
     )
-    found, evaluations = _peaks(case)
-    assert evaluations == 0
-    truth, _ = _peaks(case.replace(solver=TRUSTED))
+    found = _peaks(case)
+    truth = _peaks(case.replace(solver=TRUSTED))
     assert np.max(np.abs(found / truth - 1)) < 1e-11
     # the ground turns at 0.00426 s, the frame later, and falls back before the record ends
     assert np.all(found > 1.5e-5)
 
 
-def test_other_effects_fall_back() -> None:
-    """Effects with memory or limits, and other tolerances, leave the spectrum to general lanes."""
-    scene = {
-        "wall": {"h": 2.0, "b": 0.5},
-        "model": {"formulation": "exact"},
-        "frame": {"gamma": 5.0, "xi_s": 0.05},
-        "impact": {"e": 0.9},
-        "motion": {"kind": "one_sine", "a_max_g": 0.4, "omega_p": 2 * math.pi},
-        "solver": {"t_end": 3.0},
-        "spectrum": {"T_s": [1.0]},
-    }
-    assert rwmf.spectrum(rwmf.Case(**scene)).attrs["rhs_evaluations"] == 0
-    without_impact = {name: keys for name, keys in scene.items() if name != "impact"}
-    pinned = rwmf.Case(**(without_impact | {"wall": {"h": 2.0, "b": 0.5, "base": "pinned"}}))
-    assert rwmf.spectrum(pinned).attrs["rhs_evaluations"] > 0
-    for group, keys in (
-        ("yielding", {"u_y": 0.02, "hardening": 0.05}),
-        ("solver", {"t_end": 3.0, "atol": 1e-9}),
-        ("solver", {"t_end": 3.0, "verify": True}),
-    ):
-        changed = rwmf.Case(**(scene | {group: keys}))
-        assert rwmf.spectrum(changed).attrs["rhs_evaluations"] > 0, group
-
-
 def test_progress_counts_every_ordinate_once(record_folder: Path) -> None:
-    """Those that are repeated, and those that the general kernel takes over, included."""
+    """Those that are repeated for a smaller response included."""
     case = _record("fig13_elcentro_slender_wall", record_folder).replace(motion={"scale": 12.0})
     reports: list[tuple[int, int]] = []
-    found = rwmf.spectrum(
+    rwmf.spectrum(
         case,
         T_s=np.linspace(0.3, 3.0, 24),
         gamma=[5.0, 1800.0],
         progress=lambda done, total: reports.append((done, total)),
     )
-    assert found.attrs["rhs_evaluations"] > 0
     assert max(reports) == reports[-1] == (48, 48)
 
 
@@ -284,14 +250,13 @@ def test_peak_of_a_flight_that_begins_in_its_step(tmp_path: Path) -> None:
             motion={"kind": "record", "file": str(file), "unit": "m/s2"},
             spectrum={"T_s": [0.5, 0.8, 2.2]},
         )
-        found, evaluations = _peaks(case)
-        assert evaluations == 0
-        truth, _ = _peaks(case.replace(solver=TRUSTED))
+        found = _peaks(case)
+        truth = _peaks(case.replace(solver=TRUSTED))
         assert np.max(np.abs(found / truth - 1)) < 1e-9, file.name
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("source", ["step_kernel", "substep_kernel", "event_kernel"])
+@pytest.mark.parametrize("source", ["integrator/lane_control.f90", "model/lanes.F90"])
 def test_every_loop_is_vectorised(source: str, tmp_path: Path) -> None:
     """The compiler's own report names every loop that `!$omp simd` marks, for all instructions."""
     listed = BUILD / "compile_commands.json"
@@ -300,7 +265,7 @@ def test_every_loop_is_vectorised(source: str, tmp_path: Path) -> None:
     entries = [
         entry
         for entry in json.loads(listed.read_text(encoding="utf-8"))
-        if Path(entry["file"]).name.startswith("team_unit")
+        if Path(entry["file"]).name.startswith("lane_unit_l16")
         and "rwmf_lanes" in entry["output"]
         and "quad" not in entry["output"]
     ]
@@ -310,7 +275,6 @@ def test_every_loop_is_vectorised(source: str, tmp_path: Path) -> None:
         report = subprocess.run(
             [
                 *_without_outputs(words),
-                f"-I{FAST.relative_to(ROOT)}/librwmf_lanes.a.p",
                 f"-J{tmp_path}",
                 "-fopt-info-vec-optimized",
                 "-o",
@@ -321,14 +285,14 @@ def test_every_loop_is_vectorised(source: str, tmp_path: Path) -> None:
             text=True,
             check=True,
         ).stderr
-        named = rf"{source}\.F90:(\d+):\d+: optimized: .* vectorized"
+        named = rf"{re.escape(Path(source).name)}:(\d+):\d+: optimized: .* vectorized"
         done = [int(line) for line in re.findall(named, report)]
         # Before SSE 4.1 there is no instruction for a choice between two values.
         has_choice = "_v3" in entry["output"] or "_v4" in entry["output"]
         missed = [
             loop
-            for loop, copies, chooses in _marked_loops(FAST / f"{source}.F90")
-            if sum(line in loop for line in done) < copies and (has_choice or not chooses)
+            for loop, chooses in _marked_loops(SOURCES / source)
+            if not any(line in loop for line in done) and (has_choice or not chooses)
         ]
         assert not missed, (entry["output"], missed)
 
@@ -348,11 +312,8 @@ def _without_outputs(words: list[str]) -> list[str]:
     return kept
 
 
-def _marked_loops(path: Path) -> list[tuple[range, int, bool]]:
-    """List the loops after `!$omp simd`: lines, of which the report names one; how often; choice.
-
-    A loop that depends on `is_plain` is compiled for each of the three kinds of steps.
-    """
+def _marked_loops(path: Path) -> list[tuple[range, bool]]:
+    """List the loops after `!$omp simd`: lines, of which the report names one; choice."""
     lines = [line.strip() for line in path.read_text(encoding="utf-8").splitlines()]
     loops = []
     for number, line in enumerate(lines):
@@ -360,7 +321,6 @@ def _marked_loops(path: Path) -> list[tuple[range, int, bool]]:
             # The report names the mark as well, for what a reduction begins with.
             begin = next(k for k in range(number, len(lines)) if lines[k].startswith("do "))
             text = lines[begin : lines.index("end do", begin)]
-            copies = 3 if any("is_plain" in part for part in text) else 1
             chooses = any("merge(" in part for part in text)
-            loops.append((range(begin + 1, begin + len(text) + 2), copies, chooses))
+            loops.append((range(begin + 1, begin + len(text) + 2), chooses))
     return loops
