@@ -502,7 +502,9 @@ contains
       real(wp) :: after
       logical :: rests
 
-      if (abs(hybrid%y(2)) < slow*sqrt(hybrid%rtol)*recorder%theta_dot_ends) then
+      ! a warning that ordinates of peaks alone do not have
+      if (hybrid%settled_angle <= 0 &
+          .and. abs(hybrid%y(2)) < slow*sqrt(hybrid%rtol)*recorder%theta_dot_ends) then
          call look_for_grazing(hybrid, equation, recorder)
       end if
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)

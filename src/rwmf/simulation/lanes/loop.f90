@@ -266,8 +266,7 @@ contains
    !> One step of all lanes, and what happens in it.
    subroutine step_team(lanes, team)
       type(lane_t), intent(inout), target :: lanes(:)
-      type(team_t), intent(inout), target :: team
-      integer, pointer, contiguous :: marks(:)
+      type(team_t), intent(inout) :: team
       integer :: i
 
       associate (scene => lanes(1)%equation%scene, n => lanes(1)%equation%n, &
@@ -297,10 +296,8 @@ contains
             call team%kernels%pass_knots(intervals, team%lines, team%table, team%mark)
          end if
       end associate
-      marks => team%mark
       do i = 1, team%width
-         if (marks(i) == is_done) cycle
-         if (.not. team%is_busy(i)) cycle
+         if (team%mark(i) == is_done .or. .not. team%is_busy(i)) cycle
          call check_progress(lanes(i), i, team)
          select case (team%mark(i))
          case (needs_look)
