@@ -35,11 +35,7 @@ STATE_ALLOWED = {
 SHARED_BASE_NAMES = {
     "lanes": 2,
     "quantities": 2,
-    "reader": 2,
-    "run": 2,
     "spectrum": 2,
-    "team": 2,
-    "units": 2,
 }
 
 # Names of several derived types.

@@ -2,7 +2,7 @@
 !> `rwmf._kernel` beside `rwmf_bindings_python_kernel`, whose conventions they follow.
 module rwmf_bindings_python_cost
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
-   use rwmf_baseline_run, only: usual_interval
+   use rwmf_baseline_baseline_run, only: usual_interval
    use rwmf_baseline_timed_run, only: measure_method, names_of_values => value_names, &
       put_measured, repeat_baseline, timed_run_t
    use rwmf_bindings_python_handles, only: complete_case, find, kept_t, make_control, &

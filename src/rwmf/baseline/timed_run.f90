@@ -2,7 +2,7 @@
 !> form for every method and for the reference.
 module rwmf_baseline_timed_run
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_baseline_run, only: baseline_t, ode45_atol, ode45_rtol, run_baseline
+   use rwmf_baseline_baseline_run, only: baseline_t, ode45_atol, ode45_rtol, run_baseline
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, i8, wp

@@ -13,7 +13,7 @@ module rwmf_input_change
    use rwmf_input_schema, only: all_groups, find_key, keys_of
    use rwmf_input_schema_check, only: append, check_groups, check_values, &
       enter_defaults, suggest
-   use rwmf_input_units, only: check_units, convert_units
+   use rwmf_input_unit_conversion, only: check_units, convert_units
    use rwmf_input_value_check, only: check_number, requirement
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t

@@ -3,11 +3,11 @@ module rwmf_input_reader
    use rwmf_core_error, only: add_context, err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_input_namelist, only: group_t, parse_namelist
-   use rwmf_input_record_reader, only: make_record, read_record
+   use rwmf_input_record_record_reader, only: make_record, read_record
    use rwmf_input_record_samples, only: samples_t
    use rwmf_input_schema, only: all_groups, keys_of
    use rwmf_input_schema_check, only: check_groups, check_values, collect_values
-   use rwmf_input_units, only: check_units, convert_units
+   use rwmf_input_unit_conversion, only: check_units, convert_units
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_values_t, has_group, has_key, key_line, text_of

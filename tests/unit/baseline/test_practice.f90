@@ -1,7 +1,8 @@
 !> Today's procedures tend to the kernel's answer, each with its order.
 program test_practice
    use check, only: checks_t
-   use rwmf_baseline_run, only: baseline_t, ode45_atol, ode45_rtol, run_baseline, usual_interval
+   use rwmf_baseline_baseline_run, only: baseline_t, ode45_atol, ode45_rtol, &
+      run_baseline, usual_interval
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_problem_case, only: case_t

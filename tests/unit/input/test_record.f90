@@ -3,7 +3,7 @@ program test_record
    use check, only: checks_t
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: dp, wp
-   use rwmf_input_record_reader, only: parse_record, read_record
+   use rwmf_input_record_record_reader, only: parse_record, read_record
    use rwmf_problem_record, only: record_t
    implicit none
 

@@ -1,7 +1,7 @@
 !> Dimensional keys: a case that says masses in kg, stiffnesses in N/m and forces in N becomes one
 !> of ratios before any rule looks at it. Which key stands for which one says the table of keys
 !> (`key_t`), what is more than a quotient the group (`case_group_t`, `derive`).
-module rwmf_input_units
+module rwmf_input_unit_conversion
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_input_value_check, only: check_number
@@ -148,4 +148,4 @@ contains
       end do
    end subroutine check_derived
 
-end module rwmf_input_units
+end module rwmf_input_unit_conversion

@@ -5,7 +5,7 @@
 !> | `ode45`   | the paper's: MATLAB's ode45 with its default tolerances, restarted after impacts |
 !> | `rk4`     | Runge and Kutta's method with fixed steps                                       |
 !> | `newmark` | Newmark's method, average acceleration, with fixed steps                        |
-module rwmf_baseline_run
+module rwmf_baseline_baseline_run
    use rwmf_baseline_fixed_step, only: follow_with_fixed_steps
    use rwmf_baseline_ode45, only: follow_with_ode45
    use rwmf_baseline_problem, only: baseline_t, create_problem, finish_problem, problem_t, &
@@ -77,4 +77,4 @@ contains
       baseline%seconds = real(finished - started, wp)/real(rate, wp)
    end subroutine run_baseline
 
-end module rwmf_baseline_run
+end module rwmf_baseline_baseline_run

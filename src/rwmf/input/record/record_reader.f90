@@ -2,7 +2,7 @@
 !>
 !> Words are separated by blanks or commas; lines that begin with `#` and one header line before
 !> the numbers are skipped. Sample 1 of one column and of AT2 is at t = 0.
-module rwmf_input_record_reader
+module rwmf_input_record_record_reader
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_record_at2, only: has_at2_header, read_at2
@@ -173,4 +173,4 @@ contains
       record%t_peak = record%t(at)
    end subroutine set_accelerations
 
-end module rwmf_input_record_reader
+end module rwmf_input_record_record_reader
