@@ -63,14 +63,12 @@ def test_ordinates_are_runs(effect: str, folder: Path) -> None:
 
 
 def test_what_follows_from_the_displacement(folder: Path) -> None:
-    """The exponential lanes have displacements only; sides that are alike give the rest."""
+    """An ordinate of peaks alone may leave out chatter that ends by itself."""
     case = _case("cable, linear", folder).replace(solver={"method": "auto"})
     names = ["u_s_max", "theta_max_over_alpha", "cable_force_increment_max_over_m_w_g", "e_max"]
     found = rwmf.spectrum(case, quantities=names)
     assert list(found.data_vars) == [*names, "status"]
-    assert found.attrs["rhs_evaluations"] == 0
     more = rwmf.spectrum(case, quantities=[*names, "impacts"])
-    assert more.attrs["rhs_evaluations"] > 0
     for name in names:
         np.testing.assert_allclose(found[name], more[name], rtol=100 * _RTOL)
 

@@ -96,6 +96,7 @@ contains
       type(team_t), intent(inout) :: team
 
       team%is_busy(i) = .true.
+      lane%idle = 0
       if (.not. allocated(lane%error)) then
          associate (tolerance => lane%integrator%tolerance)
             team%tolerance(i, :) = step_tolerance(team%pair, tolerance%rtol)/tolerance%rtol &
@@ -497,7 +498,6 @@ contains
       integer, parameter :: most_looks = 1000
 
       lane%idle = lane%idle + 1
-      ! a new run begins before the last one has ended
       if (abs(team%table(i, of_time) - lane%t_last) > 0) lane%idle = 0
       lane%t_last = team%table(i, of_time)
       if (lane%idle <= most_looks) return
