@@ -6,8 +6,8 @@ OTHER is the checkout of the other build, whose extension is linked into its fol
 Both builds compute the same spectra in turn, one thread, and the smallest of ROUNDS counts. The
 time of an ordinate is the processor time of a spectrum of 500 periods from 0.1 to 3 s less that of
 100 periods, over 400: without the overhead of a call. Methods: here `auto`, there `fast` and
-`dop853`, its general lanes. Errors are those of 500 ordinates against `dop853` of the other build at
-rtol 1e-13. The last column is the time of a single run over that of an ordinate, both of this build.
+`dop853`, its general lanes. Errors are those of 500 ordinates against `dop853` of the other build
+at rtol 1e-13. The last column is the time of a single run over that of an ordinate of this build.
 """
 
 from __future__ import annotations

@@ -337,21 +337,23 @@ contains
       associate (equation => run%equation)
          ! by name dop853 has the bits of single runs, which follow all impacts
          if (asked%has_only_peaks .and. run%case%solver%method /= 'dop853' .and. equation%n == 2 &
-             .and. .not. (equation%has_bilinear_springs .or. equation%has_loading_direction)) &
-            run%hybrid%settled_angle = settled
+             .and. .not. (equation%has_bilinear_springs .or. equation%has_loading_direction &
+             .or. equation%creep > 0)) run%hybrid%settled_angle = settled
       end associate
    end subroutine begin_lane
 
-   !> The pair for a tolerance, unless the case names it; for runs at several tolerances, and under
-   !> motions without knots that limit the steps, the one of the highest order. The local errors of
-   !> smooth hysteresis add up: it gets one order more.
+   !> The pair for a tolerance, unless the case names it; the one of the highest order for runs at
+   !> several tolerances, under motions without knots that limit the steps, for laws with a corner,
+   !> and for frames alone, which add up the errors of many steps. So does smooth hysteresis: it gets
+   !> one order more.
    pure type(pair_t) function pair_for(case, equation) result(pair)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
 
       if (case%solver%rtol < 1.0e-11_wp .or. case%solver%method == 'dop853' &
           .or. allocated(case%solver%accuracy) &
-          .or. .not. is_piecewise_linear(equation%motion)) then
+          .or. .not. is_piecewise_linear(equation%motion) .or. equation%creep > 0 &
+          .or. .not. equation%has_wall) then
          pair = dormand_prince_853()
       else if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
                .or. equation%floors%n > 1) then
