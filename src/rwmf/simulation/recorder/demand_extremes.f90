@@ -16,6 +16,7 @@ module rwmf_simulation_recorder_demand_extremes
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_short, sample_state, &
       step_view_t
    use rwmf_simulation_recorder_reaction_estimates, only: fastest_of, inside, n_nodes, node, &
@@ -390,8 +391,8 @@ contains
 
       call demands_at(recorder%building, equation, t, y, y_dot, recorder%present)
       associate (present => recorder%present, g => equation%p%g)
-         if (equation%floors%n == 0) call put(row, 'storey_{i}_drift', present%drift)
-         if (.not. equation%floors%yields) call put(row, 'storey_{i}_shear_over_m_w_g', &
+         if (equation%floors%n == 0) call put(row, id%storey_i_drift, present%drift)
+         if (.not. equation%floors%yields) call put(row, id%storey_i_shear_over_m_w_g, &
             present%shear/g)
       end associate
    end subroutine put_storeys
@@ -403,12 +404,12 @@ contains
       type(equation_t), intent(in) :: equation
 
       associate (present => recorder%present, g => equation%p%g)
-         call put(row, 'floor_{i}_acceleration_g', present%acceleration/g)
-         if (recorder%building%roof_height > 0) call put(row, 'overturning_moment_over_weight_m', &
+         call put(row, id%floor_i_acceleration_g, present%acceleration/g)
+         if (recorder%building%roof_height > 0) call put(row, id%overturning_moment_over_weight_m, &
             present%overturning)
          if (.not. equation%has_wall) return
-         call put(row, 'wall_shear_over_m_w_g', present%wall%shear/g)
-         call put(row, 'wall_moment_over_m_w_g_m', present%wall%moment/g)
+         call put(row, id%wall_shear_over_m_w_g, present%wall%shear/g)
+         call put(row, id%wall_moment_over_m_w_g_m, present%wall%moment/g)
       end associate
    end subroutine put_demands
 
