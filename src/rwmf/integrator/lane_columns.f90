@@ -3,10 +3,10 @@ module rwmf_integrator_lane_columns
    implicit none
    private
 
-   public :: column_count
+   public :: column_count, screen_t
    public :: of_time, of_limit, of_length, of_trial, of_line, of_vertical_line, of_low, of_high, &
       of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch, of_goal, of_least, of_most
-   public :: of_interval, of_steps, of_pace, of_frequency, of_ground_end, of_plain, &
+   public :: of_interval, of_steps, of_pace, of_frequency, of_ground_end, of_plain, of_calm, &
       line_columns
    public :: is_done, is_rejected, needs_look, at_limit
 
@@ -57,9 +57,28 @@ module rwmf_integrator_lane_columns
    !! horizontal and vertical [m/s2]
    integer, parameter :: of_plain = 27
    !! 1 where the step that is tried holds no extremum of the reactions that are asked for
-   integer, parameter :: column_count = 27
+   integer, parameter :: of_calm = 28
+   !! likewise of the demands
+   integer, parameter :: column_count = 28
    integer, parameter :: line_columns = 6
    !! that depend on the interval of the motion: `of_limit` and those of the lines
+
+   !> What is asked for of the lanes of a batch.
+   type :: screen_t
+      logical :: is_used = .false.
+      logical :: has_reactions = .false.
+      logical :: has_demands = .false.
+      logical :: has_sampled_reactions = .false.
+      !! their ends do not tell enough of a step, because floors move by themselves
+      logical :: has_middle = .false.
+      !! something is sampled in the middle of each step
+      integer :: floors = 0, storeys = 0
+      !! numbers of those of the demands; the storeys move by themselves
+      integer :: n = 0
+      !! number of values
+      logical, allocatable :: is_led(:)
+      !! (values) it is in a fixed proportion to one before it
+   end type screen_t
 
    integer, parameter :: is_done = 0
    !! the step is accepted, and nothing happens in it

@@ -140,7 +140,8 @@ contains
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       if (allocated(error)) return
-      if (equation%has_impacts .and. needs_all_steps(recorder)) then
+      if (equation%has_impacts .and. (needs_all_steps(recorder) &
+         .or. allocated(recorder%demands))) then
          allocate (recorder%nearby)
          call begin_nearby(recorder%nearby, equation%n)
       end if

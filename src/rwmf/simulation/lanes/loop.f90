@@ -12,7 +12,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
       of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
-      of_pace, of_plain, of_top, of_trial, of_vertical_line, of_watch
+      of_calm, of_pace, of_plain, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
       plan_one => plan_step
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
@@ -447,7 +447,7 @@ contains
       step = until(step, t_b, y_b)
       if (lane%recorder%keeps_events) call list_turns(lane%recorder, step, lane%error)
       if (.not. allocated(lane%error)) call observe_piece(lane%recorder, step, lane%error, &
-         team%table(i, of_plain) > 0)
+         team%table(i, of_plain) > 0, team%table(i, of_calm) > 0)
       call note_extremes(lane, i, team)
       if (allocated(lane%error)) team%table(i, of_length) = 0
    end subroutine observe_step

@@ -26,7 +26,7 @@ module rwmf_simulation_recorder_demand_extremes
    private
 
    public :: demand_recorder_t, create_demands, observe_demands, observe_demands_at
-   public :: observe_demands_at_rest, put_storeys, put_demands, demand_extremes
+   public :: observe_demands_at_rest, put_storeys, put_demands, demand_extremes, put_constants
 
    !> Running maxima of the magnitudes: drifts and shears of the storeys [-], [m/s2], accelerations
    !> of the floors [m/s2], overturning moment [m], shear [m/s2] and moment [m2/s2] in the wall.
@@ -111,6 +111,21 @@ contains
       call rates_at(equation, 0.0_wp, beside, rates_beside)
       frequency = sqrt(max(0.0_wp, (rates(2) - rates_beside(2))/(beside(1) - y(1))))
    end function wall_frequency
+
+   !> Constants of the building for loops over lanes.
+   pure subroutine put_constants(recorder, constants)
+      type(demand_recorder_t), intent(in) :: recorder
+      real(wp), intent(out) :: constants(:)
+      !! as `lane_demands` reads them
+
+      associate (building => recorder%building)
+         constants = 0
+         constants(:2) = [building%unit, 1/building%weight]
+         if (allocated(building%z)) constants(3:2 + building%floors) = building%m*building%z &
+            /building%weight
+         constants(3 + building%floors:) = 1/building%height
+      end associate
+   end subroutine put_constants
 
    !> One state of motion, or of a wall at rest with zeros for its rates.
    subroutine observe_demands_at(recorder, equation, t, y, y_dot)

@@ -214,7 +214,7 @@ contains
       type(recorder_t), intent(in) :: recorder
 
       needs_all = recorder%keeps_history .or. recorder%keeps_events &
-         .or. allocated(recorder%drifts) .or. allocated(recorder%demands)
+         .or. allocated(recorder%drifts) .or. allocated(recorder%nearby)
    end function needs_all_steps
 
    !> Does what is asked for show the ground motion while the wall rests?
@@ -226,13 +226,15 @@ contains
    end function sees_rest
 
    !> A piece of smooth motion inside the last step of the integrator.
-   subroutine observe_piece(recorder, piece, error, has_plain_reactions)
+   subroutine observe_piece(recorder, piece, error, has_plain_reactions, has_calm_demands)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       logical, intent(in), optional :: has_plain_reactions
       !! it is known to hold no extremum of the reactions
+      logical, intent(in), optional :: has_calm_demands
+      !! nor of the demands
       logical :: is_left
 
       is_left = allocated(recorder%forces)
@@ -245,7 +247,9 @@ contains
       if (allocated(error)) return
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, piece, error)
       if (allocated(error)) return
-      if (allocated(recorder%demands)) call observe_demands(recorder%demands, piece, error)
+      is_left = allocated(recorder%demands)
+      if (present(has_calm_demands)) is_left = is_left .and. .not. has_calm_demands
+      if (is_left) call observe_demands(recorder%demands, piece, error)
       if (allocated(error)) return
       if (recorder%keeps_history) call sample_piece(recorder, piece, error)
       if (allocated(error)) return
