@@ -154,7 +154,8 @@ contains
       !! of the range so far
       real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
       !! of factors of a product
-      real(wp) :: top, low, level, range, normal(3), thrust(3)
+      real(wp) :: top, low, level, range, a, b, c
+      !! a, b, c: samples of N, then of |H|
       integer :: i, q
 
       !$omp simd
@@ -162,30 +163,44 @@ contains
          is_flat(i) = merge(1.0_wp, 0.0_wp, angle(i) < longest_angle)
       end do
       do q = first, final
-         if (screen%is_led(q)) cycle
-         !$omp simd private(top, low, level, range, normal, thrust)
+         if (screen%is_led(q) .or. (q == demand .and. is_quotient(parts))) cycle
+         !$omp simd private(top, low, level, range)
          do i = 1, lane_count
             top = max(values(i, q, at_begin), values(i, q, at_middle), values(i, q, at_end))
             low = min(values(i, q, at_begin), values(i, q, at_middle), values(i, q, at_end))
             level = values(i, q, so_far)
             range = level - values(i, q, least_so_far)
             top = top + rise*(top - low) + slack*max(range, 0.0_wp)
-            if (q == demand .and. parts%through_link%has_wall .and. .not. parts%has_shear_key) then
-               ! the smallest N, the largest |H|
-               normal = -max(-cap, min(values(i, low_normal, at_begin:at_end), cap))
-               thrust = normal*min(values(i, demand, at_begin:at_end), cap)
-               top = max(thrust(1), thrust(2), thrust(3))
-               top = top + rise*(top - min(thrust(1), thrust(2), thrust(3))) + slack*abs(top)
-               low = min(normal(1), normal(2), normal(3))
-               low = low - rise*(max(normal(1), normal(2), normal(3)) - low) - slack*abs(low)
-               top = merge(top/max(low, tiny(low)**0.25_wp), cap, low > 0)
-               ! no demand is larger than that of a pivot that lifts
-               top = merge(-cap, top, level >= cap)
-            end if
-            is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level .and. range >= 0)
+            is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level)
+            is_flat(i) = merge(is_flat(i), 0.0_wp, range >= 0)
          end do
       end do
+      if (first > demand .or. .not. is_quotient(parts)) return
+      !$omp simd private(top, low, level, a, b, c)
+      do i = 1, lane_count
+         a = -max(-cap, min(values(i, low_normal, at_begin), cap))
+         b = -max(-cap, min(values(i, low_normal, at_middle), cap))
+         c = -max(-cap, min(values(i, low_normal, at_end), cap))
+         low = min(a, b, c)
+         low = low - rise*(max(a, b, c) - low) - slack*abs(low)
+         a = a*min(values(i, demand, at_begin), cap)
+         b = b*min(values(i, demand, at_middle), cap)
+         c = c*min(values(i, demand, at_end), cap)
+         top = max(a, b, c)
+         top = top + rise*(top - min(a, b, c)) + slack*abs(top)
+         level = min(values(i, demand, so_far), cap)
+         ! no demand is larger than that of a pivot that lifts
+         top = merge(-1.0_wp, merge(top, 2*cap*cap, low > 0), level >= cap)
+         is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level*max(low, 0.0_wp))
+      end do
    end subroutine find_flat_steps
+
+   !> Is the demand of a scene |H|/N, and not the force of a shear key?
+   pure logical function is_quotient(parts)
+      type(force_parts_t), intent(in) :: parts
+
+      is_quotient = parts%through_link%has_wall .and. .not. parts%has_shear_key
+   end function is_quotient
 
    !> Which steps can hold no extremum of the reactions? Most are so short, and so far from the
    !> extrema so far, that their ends say it. A quotient |H|/N is bounded by its parts, because it
@@ -216,7 +231,7 @@ contains
             range = values(i, q, so_far) - values(i, q, least_so_far)
             found = max(values(i, q, at_begin), values(i, q, at_end)) + margin*max(range, 0.0_wp)
             level = values(i, q, so_far)
-            if (q == demand .and. parts%through_link%has_wall .and. .not. parts%has_shear_key) then
+            if (q == demand .and. is_quotient(parts)) then
                ! |H| departs from its ends by a part of its range, which the largest quotient times
                ! the largest N exceeds
                normal_a = -min(values(i, low_normal, at_begin), cap)

@@ -30,7 +30,7 @@ contains
 
    !> Reactions, and behind them the magnitudes of the demands: drifts [-] and shears [m/s2] of the
    !> storeys, accelerations of the floors [m/s2], overturning moment [m], largest shear [m/s2] and
-   !> moment [m2/s2] inside the wall.
+   !> moment [m2/s2] inside the wall, -1 without a wall.
    subroutine lane_demands(parts, floors, storeys, building, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       !! complete
@@ -47,27 +47,27 @@ contains
       real(wp), intent(out) :: found(lane_count, reaction_count + 2*storeys + floors + 3)
       type(lane_forces_t) :: forces
       real(wp) :: rates(lane_count, parts%through_link%n)
-      real(wp) :: roof(lane_count)
-      !! displacement [m]
+      real(wp), dimension(lane_count) :: roof, length
+      !! displacement, and what a rotation is over [m]
       real(wp) :: R
       integer :: i, j, last
       type(term_t) :: term
 
       call lane_forces(parts, coef, y, ground, found, forces, rates)
       last = reaction_count + 2*storeys + floors
-      found(:, last + 1:) = 0
+      found(:, last + 1) = 0
+      found(:, last + 2:) = -1
       if (storeys > 0) term = parts%through_link%terms(findloc(parts%through_link%terms%effect, &
          storeys_effect, dim=1))
       if (floors > 0) then
+         length = 1
+         if (parts%through_link%has_wall) length = 1/coef(:, first_wall + 1)
          !$omp simd private(R)
          do i = 1, lane_count
-            R = 1
-            if (parts%through_link%has_wall) R = 1/coef(i, first_wall + 1)
-            associate (motion => forces%motion)
-               roof(i) = R*motion%side(i)*motion%u(i)
-               found(i, last) = R*motion%side(i)*(motion%k(i)*motion%rate(i)*motion%rate(i) &
-                  + motion%j(i)*forces%phi_ddot(i)) + ground(i, 1)
-            end associate
+            R = length(i)
+            roof(i) = R*forces%motion%side(i)*forces%motion%u(i)
+            found(i, last) = R*forces%motion%side(i)*(forces%motion%k(i)*forces%motion%rate(i) &
+               *forces%motion%rate(i) + forces%motion%j(i)*forces%phi_ddot(i)) + ground(i, 1)
          end do
          do j = 1, floors - 1
             found(:, last - floors + j) = rates(:, term%state + floors - 2 + j) + ground(:, 1)
@@ -166,44 +166,47 @@ contains
       !! shear [m/s2] and moment [m2/s2]
       real(wp), parameter :: least = 1.0e-100_wp
       !! denominator
-      real(wp) :: h, b, turn, push, sine, cosine, across, about, bend, slope, rest, root, s(4)
+      real(wp), dimension(lane_count) :: h, b, turn, push, across, about
+      real(wp) :: s(lane_count, 4)
+      !! where shear or moment may be largest, below the top [m]
+      real(wp) :: sine, cosine, of_link, slope, rest, root, at
       integer :: i, j
 
-      !$omp simd private(h, b, turn, push, sine, cosine, across, about, bend, slope, rest, root, s)
+      !$omp simd private(sine, cosine, of_link, slope, rest, root)
       do i = 1, lane_count
-         associate (motion => forces%motion)
-            h = coef(i, first_wall + 2)/coef(i, first_wall + 1)
-            b = coef(i, first_wall + 3)/coef(i, first_wall + 1)
-            sine = 2*motion%side(i)*motion%half_sine(i)*motion%half_cosine(i)
-            cosine = 1 - 2*motion%half_sine(i)*motion%half_sine(i)
-            turn = motion%side(i)*forces%phi_ddot(i)
-            push = ground(i, 1)*cosine - (coef(i, first_wall + 7)/coef(i, first_wall + 1) &
-               + ground(i, 2))*sine + motion%side(i)*b*motion%rate(i)*motion%rate(i)
-            across = cosine*forces%cable(i, 1) - sine*forces%cable(i, 2)
-            found(i, 1) = abs(across)
-            root = cosine*forces%link(i, 1) - sine*forces%link(i, 2)
-            about = 2*h*(across + root) - motion%side(i)*(b - 2*coef(i, first_wall + 5) &
-               /coef(i, first_wall + 1))*(sine*forces%link(i, 1) + cosine*forces%link(i, 2))
-            across = across + root
-         end associate
-         ! where shear or moment is stationary below the top, and both ends
-         bend = -turn/2
-         slope = push + 2*h*turn
-         rest = turn*b*b/3 - 2*h*across
-         root = slope*slope - 4*bend*rest
-         root = -(slope + sign(sqrt(max(root, 0.0_wp)), slope))/2
-         s(1) = 2*h + push/sign(max(abs(turn), least), turn)
-         s(2) = root/sign(max(abs(bend), least), bend)
-         s(3) = rest/sign(max(abs(root), least), root)
-         s(4) = 2*h
-         found(i, 1) = max(found(i, 1), abs(across))
-         found(i, 2) = abs(about - 2*h*across)
-         do j = 1, 4
-            root = max(0.0_wp, min(2*h, s(j)))
-            rest = push + turn*(2*h - root)
-            found(i, 1) = max(found(i, 1), abs(root*(rest + turn*root/2)/(2*h) - across))
-            found(i, 2) = max(found(i, 2), abs(root*(rest*root/2 + turn*(root*root + b*b)/3)/(2*h) &
-               - (about - (2*h - root)*across)))
+         h(i) = coef(i, first_wall + 2)/coef(i, first_wall + 1)
+         b(i) = coef(i, first_wall + 3)/coef(i, first_wall + 1)
+         sine = 2*forces%motion%side(i)*forces%motion%half_sine(i)*forces%motion%half_cosine(i)
+         cosine = 1 - 2*forces%motion%half_sine(i)*forces%motion%half_sine(i)
+         turn(i) = forces%motion%side(i)*forces%phi_ddot(i)
+         push(i) = ground(i, 1)*cosine - (coef(i, first_wall + 7)/coef(i, first_wall + 1) &
+            + ground(i, 2))*sine + forces%motion%side(i)*b(i)*forces%motion%rate(i) &
+            *forces%motion%rate(i)
+         across(i) = cosine*forces%cable(i, 1) - sine*forces%cable(i, 2)
+         found(i, 1) = abs(across(i))
+         of_link = cosine*forces%link(i, 1) - sine*forces%link(i, 2)
+         across(i) = across(i) + of_link
+         about(i) = 2*h(i)*across(i) - forces%motion%side(i)*(b(i) - 2*coef(i, first_wall + 5) &
+            /coef(i, first_wall + 1))*(sine*forces%link(i, 1) + cosine*forces%link(i, 2))
+         found(i, 1) = max(found(i, 1), abs(across(i)))
+         found(i, 2) = abs(about(i) - 2*h(i)*across(i))
+         slope = push(i) + 2*h(i)*turn(i)
+         rest = turn(i)*b(i)*b(i)/3 - 2*h(i)*across(i)
+         root = sqrt(max(slope*slope + 2*turn(i)*rest, 0.0_wp))
+         root = -(slope + sign(root, slope))/2
+         s(i, 1) = 2*h(i) + push(i)/sign(max(abs(turn(i)), least), turn(i))
+         s(i, 2) = -2*root/sign(max(abs(turn(i)), least), turn(i))
+         s(i, 3) = rest/sign(max(abs(root), least), root)
+         s(i, 4) = 2*h(i)
+      end do
+      do j = 1, 4
+         !$omp simd private(at, rest)
+         do i = 1, lane_count
+            at = max(0.0_wp, min(2*h(i), s(i, j)))
+            rest = push(i) + turn(i)*(2*h(i) - at)
+            found(i, 1) = max(found(i, 1), abs(at*(rest + turn(i)*at/2)/(2*h(i)) - across(i)))
+            found(i, 2) = max(found(i, 2), abs(at*(rest*at/2 + turn(i)*(at*at + b(i)*b(i))/3) &
+               /(2*h(i)) - (about(i) - (2*h(i) - at)*across(i))))
          end do
       end do
    end subroutine find_sections
