@@ -37,8 +37,8 @@ contains
    !>
    !> The end of a step is the beginning of the next one, unless the ground jumps in between. Where
    !> the ends do not tell enough, the middle is found from the cubic through states and rates.
-   subroutine screen_steps(parts, screen, last, constants, coef, y, k, y_new, ground, mark, table, &
-      values)
+   subroutine screen_steps(parts, screen, last, constants, coef, y, k, y_new, ground, goes_on, &
+      mark, table, values)
       type(force_parts_t), intent(in) :: parts
       !! complete
       type(screen_t), intent(in) :: screen
@@ -56,6 +56,8 @@ contains
       !! (states) at the end
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)
       !! acceleration of the ground at the nodes, horizontal and vertical [m/s2]
+      real(wp), intent(in) :: goes_on(lane_count)
+      !! 1 where the ground does not jump at the end of the step
       integer, intent(in) :: mark(lane_count)
       !! what became of the steps before
       real(wp), intent(inout) :: table(lane_count, column_count)
@@ -108,12 +110,20 @@ contains
       if (screen%has_reactions) then
          if (screen%has_sampled_reactions) then
             call find_flat_steps(screen, angle, values, 1, reaction_count, parts, table(1, of_plain))
+            table(:, of_plain) = aint(table(:, of_plain))
          else
             call find_plain_steps(parts, screen%n, angle, values, table(1, of_plain))
          end if
       end if
-      if (screen%has_demands) call find_flat_steps(screen, angle, values, reaction_count + 1, &
-         screen%n, parts, table(1, of_calm))
+      if (.not. screen%has_demands) return
+      call find_flat_steps(screen, angle, values, reaction_count + 1, screen%n, parts, &
+         table(1, of_calm))
+      !$omp simd
+      do i = 1, lane_count
+         ! what grows up to the end is seen in the next step, if that goes on from there
+         table(i, of_calm) = merge(table(i, of_calm), 0.0_wp, table(i, of_calm) > 0.75_wp &
+            .or. goes_on(i) > 0)
+      end do
    end subroutine screen_steps
 
    !> Reactions, and demands where they are asked for, of moving lanes.
@@ -135,7 +145,8 @@ contains
 
    !> Which steps can hold no extremum of some of the values? Those whose three samples stay below
    !> the largest so far by more than a peak can rise above them: by an eighth of their range where
-   !> they are a parabola, or a vibration through up to `longest_angle`.
+   !> they are a parabola, or a vibration through up to `longest_angle`. What falls from the largest
+   !> so far, by the parabola through them, has no other peak either.
    pure subroutine find_flat_steps(screen, angle, values, first, final, parts, is_flat)
       type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: angle(lane_count)
@@ -145,7 +156,7 @@ contains
       !! values that are asked for
       type(force_parts_t), intent(in) :: parts
       real(wp), intent(out) :: is_flat(lane_count)
-      !! 1 where there is none, 0 where there may be one
+      !! 1 where there is none, 0 where there may be one; 0.5 where values grow up to the end
       real(wp), parameter :: longest_angle = 1.5_wp
       !! of a step [rad]
       real(wp), parameter :: rise = 0.25_wp
@@ -154,8 +165,10 @@ contains
       !! of the range so far
       real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
       !! of factors of a product
-      real(wp) :: top, low, level, range, a, b, c
-      !! a, b, c: samples of N, then of |H|
+      real(wp), parameter :: same = 1.0e-8_wp
+      !! difference of the same value from another procedure, over it
+      real(wp) :: top, low, level, range, a, b, c, grows, falls
+      !! a, b, c: samples, of the quotient those of N, then of |H|
       integer :: i, q
 
       !$omp simd
@@ -164,15 +177,22 @@ contains
       end do
       do q = first, final
          if (screen%is_led(q) .or. (q == demand .and. is_quotient(parts))) cycle
-         !$omp simd private(top, low, level, range)
+         !$omp simd private(top, low, level, range, a, b, c, grows, falls)
          do i = 1, lane_count
-            top = max(values(i, q, at_begin), values(i, q, at_middle), values(i, q, at_end))
-            low = min(values(i, q, at_begin), values(i, q, at_middle), values(i, q, at_end))
+            a = values(i, q, at_begin)
+            b = values(i, q, at_middle)
+            c = values(i, q, at_end)
+            top = max(a, b, c)
+            low = rise*(top - min(a, b, c))
             level = values(i, q, so_far)
             range = level - values(i, q, least_so_far)
-            top = top + rise*(top - low) + slack*max(range, 0.0_wp)
-            is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level)
-            is_flat(i) = merge(is_flat(i), 0.0_wp, range >= 0)
+            ! slopes of the parabola at both ends
+            grows = merge(0.5_wp, 0.0_wp, min(3*c - 4*b + a, 4*b - 3*a - c) > low)
+            falls = merge(1.0_wp, 0.0_wp, max(3*c - 4*b + a, 4*b - 3*a - c) < -low)
+            falls = merge(falls, 0.0_wp, a <= level*(1 + same))
+            top = top + low + slack*max(range, 0.0_wp)
+            top = merge(1.0_wp, max(grows, falls), top <= level)
+            is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))
          end do
       end do
       if (first > demand .or. .not. is_quotient(parts)) return

@@ -301,6 +301,8 @@ contains
          call check_progress(lanes(i), i, team)
          select case (team%mark(i))
          case (needs_look)
+            ! what grows up to the end of the step may not be seen in the next one
+            if (team%table(i, of_calm) < 1) team%is_watched(i) = .true.
             if (.not. lanes(i)%is_smooth) then
                call look_at_step(lanes(i), i, team)
             else if (lanes(i)%goal /= no_event) then
@@ -447,7 +449,7 @@ contains
       step = until(step, t_b, y_b)
       if (lane%recorder%keeps_events) call list_turns(lane%recorder, step, lane%error)
       if (.not. allocated(lane%error)) call observe_piece(lane%recorder, step, lane%error, &
-         team%table(i, of_plain) > 0, team%table(i, of_calm) > 0)
+         team%table(i, of_plain) > 0, team%table(i, of_calm) > 0.75_wp)
       call note_extremes(lane, i, team)
       if (allocated(lane%error)) team%table(i, of_length) = 0
    end subroutine observe_step

@@ -2,7 +2,7 @@
 module rwmf_simulation_lanes_reaction_screen
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: of_calm, of_frequency, of_ground_end, of_interval, &
-      of_plain, of_time, of_trial
+      of_limit, of_plain, of_time, of_trial
    use rwmf_integrator_lane_reactions, only: at_begin, at_end, find_values, least_so_far, &
       screen_one => screen_steps, so_far, value_count
    use rwmf_model_demands_loop, only: demand_constants
@@ -83,6 +83,7 @@ contains
    subroutine screen_reactions(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
+      real(wp) :: goes_on(team%width)
       integer :: i
 
       if (.not. team%screen%is_used) return
@@ -91,14 +92,18 @@ contains
       associate (parts => lanes(1)%equation%parts, last => team%pair%stages)
          if (.not. parts%is_complete) return
          do i = 1, team%width
-            if (team%is_busy(i) .and. .not. team%is_known(i)) call find_begin(lanes(i), i, team)
+            goes_on(i) = 0
+            if (.not. team%is_busy(i)) cycle
+            if (.not. team%is_known(i)) call find_begin(lanes(i), i, team)
+            goes_on(i) = merge(1, 0, continues(i, team))
          end do
          if (team%width == 1) then
             call screen_one(parts, team%screen, last, team%constants, team%coef, team%y, team%k, &
-               team%y_new, team%ground, team%mark, team%table, team%values)
+               team%y_new, team%ground, goes_on, team%mark, team%table, team%values)
          else
             call team%kernels%screen_steps(parts, team%screen, last, team%constants, team%coef, &
-               team%y, team%k, team%y_new, team%ground, team%mark, team%table, team%values)
+               team%y, team%k, team%y_new, team%ground, goes_on, team%mark, team%table, &
+               team%values)
          end if
       end associate
       if (.not. team%screen%has_demands) then
@@ -117,6 +122,25 @@ contains
          end associate
       end do
    end subroutine screen_reactions
+
+   !> Does the ground go on without a jump where the step of a lane ends?
+   pure logical function continues(i, team)
+      integer, intent(in) :: i
+      !! number of the lane in the team
+      type(team_t), intent(in) :: team
+      real(wp), parameter :: slack = 1.0e-9_wp
+      integer :: next
+
+      associate (table => team%table, lines => team%lines, last => team%pair%stages)
+         continues = table(i, of_trial) < table(i, of_limit) - table(i, of_time)
+         if (continues) return
+         next = min(int(table(i, of_interval)) + 1, ubound(lines, 2))
+         if (.not. lines(1, next) > table(i, of_limit)) return
+         associate (since => table(i, of_limit) - lines(4, next), a => team%ground(i, last, :))
+            continues = all(abs(lines([2, 5], next) + since*lines([3, 6], next) - a) <= slack*abs(a))
+         end associate
+      end associate
+   end function continues
 
    !> The values at the beginning of the first step of a lane, as if one before had come to them.
    subroutine find_begin(lane, i, team)
