@@ -2,7 +2,7 @@
 module rwmf_integrator_lane_reactions
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, of_calm, &
-      of_frequency, of_ground_end, of_plain, of_trial, screen_t
+      of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, screen_t
    use rwmf_integrator_pairs, only: most_stages
    use rwmf_model_demands_loop, only: demand_constants, lane_demands
    use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
@@ -37,8 +37,8 @@ contains
    !>
    !> The end of a step is the beginning of the next one, unless the ground jumps in between. Where
    !> the ends do not tell enough, the middle is found from the cubic through states and rates.
-   subroutine screen_steps(parts, screen, last, constants, coef, y, k, y_new, ground, goes_on, &
-      mark, table, values)
+   subroutine screen_steps(parts, screen, last, constants, coef, y, k, y_new, ground, mark, table, &
+      values)
       type(force_parts_t), intent(in) :: parts
       !! complete
       type(screen_t), intent(in) :: screen
@@ -56,8 +56,6 @@ contains
       !! (states) at the end
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)
       !! acceleration of the ground at the nodes, horizontal and vertical [m/s2]
-      real(wp), intent(in) :: goes_on(lane_count)
-      !! 1 where the ground does not jump at the end of the step
       integer, intent(in) :: mark(lane_count)
       !! what became of the steps before
       real(wp), intent(inout) :: table(lane_count, column_count)
@@ -66,33 +64,13 @@ contains
       real(wp), intent(inout) :: values(lane_count, screen%n, value_count)
       !! reactions and demands, as of `lane_demands`, at both ends and in the middle of the step, and
       !! their extremes so far, which stay
-      real(wp), parameter :: slack = 1.0e-9_wp
-      real(wp), dimension(lane_count) :: angle, is_passed, jump
-      real(wp) :: at(lane_count, 2), y_middle(lane_count, parts%through_link%n)
-      integer :: i, m, q
+      real(wp) :: angle(lane_count), at(lane_count, 2)
+      real(wp) :: y_middle(lane_count, parts%through_link%n)
+      integer :: i, m
 
-      !$omp simd
-      do i = 1, lane_count
-         is_passed(i) = merge(1.0_wp, 0.0_wp, mark(i) == is_done .or. mark(i) == at_limit)
-         jump(i) = 0
-         angle(i) = table(i, of_trial)*table(i, of_frequency)
-      end do
-      do m = 1, 2
-         !$omp simd
-         do i = 1, lane_count
-            jump(i) = max(jump(i), is_passed(i)*(abs(ground(i, 1, m) - table(i, of_ground_end + m &
-               - 1)) - slack*(abs(ground(i, 1, m)) + abs(ground(i, last, m)))))
-            table(i, of_ground_end + m - 1) = ground(i, last, m)
-            at(i, m) = ground(i, last, m)
-         end do
-      end do
-      do q = 1, screen%n
-         !$omp simd
-         do i = 1, lane_count
-            values(i, q, at_begin) = merge(merge(unknown, values(i, q, at_end), jump(i) > 0), &
-               values(i, q, at_begin), is_passed(i) > 0)
-         end do
-      end do
+      call begin_at_end(screen%n, ground(:, [1, last], :), mark, table, values)
+      angle = table(:, of_trial)*table(:, of_frequency)
+      at = ground(:, last, :)
       call find_values(parts, screen, constants, coef, y_new, at, values(1, 1, at_end))
       if (screen%has_middle) then
          do m = 1, parts%through_link%n
@@ -102,7 +80,7 @@ contains
                   - k(i, m, last))
             end do
          end do
-         at = (ground(:, 1, :) + ground(:, last, :))/2
+         at = table(:, of_middle:of_middle + 1)
          call find_values(parts, screen, constants, coef, y_middle, at, values(1, 1, at_middle))
       end if
       table(:, of_plain) = 1
@@ -122,9 +100,45 @@ contains
       do i = 1, lane_count
          ! what grows up to the end is seen in the next step, if that goes on from there
          table(i, of_calm) = merge(table(i, of_calm), 0.0_wp, table(i, of_calm) > 0.75_wp &
-            .or. goes_on(i) > 0)
+            .or. table(i, of_next) > 0)
       end do
    end subroutine screen_steps
+
+   !> Values at the beginnings of steps: those of the ends of the steps before, where these were
+   !> accepted.
+   pure subroutine begin_at_end(n, ground, mark, table, values)
+      integer, intent(in) :: n
+      !! number of values
+      real(wp), intent(in) :: ground(lane_count, 2, 2)
+      !! acceleration of the ground at both ends of the step [m/s2]
+      integer, intent(in) :: mark(lane_count)
+      real(wp), intent(inout) :: table(lane_count, column_count)
+      real(wp), intent(inout) :: values(lane_count, n, value_count)
+      real(wp), parameter :: slack = 1.0e-9_wp
+      real(wp), dimension(lane_count) :: is_passed, jump
+      integer :: i, m, q
+
+      !$omp simd
+      do i = 1, lane_count
+         is_passed(i) = merge(1.0_wp, 0.0_wp, mark(i) == is_done .or. mark(i) == at_limit)
+         jump(i) = 0
+      end do
+      do m = 1, 2
+         !$omp simd
+         do i = 1, lane_count
+            jump(i) = max(jump(i), is_passed(i)*(abs(ground(i, 1, m) - table(i, of_ground_end + m &
+               - 1)) - slack*(abs(ground(i, 1, m)) + abs(ground(i, 2, m)))))
+            table(i, of_ground_end + m - 1) = ground(i, 2, m)
+         end do
+      end do
+      do q = 1, n
+         !$omp simd
+         do i = 1, lane_count
+            values(i, q, at_begin) = merge(merge(unknown, values(i, q, at_end), jump(i) > 0), &
+               values(i, q, at_begin), is_passed(i) > 0)
+         end do
+      end do
+   end subroutine begin_at_end
 
    !> Reactions, and demands where they are asked for, of moving lanes.
    subroutine find_values(parts, screen, constants, coef, y, ground, found)

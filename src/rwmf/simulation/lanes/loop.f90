@@ -301,7 +301,7 @@ contains
          call check_progress(lanes(i), i, team)
          select case (team%mark(i))
          case (needs_look)
-            ! what grows up to the end of the step may not be seen in the next one
+            ! an event may keep the next step from that
             if (team%table(i, of_calm) < 1) team%is_watched(i) = .true.
             if (.not. lanes(i)%is_smooth) then
                call look_at_step(lanes(i), i, team)
@@ -385,6 +385,8 @@ contains
 
       do i = 1, team%width
          if (team%mark(i) /= at_limit .and. team%mark(i) /= is_done) cycle
+         ! what grows up to the end of the step is seen in the next one
+         if (team%table(i, of_calm) > 0) team%table(i, of_calm) = 1
          if (team%is_watched(i)) then
             call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
                team%table(i, of_time), team%y_new(i, :))

@@ -2,10 +2,11 @@
 module rwmf_simulation_lanes_reaction_screen
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: of_calm, of_frequency, of_ground_end, of_interval, &
-      of_limit, of_plain, of_time, of_trial
+      of_limit, of_middle, of_next, of_plain, of_time, of_trial
    use rwmf_integrator_lane_reactions, only: at_begin, at_end, find_values, least_so_far, &
       screen_one => screen_steps, so_far, value_count
    use rwmf_model_demands_loop, only: demand_constants
+   use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_simulation_lanes_team, only: lane_t, team_t
@@ -83,7 +84,7 @@ contains
    subroutine screen_reactions(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
-      real(wp) :: goes_on(team%width)
+      real(wp) :: t
       integer :: i
 
       if (.not. team%screen%is_used) return
@@ -92,18 +93,23 @@ contains
       associate (parts => lanes(1)%equation%parts, last => team%pair%stages)
          if (.not. parts%is_complete) return
          do i = 1, team%width
-            goes_on(i) = 0
             if (.not. team%is_busy(i)) cycle
             if (.not. team%is_known(i)) call find_begin(lanes(i), i, team)
-            goes_on(i) = merge(1, 0, continues(i, team))
+            team%table(i, of_next) = merge(1, 0, continues(i, team))
+            associate (middle => team%table(i, of_middle:of_middle + 1))
+               middle = (team%ground(i, 1, :) + team%ground(i, last, :))/2
+               if (.not. team%has_curves) cycle
+               t = team%table(i, of_time) + team%table(i, of_trial)/2
+               middle(1) = ground(lanes(i)%equation, t)
+               if (lanes(i)%equation%has_vertical) middle(2) = vertical_ground(lanes(i)%equation, t)
+            end associate
          end do
          if (team%width == 1) then
             call screen_one(parts, team%screen, last, team%constants, team%coef, team%y, team%k, &
-               team%y_new, team%ground, goes_on, team%mark, team%table, team%values)
+               team%y_new, team%ground, team%mark, team%table, team%values)
          else
             call team%kernels%screen_steps(parts, team%screen, last, team%constants, team%coef, &
-               team%y, team%k, team%y_new, team%ground, goes_on, team%mark, team%table, &
-               team%values)
+               team%y, team%k, team%y_new, team%ground, team%mark, team%table, team%values)
          end if
       end associate
       if (.not. team%screen%has_demands) then
@@ -147,18 +153,18 @@ contains
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
       type(team_t), intent(inout) :: team
-      real(wp) :: ground(1, 2), constants(1, size(team%constants, 2))
+      real(wp) :: acceleration(1, 2), constants(1, size(team%constants, 2))
       real(wp) :: coef(1, size(team%coef, 2)), y(1, size(team%y, 2))
       real(wp) :: found(1, size(team%values, 2))
 
-      ground(1, :) = team%ground(i, 1, :)
+      acceleration(1, :) = team%ground(i, 1, :)
       constants(1, :) = team%constants(i, :)
       coef(1, :) = team%coef(i, :)
       y(1, :) = team%y(i, :)
-      call find_values(lane%equation%parts, team%screen, constants, coef, y, ground, found)
+      call find_values(lane%equation%parts, team%screen, constants, coef, y, acceleration, found)
       team%values(i, :, at_begin) = found(1, :)
       team%values(i, :, at_end) = found(1, :)
-      team%table(i, of_ground_end:of_ground_end + 1) = ground(1, :)
+      team%table(i, of_ground_end:of_ground_end + 1) = acceleration(1, :)
       team%is_known(i) = .true.
    end subroutine find_begin
 
