@@ -44,7 +44,7 @@ GROUPS = {
 
 
 def _groups(case: rwmf.Case) -> dict[str, tuple[str, ...]]:
-    """Groups of which all quantities apply to a scene, and all of these together."""
+    """List the groups whose quantities apply to a scene, and all of these together."""
     found = {"u_s": ("u_s_max",)}
     for name, quantities in GROUPS.items():
         try:

@@ -7,7 +7,7 @@ module rwmf_integrator_lane_columns
    public :: of_time, of_limit, of_length, of_trial, of_line, of_vertical_line, of_low, of_high, &
       of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch, of_goal, of_least, of_most
    public :: of_interval, of_steps, of_pace, of_frequency, of_ground_end, of_plain, of_calm, &
-      of_next, of_middle, line_columns
+      of_next, of_middle, of_fastest_demand, line_columns
    public :: is_done, is_rejected, needs_look, at_limit
 
    integer, parameter :: of_time = 1
@@ -63,7 +63,9 @@ module rwmf_integrator_lane_columns
    !! 1 where the ground does not jump at the end of the step that is tried
    integer, parameter :: of_middle = 30
    !! and one more: acceleration of the ground in its middle, horizontal and vertical [m/s2]
-   integer, parameter :: column_count = 31
+   integer, parameter :: of_fastest_demand = 32
+   !! frequency of the fastest vibration, that of the wall on springs and cable included [rad/s]
+   integer, parameter :: column_count = 32
    integer, parameter :: line_columns = 6
    !! that depend on the interval of the motion: `of_limit` and those of the lines
 

@@ -2,7 +2,7 @@
 module rwmf_integrator_lane_reactions
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, of_calm, &
-      of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, screen_t
+      of_fastest_demand, of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, screen_t
    use rwmf_integrator_pairs, only: most_stages
    use rwmf_model_demands_loop, only: demand_constants, lane_demands
    use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
@@ -94,6 +94,7 @@ contains
          end if
       end if
       if (.not. screen%has_demands) return
+      angle = table(:, of_trial)*table(:, of_fastest_demand)
       call find_flat_steps(screen, angle, values, reaction_count + 1, screen%n, parts, &
          table(1, of_calm))
       !$omp simd

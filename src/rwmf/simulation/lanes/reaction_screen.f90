@@ -1,7 +1,7 @@
 !> Which steps of the lanes of a team plainly hold no extremum of reactions and demands.
 module rwmf_simulation_lanes_reaction_screen
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_lane_columns, only: of_calm, of_frequency, of_ground_end, of_interval, &
+   use rwmf_integrator_lane_columns, only: of_calm, of_fastest_demand, of_frequency, of_ground_end, of_interval, &
       of_limit, of_middle, of_next, of_plain, of_time, of_trial
    use rwmf_integrator_lane_reactions, only: at_begin, at_end, find_values, least_so_far, &
       screen_one => screen_steps, so_far, value_count
@@ -32,7 +32,10 @@ contains
       if (.not. team%screen%is_used) return
       team%is_known(i) = .false.
       team%table(i, of_frequency) = fastest_of(lane%equation)
-      if (team%screen%has_demands) call put_constants(lane%recorder%demands, team%constants(i, :))
+      if (team%screen%has_demands) then
+         team%table(i, of_fastest_demand) = lane%recorder%demands%frequency
+         call put_constants(lane%recorder%demands, team%constants(i, :))
+      end if
       call note_extremes(lane, i, team)
    end subroutine begin_reactions
 
