@@ -8,7 +8,7 @@ _INTRODUCTION = """\
 # Outputs
 
 Made by `tools/docs --made` from the one table that also orders and labels them
-(`src/rwmf/simulation/quantities.f90`).
+(`src/rwmf/problem/quantity_table.f90`).
 
 A **key** stands in CSV and JSON and ends with its unit; `over_...` says what a number is divided
 by, `{i}` is the number of a floor or storey, from the ground up. What does not apply to a scene is

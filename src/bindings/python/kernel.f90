@@ -26,7 +26,7 @@ module rwmf_bindings_python_kernel
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
    use rwmf_problem_scene_axes, only: axis_t, list_axes
-   use rwmf_simulation_quantities, only: all_quantities, quantities_text
+   use rwmf_problem_quantity_table, only: all_quantities, quantities_text
    use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_problem_case, only: case_t

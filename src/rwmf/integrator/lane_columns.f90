@@ -3,11 +3,11 @@ module rwmf_integrator_lane_columns
    implicit none
    private
 
-   public :: column_count
+   public :: column_count, screen_t
    public :: of_time, of_limit, of_length, of_trial, of_line, of_vertical_line, of_low, of_high, &
       of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch, of_goal, of_least, of_most
-   public :: of_interval, of_steps, of_pace, of_frequency, of_ground_end, of_plain, &
-      line_columns
+   public :: of_interval, of_steps, of_pace, of_frequency, of_ground_end, of_plain, of_calm, &
+      of_next, of_middle, of_fastest_demand, line_columns
    public :: is_done, is_rejected, needs_look, at_limit
 
    integer, parameter :: of_time = 1
@@ -57,9 +57,34 @@ module rwmf_integrator_lane_columns
    !! horizontal and vertical [m/s2]
    integer, parameter :: of_plain = 27
    !! 1 where the step that is tried holds no extremum of the reactions that are asked for
-   integer, parameter :: column_count = 27
+   integer, parameter :: of_calm = 28
+   !! likewise of the demands
+   integer, parameter :: of_next = 29
+   !! 1 where the ground does not jump at the end of the step that is tried
+   integer, parameter :: of_middle = 30
+   !! and one more: acceleration of the ground in its middle, horizontal and vertical [m/s2]
+   integer, parameter :: of_fastest_demand = 32
+   !! frequency of the fastest vibration, that of the wall on springs and cable included [rad/s]
+   integer, parameter :: column_count = 32
    integer, parameter :: line_columns = 6
    !! that depend on the interval of the motion: `of_limit` and those of the lines
+
+   !> What is asked for of the lanes of a batch.
+   type :: screen_t
+      logical :: is_used = .false.
+      logical :: has_reactions = .false.
+      logical :: has_demands = .false.
+      logical :: has_sampled_reactions = .false.
+      !! their ends do not tell enough of a step, because floors move by themselves
+      logical :: has_middle = .false.
+      !! something is sampled in the middle of each step
+      integer :: floors = 0, storeys = 0
+      !! numbers of those of the demands; the storeys move by themselves
+      integer :: n = 0
+      !! number of values
+      logical, allocatable :: is_led(:)
+      !! (values) it is in a fixed proportion to one before it
+   end type screen_t
 
    integer, parameter :: is_done = 0
    !! the step is accepted, and nothing happens in it

@@ -1,26 +1,31 @@
-!> Which steps of lanes plainly hold no extremum of the reactions.
+!> Which steps of lanes plainly hold no extremum of reactions and demands.
 module rwmf_integrator_lane_reactions
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, of_frequency, &
-      of_ground_end, of_plain, of_trial
+   use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, of_calm, &
+      of_fastest_demand, of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, screen_t
    use rwmf_integrator_pairs, only: most_stages
+   use rwmf_model_demands_loop, only: demand_constants, lane_demands
    use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
    use rwmf_model_lanes, only: lane_count
    use rwmf_model_scene, only: force_parts_t
    implicit none
    private
 
-   public :: screen_steps, find_plain_steps
-   public :: at_begin, at_end, so_far, least_so_far, value_count, short_angle
+   public :: screen_steps, find_plain_steps, find_values
+   public :: at_begin, at_middle, at_end, so_far, least_so_far, value_count, short_angle
 
    integer, parameter :: at_begin = 1
-   integer, parameter :: at_end = 2
+   integer, parameter :: at_middle = 2
+   integer, parameter :: at_end = 3
    !! of a step
-   integer, parameter :: so_far = 3
+   integer, parameter :: so_far = 4
    !! the largest
-   integer, parameter :: least_so_far = 4
+   integer, parameter :: least_so_far = 5
    !! which tells how far they vary
-   integer, parameter :: value_count = 4
+   integer, parameter :: value_count = 5
+
+   real(wp), parameter :: unknown = sqrt(huge(1.0_wp))
+   !! value at the beginning of a step where the ground has jumped
 
    real(wp), parameter :: short_angle = 0.4_wp
    !! of a step that may be plain: the second harmonic departs from a chord by (2*0.4)**2/8 of its
@@ -28,69 +33,222 @@ module rwmf_integrator_lane_reactions
 
 contains
 
-   !> Reactions at the ends of the steps that the lanes have tried, and which of these are plain.
+   !> Reactions and demands in the steps that the lanes have tried, and which of these are plain.
    !>
-   !> What a step has come to is where the next one begins, unless the ground jumps in between.
-   subroutine screen_steps(parts, last, coef, y_new, ground, mark, table, values)
+   !> The end of a step is the beginning of the next one, unless the ground jumps in between. Where
+   !> the ends do not tell enough, the middle is found from the cubic through states and rates.
+   subroutine screen_steps(parts, screen, last, constants, coef, y, k, y_new, ground, mark, table, &
+      values)
       type(force_parts_t), intent(in) :: parts
       !! complete
+      type(screen_t), intent(in) :: screen
       integer, intent(in) :: last
       !! stage at the end of the step
+      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%storeys))
+      !! of the buildings
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
       !! coefficients of the loops, on the side and the branches in force
+      real(wp), intent(in) :: y(lane_count, parts%through_link%n)
+      !! (states) at the beginning
+      real(wp), intent(in) :: k(lane_count, parts%through_link%n, most_stages)
+      !! rates of the states at the nodes
       real(wp), intent(in) :: y_new(lane_count, parts%through_link%n)
-      !! (states)
+      !! (states) at the end
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)
       !! acceleration of the ground at the nodes, horizontal and vertical [m/s2]
       integer, intent(in) :: mark(lane_count)
       !! what became of the steps before
       real(wp), intent(inout) :: table(lane_count, column_count)
       !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
-      !! `of_ground_end` and `of_plain`
-      real(wp), intent(inout) :: values(lane_count, reaction_count, value_count)
-      !! reactions at the ends of the step, and their extremes so far, which stay: -N [m/s2], |H|/N
-      !! [-], |V| [m/s2]
+      !! `of_ground_end`, `of_plain` and `of_calm`
+      real(wp), intent(inout) :: values(lane_count, screen%n, value_count)
+      !! reactions and demands, as of `lane_demands`, at both ends and in the middle of the step, and
+      !! their extremes so far, which stay
+      real(wp) :: angle(lane_count), at(lane_count, 2)
+      real(wp) :: y_middle(lane_count, parts%through_link%n)
+      integer :: i, m
+
+      call begin_at_end(screen%n, ground(:, [1, last], :), mark, table, values)
+      angle = table(:, of_trial)*table(:, of_frequency)
+      at = ground(:, last, :)
+      call find_values(parts, screen, constants, coef, y_new, at, values(1, 1, at_end))
+      if (screen%has_middle) then
+         do m = 1, parts%through_link%n
+            !$omp simd
+            do i = 1, lane_count
+               y_middle(i, m) = (y(i, m) + y_new(i, m))/2 + table(i, of_trial)/8*(k(i, m, 1) &
+                  - k(i, m, last))
+            end do
+         end do
+         at = table(:, of_middle:of_middle + 1)
+         call find_values(parts, screen, constants, coef, y_middle, at, values(1, 1, at_middle))
+      end if
+      table(:, of_plain) = 1
+      table(:, of_calm) = 1
+      if (screen%has_reactions) then
+         if (screen%has_sampled_reactions) then
+            call find_flat_steps(screen, angle, values, 1, reaction_count, parts, table(1, of_plain))
+            table(:, of_plain) = aint(table(:, of_plain))
+         else
+            call find_plain_steps(parts, screen%n, angle, values, table(1, of_plain))
+         end if
+      end if
+      if (.not. screen%has_demands) return
+      angle = table(:, of_trial)*table(:, of_fastest_demand)
+      call find_flat_steps(screen, angle, values, reaction_count + 1, screen%n, parts, &
+         table(1, of_calm))
+      !$omp simd
+      do i = 1, lane_count
+         ! what grows up to the end is seen in the next step, if that goes on from there
+         table(i, of_calm) = merge(table(i, of_calm), 0.0_wp, table(i, of_calm) > 0.75_wp &
+            .or. table(i, of_next) > 0)
+      end do
+   end subroutine screen_steps
+
+   !> Values at the beginnings of steps: those of the ends of the steps before, where these were
+   !> accepted.
+   pure subroutine begin_at_end(n, ground, mark, table, values)
+      integer, intent(in) :: n
+      !! number of values
+      real(wp), intent(in) :: ground(lane_count, 2, 2)
+      !! acceleration of the ground at both ends of the step [m/s2]
+      integer, intent(in) :: mark(lane_count)
+      real(wp), intent(inout) :: table(lane_count, column_count)
+      real(wp), intent(inout) :: values(lane_count, n, value_count)
       real(wp), parameter :: slack = 1.0e-9_wp
-      real(wp), dimension(lane_count) :: angle, is_passed, jump
-      real(wp) :: at_ends(lane_count, 2)
+      real(wp), dimension(lane_count) :: is_passed, jump
       integer :: i, m, q
 
       !$omp simd
       do i = 1, lane_count
          is_passed(i) = merge(1.0_wp, 0.0_wp, mark(i) == is_done .or. mark(i) == at_limit)
          jump(i) = 0
-         angle(i) = table(i, of_trial)*table(i, of_frequency)
       end do
       do m = 1, 2
          !$omp simd
          do i = 1, lane_count
             jump(i) = max(jump(i), is_passed(i)*(abs(ground(i, 1, m) - table(i, of_ground_end + m &
-               - 1)) - slack*(abs(ground(i, 1, m)) + abs(ground(i, last, m)))))
-            table(i, of_ground_end + m - 1) = ground(i, last, m)
-            at_ends(i, m) = ground(i, last, m)
+               - 1)) - slack*(abs(ground(i, 1, m)) + abs(ground(i, 2, m)))))
+            table(i, of_ground_end + m - 1) = ground(i, 2, m)
          end do
       end do
-      do q = 1, reaction_count
+      do q = 1, n
          !$omp simd
          do i = 1, lane_count
-            values(i, q, at_begin) = merge(merge(huge(slack), values(i, q, at_end), jump(i) > 0), &
+            values(i, q, at_begin) = merge(merge(unknown, values(i, q, at_end), jump(i) > 0), &
                values(i, q, at_begin), is_passed(i) > 0)
          end do
       end do
-      call lane_reactions(parts, coef, y_new, at_ends, values(1, 1, at_end))
-      call find_plain_steps(parts, angle, values, table(1, of_plain))
-   end subroutine screen_steps
+   end subroutine begin_at_end
+
+   !> Reactions, and demands where they are asked for, of moving lanes.
+   subroutine find_values(parts, screen, constants, coef, y, ground, found)
+      type(force_parts_t), intent(in) :: parts
+      type(screen_t), intent(in) :: screen
+      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%storeys))
+      real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
+      real(wp), intent(in) :: y(lane_count, parts%through_link%n)
+      real(wp), intent(in) :: ground(lane_count, 2)
+      real(wp), intent(out) :: found(lane_count, screen%n)
+
+      if (screen%has_demands) then
+         call lane_demands(parts, screen%floors, screen%storeys, constants, coef, y, ground, found)
+      else
+         call lane_reactions(parts, coef, y, ground, found)
+      end if
+   end subroutine find_values
+
+   !> Which steps can hold no extremum of some of the values? Those whose three samples stay below
+   !> the largest so far by more than a peak can rise above them: by an eighth of their range where
+   !> they are a parabola, or a vibration through up to `longest_angle`. What falls from the largest
+   !> so far, by the parabola through them, has no other peak either.
+   pure subroutine find_flat_steps(screen, angle, values, first, final, parts, is_flat)
+      type(screen_t), intent(in) :: screen
+      real(wp), intent(in) :: angle(lane_count)
+      !! that the fastest vibration of the scene goes through in the step [rad]
+      real(wp), intent(in) :: values(lane_count, screen%n, value_count)
+      integer, intent(in) :: first, final
+      !! values that are asked for
+      type(force_parts_t), intent(in) :: parts
+      real(wp), intent(out) :: is_flat(lane_count)
+      !! 1 where there is none, 0 where there may be one; 0.5 where values grow up to the end
+      real(wp), parameter :: longest_angle = 1.5_wp
+      !! of a step [rad]
+      real(wp), parameter :: rise = 0.25_wp
+      !! of the range of the samples
+      real(wp), parameter :: slack = 0.01_wp
+      !! of the range so far
+      real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
+      !! of factors of a product
+      real(wp), parameter :: same = 1.0e-8_wp
+      !! difference of the same value from another procedure, over it
+      real(wp) :: top, low, level, range, a, b, c, grows, falls
+      !! a, b, c: samples, of the quotient those of N, then of |H|
+      integer :: i, q
+
+      !$omp simd
+      do i = 1, lane_count
+         is_flat(i) = merge(1.0_wp, 0.0_wp, angle(i) < longest_angle)
+      end do
+      do q = first, final
+         if (screen%is_led(q) .or. (q == demand .and. is_quotient(parts))) cycle
+         !$omp simd private(top, low, level, range, a, b, c, grows, falls)
+         do i = 1, lane_count
+            a = values(i, q, at_begin)
+            b = values(i, q, at_middle)
+            c = values(i, q, at_end)
+            top = max(a, b, c)
+            low = rise*(top - min(a, b, c))
+            level = values(i, q, so_far)
+            range = level - values(i, q, least_so_far)
+            ! slopes of the parabola at both ends
+            grows = merge(0.5_wp, 0.0_wp, min(3*c - 4*b + a, 4*b - 3*a - c) > low)
+            falls = merge(1.0_wp, 0.0_wp, max(3*c - 4*b + a, 4*b - 3*a - c) < -low)
+            falls = merge(falls, 0.0_wp, a <= level*(1 + same))
+            top = top + low + slack*max(range, 0.0_wp)
+            top = merge(1.0_wp, max(grows, falls), top <= level)
+            is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))
+         end do
+      end do
+      if (first > demand .or. .not. is_quotient(parts)) return
+      !$omp simd private(top, low, level, a, b, c)
+      do i = 1, lane_count
+         a = -max(-cap, min(values(i, low_normal, at_begin), cap))
+         b = -max(-cap, min(values(i, low_normal, at_middle), cap))
+         c = -max(-cap, min(values(i, low_normal, at_end), cap))
+         low = min(a, b, c)
+         low = low - rise*(max(a, b, c) - low) - slack*abs(low)
+         a = a*min(values(i, demand, at_begin), cap)
+         b = b*min(values(i, demand, at_middle), cap)
+         c = c*min(values(i, demand, at_end), cap)
+         top = max(a, b, c)
+         top = top + rise*(top - min(a, b, c)) + slack*abs(top)
+         level = min(values(i, demand, so_far), cap)
+         ! no demand is larger than that of a pivot that lifts
+         top = merge(-1.0_wp, merge(top, 2*cap*cap, low > 0), level >= cap)
+         is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level*max(low, 0.0_wp))
+      end do
+   end subroutine find_flat_steps
+
+   !> Is the demand of a scene |H|/N, and not the force of a shear key?
+   pure logical function is_quotient(parts)
+      type(force_parts_t), intent(in) :: parts
+
+      is_quotient = parts%through_link%has_wall .and. .not. parts%has_shear_key
+   end function is_quotient
 
    !> Which steps can hold no extremum of the reactions? Most are so short, and so far from the
    !> extrema so far, that their ends say it. A quotient |H|/N is bounded by its parts, because it
    !> has a sharp peak wherever N is small.
-   pure subroutine find_plain_steps(parts, angle, values, is_plain)
+   pure subroutine find_plain_steps(parts, n, angle, values, is_plain)
       type(force_parts_t), intent(in) :: parts
+      integer, intent(in) :: n
+      !! number of values
       real(wp), intent(in) :: angle(lane_count)
       !! that the fastest vibration of the scene goes through in the step [rad]
-      real(wp), intent(in) :: values(lane_count, reaction_count, value_count)
+      real(wp), intent(in) :: values(lane_count, n, value_count)
       !! reactions at the ends of the step, and their extremes so far: -N [m/s2], |H|/N [-], |V|
-      !! [m/s2]
+      !! [m/s2]; others behind them
       real(wp), intent(out) :: is_plain(lane_count)
       !! 1 where there is none, 0 where there may be one
       real(wp), parameter :: largest_margin = 0.25_wp
@@ -108,7 +266,7 @@ contains
             range = values(i, q, so_far) - values(i, q, least_so_far)
             found = max(values(i, q, at_begin), values(i, q, at_end)) + margin*max(range, 0.0_wp)
             level = values(i, q, so_far)
-            if (q == demand .and. parts%through_link%has_wall .and. .not. parts%has_shear_key) then
+            if (q == demand .and. is_quotient(parts)) then
                ! |H| departs from its ends by a part of its range, which the largest quotient times
                ! the largest N exceeds
                normal_a = -min(values(i, low_normal, at_begin), cap)

@@ -32,6 +32,8 @@ module rwmf_model_demands
       !! number of them, 0 of a single degree of freedom
       real(wp) :: roof_height = 0
       !! of the wall, else of the frame; 0: unknown [m]
+      real(wp) :: unit = 1
+      !! mass that those of floors that move by themselves are over, in that of m [-]
       real(wp) :: weight = 0
       !! of wall and floors over the unit of m [m/s2]
       real(wp) :: viscous_time = 0
@@ -119,6 +121,7 @@ contains
          building%load = leaning_loads(case)
          building%viscous_time = case%frame%xi_s*case%frame%T_s/pi
          building%is_linear = .not. allocated(case%yielding)
+         building%unit = equation%floors%unit
       end associate
    end subroutine describe_storeys
 

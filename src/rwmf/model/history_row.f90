@@ -1,7 +1,8 @@
-!> A row of the history. Whoever reports a column puts its key and its value; a first row gathers
-!> the names of the columns, the later ones take the values alone and do not look at the keys.
+!> A row of the history: columns are put by their numbers in the table of quantities. A first row
+!> gathers numbers and names of the columns, the later ones take the values alone.
 module rwmf_model_history_row
    use rwmf_core_kinds, only: wp
+   use rwmf_problem_quantity_table, only: key_of
    implicit none
    private
 
@@ -15,6 +16,8 @@ module rwmf_model_history_row
       !! (columns) in the units of their keys
       character(32), allocatable :: names(:)
       !! (columns); allocated only while they are gathered
+      integer, allocatable :: numbers(:)
+      !! (columns) likewise
    end type history_row_t
 
    !> Put one column, or one for each storey from the ground up, into the row.
@@ -29,57 +32,54 @@ contains
    pure subroutine create_row(row)
       type(history_row_t), intent(out) :: row
 
-      allocate (row%values(0), row%names(0))
+      allocate (row%values(0), row%names(0), row%numbers(0))
    end subroutine create_row
 
-   pure subroutine put_value(row, key, value)
+   pure subroutine put_value(row, number, value)
       type(history_row_t), intent(inout) :: row
-      character(*), intent(in) :: key
-      !! with unit suffix
+      integer, intent(in) :: number
+      !! of the quantity
       real(wp), intent(in) :: value
-      !! in that unit
+      !! in the unit of its key
 
-      call put_values(row, key, [value])
+      call put_values(row, number, [value])
    end subroutine put_value
 
-   pure subroutine put_values(row, pattern, values)
+   pure subroutine put_values(row, number, values)
       type(history_row_t), intent(inout) :: row
-      character(*), intent(in) :: pattern
-      !! key with '{i}' in the place of the number
+      integer, intent(in) :: number
       real(wp), intent(in) :: values(:)
       !! (storeys) in the unit of the key
       integer :: n
 
       n = size(values)
       if (allocated(row%names)) then
-         call add_columns(row, pattern, values)
+         call add_columns(row, number, values)
       else
          row%values(row%n + 1:row%n + n) = values
          row%n = row%n + n
       end if
    end subroutine put_values
 
-   pure subroutine add_columns(row, pattern, values)
+   pure subroutine add_columns(row, number, values)
       type(history_row_t), intent(inout) :: row
-      character(*), intent(in) :: pattern
+      integer, intent(in) :: number
       real(wp), intent(in) :: values(:)
-      real(wp), allocatable :: more_values(:)
       character(len(row%names)), allocatable :: more_names(:)
       character(40) :: key
       integer :: i
       integer :: n
 
       n = size(row%names)
-      allocate (more_names(n + size(values)), more_values(n + size(values)))
+      allocate (more_names(n + size(values)))
       more_names(:n) = row%names
-      more_values(:n) = row%values
       do i = 1, size(values)
-         key = numbered(pattern, i)
+         key = numbered(trim(key_of(number)), i)
          more_names(n + i) = key(:len(more_names))
-         more_values(n + i) = values(i)
       end do
       call move_alloc(more_names, row%names)
-      call move_alloc(more_values, row%values)
+      row%values = [row%values, values]
+      row%numbers = [row%numbers, spread(number, 1, size(values))]
    end subroutine add_columns
 
    !> A key with a number in the place of '{i}'; another key is left as it is.

@@ -6,14 +6,14 @@
 module rwmf_model_reactions_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates
-   use rwmf_model_effects_numbers, only: fuse_effect, link_effect
+   use rwmf_model_effects_numbers, only: fuse_effect, link_effect, storeys_effect
    use rwmf_model_lanes, only: lane_count, lane_motion_t
    use rwmf_model_scene, only: first_wall, force_parts_t, frame_term, scene_t, &
       straight_cable_term
    implicit none
    private
 
-   public :: lane_reactions, push_corner
+   public :: lane_reactions, lane_forces, lane_forces_t, push_corner
    public :: low_normal, demand, shear, reaction_count
 
    integer, parameter :: low_normal = 1
@@ -21,6 +21,16 @@ module rwmf_model_reactions_loop
    integer, parameter :: shear = 3
    integer, parameter :: reaction_count = 3
    !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2], each to be maximised
+
+   !> Motion of the lanes, and forces on their walls above the base, horizontal and upward over m_w
+   !> [m/s2].
+   type :: lane_forces_t
+      type(lane_motion_t) :: motion
+      real(wp) :: phi_ddot(lane_count)
+      !! [rad/s2]; without wall u'' [m/s2]
+      real(wp) :: link(lane_count, 2)
+      real(wp) :: cable(lane_count, 2)
+   end type lane_forces_t
 
 contains
 
@@ -35,39 +45,67 @@ contains
       real(wp), intent(in) :: ground(lane_count, 2)
       !! acceleration of the ground, horizontal and vertical [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count)
+      !! as of `lane_forces`
+      type(lane_forces_t) :: forces
+      real(wp) :: rates(lane_count, parts%through_link%n)
+
+      call lane_forces(parts, coef, y, ground, found, forces, rates)
+   end subroutine lane_reactions
+
+   !> The same with what they come from.
+   subroutine lane_forces(parts, coef, y, ground, found, forces, rates)
+      type(force_parts_t), intent(in) :: parts
+      !! complete
+      real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
+      !! coefficients of the loops, on the side and the branches in force
+      real(wp), intent(in) :: y(lane_count, parts%through_link%n)
+      !! (states)
+      real(wp), intent(in) :: ground(lane_count, 2)
+      !! acceleration of the ground, horizontal and vertical [m/s2]
+      real(wp), intent(out) :: found(lane_count, reaction_count)
       !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2] in the columns
       !! `low_normal`, `demand` and `shear`;
       !! without wall the shear alone, and the others below everything
-      type(lane_motion_t) :: motion
+      type(lane_forces_t), intent(out) :: forces
+      real(wp), intent(out) :: rates(lane_count, parts%through_link%n)
+      !! of the states of floors [m/s], [m/s2]; the others are not set
       real(wp), dimension(lane_count, 2) :: link, corner, cable
       !! what the parts add to moment and inertia, over m_w R**2 [1/s2], [-]
-      real(wp), dimension(lane_count) :: phi_ddot
-      !! [rad/s2]; without wall u'' [m/s2]
       real(wp) :: force(lane_count, 2)
       !! of the foundation on the wall, horizontal and upward [m/s2]
       integer :: i
 
-      motion%ground = ground(:, 1)
-      motion%vertical = ground(:, 2)
-      corner = 0
-      cable = 0
-      if (size(parts%under_corner%terms) > 0) call add_up(parts%under_corner, coef, y, motion, &
-         corner)
-      if (size(parts%in_cable%terms) > 0) call add_up(parts%in_cable, coef, y, motion, cable)
-      call add_up(parts%through_link, coef, y, motion, link)
-      if (.not. parts%through_link%has_wall) then
-         !$omp simd
-         do i = 1, lane_count
-            found(i, low_normal) = -huge(1.0_wp)
-            found(i, demand) = -huge(1.0_wp)
-            found(i, shear) = abs(link(i, 1)/link(i, 2) + ground(i, 1))
-         end do
-         return
-      end if
-      call move_centroid(coef, ground, link + corner + cable, motion, phi_ddot, force)
-      call push_frame(parts%through_link, coef, link, motion, phi_ddot, found(1, shear), force)
-      call press_corner(parts%under_corner, coef, corner, motion, phi_ddot, force)
-      call pull_cable(parts%in_cable, coef, cable, motion, force)
+      associate (motion => forces%motion, phi_ddot => forces%phi_ddot)
+         motion%ground = ground(:, 1)
+         motion%vertical = ground(:, 2)
+         corner = 0
+         cable = 0
+         if (size(parts%under_corner%terms) > 0) call add_up(parts%under_corner, coef, y, motion, &
+            corner, rates)
+         if (size(parts%in_cable%terms) > 0) call add_up(parts%in_cable, coef, y, motion, cable, &
+            rates)
+         call add_up(parts%through_link, coef, y, motion, link, rates)
+         forces%link = 0
+         forces%cable = 0
+         if (.not. parts%through_link%has_wall) then
+            !$omp simd
+            do i = 1, lane_count
+               found(i, low_normal) = -huge(1.0_wp)
+               found(i, demand) = -huge(1.0_wp)
+               phi_ddot(i) = link(i, 1)/link(i, 2)
+               found(i, shear) = phi_ddot(i) + ground(i, 1)
+            end do
+            call push_floors(parts%through_link, coef, rates, ground, found(1, shear))
+            found(:, shear) = abs(found(:, shear))
+            return
+         end if
+         call move_centroid(coef, ground, link + corner + cable, motion, phi_ddot, force)
+         call push_frame(parts%through_link, coef, link, motion, phi_ddot, found(1, shear), force, &
+            forces%link)
+         call push_floors(parts%through_link, coef, rates, ground, found(1, shear))
+         call press_corner(parts%under_corner, coef, corner, motion, phi_ddot, force)
+         call pull_cable(parts%in_cable, coef, cable, motion, force, forces%cable)
+      end associate
       !$omp simd
       do i = 1, lane_count
          found(i, shear) = abs(found(i, shear))
@@ -82,7 +120,7 @@ contains
          found(i, demand) = merge(abs(force(i, 1))/max(force(i, 2), tiny(1.0_wp)), huge(1.0_wp), &
             abs(force(i, 1)) < force(i, 2)*sqrt(huge(1.0_wp)))
       end do
-   end subroutine lane_reactions
+   end subroutine lane_forces
 
    !> Force on the wall of what works under its corners; a motion whose rotation grows with phi.
    subroutine push_corner(part, coef, y, phi_ddot, force)
@@ -97,18 +135,18 @@ contains
       real(wp), intent(out) :: force(lane_count, 2)
       !! over m_w, horizontal (positive as u_g'') and upward [m/s2]
       type(lane_motion_t) :: motion
-      real(wp) :: corner(lane_count, 2)
+      real(wp) :: corner(lane_count, 2), rates(lane_count, part%n)
 
       motion%ground = 0
       motion%vertical = 0
-      call add_up(part, coef, y, motion, corner)
+      call add_up(part, coef, y, motion, corner, rates)
       force = 0
       call press_corner(part, coef, corner, motion, phi_ddot, force)
       force = -force
    end subroutine push_corner
 
    !> Moment and inertia that the loops of a part add to those of the wall.
-   subroutine add_up(part, coef, y, motion, total)
+   subroutine add_up(part, coef, y, motion, total, rates)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
       real(wp), intent(in) :: y(lane_count, part%n)
@@ -117,7 +155,8 @@ contains
       !! with the accelerations of the ground; on return kinematics as well
       real(wp), intent(out) :: total(lane_count, 2)
       !! moment [1/s2] and inertia [-] over m_w R**2
-      real(wp) :: rates(lane_count, part%n)
+      real(wp), intent(inout) :: rates(lane_count, part%n)
+      !! of states that the loops of the part move
       integer :: i
 
       call lane_rates(part, coef, y, motion, rates)
@@ -156,8 +195,9 @@ contains
          R = 1/coef(i, first_wall + 1)
          g = R*coef(i, first_wall + 7) + ground(i, 2)
          square = motion%rate(i)*motion%rate(i)
-         phi_ddot(i) = (total(i, 1) - (g/R*motion%s(i) + motion%c(i)*motion%push(i))) &
-            /(total(i, 2) + coef(i, first_wall + 6))
+         ! a held wall does not turn
+         phi_ddot(i) = coef(i, 1)*((total(i, 1) - (g/R*motion%s(i) + motion%c(i)*motion%push(i))) &
+            /(total(i, 2) + coef(i, first_wall + 6)))
          force(i, 1) = R*motion%side(i)*(motion%c(i)*phi_ddot(i) + motion%s(i)*square) &
             + ground(i, 1)
          force(i, 2) = R*(motion%s(i)*phi_ddot(i) - motion%c(i)*square) + g
@@ -200,7 +240,7 @@ contains
    end subroutine press_corner
 
    !> The cable, along itself where it is straight, else along the axis of the wall.
-   pure subroutine pull_cable(part, coef, cable, motion, force)
+   pure subroutine pull_cable(part, coef, cable, motion, force, on_wall)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
       real(wp), intent(in) :: cable(lane_count, 2)
@@ -208,6 +248,8 @@ contains
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: force(lane_count, 2)
       !! of the foundation [m/s2]
+      real(wp), intent(inout) :: on_wall(lane_count, 2)
+      !! of the cable [m/s2]
       real(wp) :: s, c, pull, sine, cosine, rise
       integer :: i
 
@@ -220,9 +262,9 @@ contains
             sine = 2*motion%half_sine(i)*motion%half_cosine(i)
             rise = 2*c*(1 - 2*motion%half_sine(i)*motion%half_sine(i)) + s*sine
             pull = cable(i, 1)/(coef(i, first_wall + 1)*s)
-            force(i, 1) = force(i, 1) - pull*motion%side(i)*(2*s*motion%half_sine(i) &
+            on_wall(i, 1) = pull*motion%side(i)*(2*s*motion%half_sine(i) &
                *motion%half_sine(i) + 2*c*sine)/rise
-            force(i, 2) = force(i, 2) - pull
+            on_wall(i, 2) = pull
          end do
       else
          !$omp simd private(pull, sine, cosine)
@@ -230,14 +272,19 @@ contains
             sine = 2*motion%half_sine(i)*motion%half_cosine(i)
             cosine = 1 - 2*motion%half_sine(i)*motion%half_sine(i)
             pull = cable(i, 1)/(coef(i, first_wall + 1)*coef(i, first_wall + 3))
-            force(i, 1) = force(i, 1) - pull*motion%side(i)*sine
-            force(i, 2) = force(i, 2) - pull*cosine
+            on_wall(i, 1) = pull*motion%side(i)*sine
+            on_wall(i, 2) = pull*cosine
          end do
       end if
+      !$omp simd
+      do i = 1, lane_count
+         force(i, 1) = force(i, 1) - on_wall(i, 1)
+         force(i, 2) = force(i, 2) - on_wall(i, 2)
+      end do
    end subroutine pull_cable
 
    !> The frame on the wall, through a link that may be tilted, and on the ground.
-   pure subroutine push_frame(part, coef, link, motion, phi_ddot, base, force)
+   pure subroutine push_frame(part, coef, link, motion, phi_ddot, base, force, along)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
       real(wp), intent(in) :: link(lane_count, 2)
@@ -249,17 +296,17 @@ contains
       !! shear of wall and frame together [m/s2]
       real(wp), intent(inout) :: force(lane_count, 2)
       !! of the foundation; in: with the horizontal one that accelerates the wall [m/s2]
-      real(wp) :: along(lane_count)
-      !! horizontal force of the link on the wall [m/s2]
+      real(wp), intent(inout) :: along(lane_count, 2)
+      !! force of the link on the wall [m/s2]
       real(wp) :: R, v
       integer :: i, j
 
       !$omp simd private(R)
       do i = 1, lane_count
          R = 1/coef(i, first_wall + 1)
-         along(i) = R*motion%side(i)*(link(i, 1) - link(i, 2)*phi_ddot(i))/motion%lever(i)
+         along(i, 1) = R*motion%side(i)*(link(i, 1) - link(i, 2)*phi_ddot(i))/motion%lever(i)
          base(i) = force(i, 1)
-         force(i, 1) = force(i, 1) - along(i)
+         force(i, 1) = force(i, 1) - along(i, 1)
       end do
       do j = 1, size(part%terms)
          associate (own => part%terms(j)%coef)
@@ -275,12 +322,39 @@ contains
                do i = 1, lane_count
                   v = motion%half_sine(i)*(coef(i, own + 3)*motion%half_cosine(i) &
                      - coef(i, own + 2)*motion%half_sine(i))
-                  force(i, 2) = force(i, 2) - motion%side(i)*coef(i, own + 1)*along(i)*v &
+                  along(i, 2) = motion%side(i)*coef(i, own + 1)*along(i, 1)*v &
                      /sqrt(max(coef(i, own)*coef(i, own) - v*v, 0.0_wp))
+                  force(i, 2) = force(i, 2) - along(i, 2)
                end do
             end if
          end associate
       end do
    end subroutine push_frame
+
+   !> Floors below the roof on the ground.
+   pure subroutine push_floors(part, coef, rates, ground, base)
+      type(scene_t), intent(in) :: part
+      real(wp), intent(in) :: coef(lane_count, part%n_coef)
+      real(wp), intent(in) :: rates(lane_count, part%n)
+      !! of the states
+      real(wp), intent(in) :: ground(lane_count)
+      !! [m/s2]
+      real(wp), intent(inout) :: base(lane_count)
+      !! shear of wall and frame together [m/s2]
+      integer :: i, j, k
+
+      do k = 1, size(part%terms)
+         if (part%terms(k)%effect /= storeys_effect) cycle
+         associate (n => part%terms(k)%n, own => part%terms(k)%coef, first => part%terms(k)%state)
+            do j = 1, n - 1
+               !$omp simd
+               do i = 1, lane_count
+                  base(i) = base(i) + (rates(i, first + n - 2 + j) + ground(i)) &
+                     /coef(i, own + 2*n + j)
+               end do
+            end do
+         end associate
+      end do
+   end subroutine push_floors
 
 end module rwmf_model_reactions_loop

@@ -1,6 +1,6 @@
 !> The named scalars of one simulation: what `rwmf run --json`, the Python results and
 !> `CASE.summary.csv` hold. Which there are, of what kind and in which order says the table of
-!> `rwmf_simulation_quantities`, their numbers `rwmf_simulation_scalars`.
+!> `rwmf_problem_quantity_table`, their numbers `rwmf_simulation_scalars`.
 !>
 !> A key that does not apply to the effects in the scene is absent.
 module rwmf_output_summary
@@ -9,9 +9,9 @@ module rwmf_output_summary
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_simulation_quantities, only: all_quantities
+   use rwmf_problem_quantity_table, only: all_quantities, id
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_scalars, only: scalar_of, scalar_t
+   use rwmf_simulation_scalars, only: scalars_of, value_of, values_t
    use rwmf_text_text_buffer, only: append, clear, text_buffer_t
    implicit none
    private
@@ -43,73 +43,73 @@ contains
       type(summary_item_t), allocatable, intent(out) :: items(:)
       !! (keys)
       character(12), allocatable :: effects(:)
+      type(values_t) :: values
       integer, parameter :: usual = 128
       integer :: i
       integer :: n
 
       allocate (items(usual))
       n = 0
+      call scalars_of(case, result, values)
       do i = 1, size(all_quantities)
          if (index(all_quantities(i)%outputs, 'run') == 0) cycle
-         select case (all_quantities(i)%key)
-         case ('method')
-            call append_item(items, n, i, 0, scalar_t(), result%method)
-         case ('effects')
+         select case (all_quantities(i)%id)
+         case (id%method)
+            call append_item(items, n, i, 0, 0.0_wp, result%method)
+         case (id%effects)
             ! not within the call below, where gfortran 12 takes the length from memory given back
             effects = list_effects(case)
-            call append_item(items, n, i, 0, scalar_t(), joined(effects))
-         case ('warnings')
+            call append_item(items, n, i, 0, 0.0_wp, joined(effects))
+         case (id%warnings)
             if (allocated(result%warnings)) then
-               call append_item(items, n, i, 0, scalar_t(), joined(result%warnings))
+               call append_item(items, n, i, 0, 0.0_wp, joined(result%warnings))
             else
-               call append_item(items, n, i, 0, scalar_t(), '')
+               call append_item(items, n, i, 0, 0.0_wp, '')
             end if
          case default
-            call append_numbers(items, n, i, case, result)
+            call append_numbers(items, n, i, values)
          end select
       end do
       call resize(items, n, n)
    end subroutine summarise
 
    !> Append a quantity, or one for each storey from the ground up, as far as it applies.
-   pure subroutine append_numbers(items, n, place, case, result)
+   pure subroutine append_numbers(items, n, place, values)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(inout) :: n
       !! items so far
       integer, intent(in) :: place
       !! in the table
-      type(case_t), intent(in) :: case
-      type(result_t), intent(in) :: result
-      type(scalar_t) :: scalar
+      type(values_t), intent(in) :: values
       integer :: storey
 
-      storey = 1
-      do
-         scalar = scalar_of(case, result, trim(all_quantities(place)%key), storey)
-         if (.not. scalar%is_present) return
-         call append_item(items, n, place, storey, scalar, '')
-         if (index(all_quantities(place)%key, '{i}') == 0) return
-         storey = storey + 1
-      end do
+      associate (number => all_quantities(place)%id)
+         do storey = 1, values%count(number)
+            call append_item(items, n, place, storey, value_of(values, number, storey), '')
+         end do
+      end associate
    end subroutine append_numbers
 
    !> Append one item.
-   pure subroutine append_item(items, n, place, storey, scalar, text)
+   pure subroutine append_item(items, n, place, storey, value, text)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(inout) :: n
       !! items so far
       integer, intent(in) :: place
       integer, intent(in) :: storey
       !! its number, for a key with '{i}'
-      type(scalar_t), intent(in) :: scalar
+      real(wp), intent(in) :: value
       character(*), intent(in) :: text
 
       if (n == size(items)) call resize(items, n, 2*n)
       n = n + 1
       items(n)%key = trim(numbered(trim(all_quantities(place)%key), storey))
       items(n)%kind = trim(all_quantities(place)%kind)
-      items(n)%number = scalar%number
-      items(n)%count = scalar%count
+      if (items(n)%kind == 'int' .or. items(n)%kind == 'logical') then
+         items(n)%count = int(value, i8)
+      else
+         items(n)%number = value
+      end if
       items(n)%text = text
    end subroutine append_item
 

@@ -4,9 +4,9 @@ module rwmf_simulation_finite_check
    use rwmf_core_kinds, only: wp
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_quantities, only: all_quantities
+   use rwmf_problem_quantity_table, only: all_quantities, id
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_scalars, only: scalar_of, scalar_t
+   use rwmf_simulation_scalars, only: scalars_of, value_of, values_t
    implicit none
    private
 
@@ -23,13 +23,13 @@ contains
    end function is_finite
 
    !> May a number be reported? No friction suffices where the pivot lifts: that demand is infinite.
-   pure logical function may_report(key, number)
-      character(*), intent(in) :: key
-      !! as it stands in the table of quantities
+   elemental logical function may_report(quantity, number)
+      integer, intent(in) :: quantity
+      !! its number in the table
       real(wp), intent(in) :: number
       !! in the unit of the key
 
-      may_report = is_finite(number) .or. (key == 'friction_demand_max' .and. number > 0)
+      may_report = is_finite(number) .or. (quantity == id%friction_demand_max .and. number > 0)
    end function may_report
 
    !> Fails with `err_numerical` if a number of a name is not finite.
@@ -51,24 +51,20 @@ contains
       type(result_t), intent(in) :: result
       !! of a run of the case
       type(error_t), allocatable, intent(out) :: error
-      type(scalar_t) :: scalar
-      integer :: i, number
+      type(values_t) :: values
+      integer :: i, storey
 
       if (allocated(result%final_state)) call check_numbers('the state at the end', &
          result%final_state, error)
+      call scalars_of(case, result, values)
       do i = 1, size(all_quantities)
          if (allocated(error)) return
          if (all_quantities(i)%kind /= 'real' .or. all_quantities(i)%found == 'work') cycle
-         number = 1
-         do
-            scalar = scalar_of(case, result, trim(all_quantities(i)%key), number)
-            if (.not. scalar%is_present) exit
-            if (.not. may_report(trim(all_quantities(i)%key), scalar%number)) then
-               call check_numbers(trim(numbered(trim(all_quantities(i)%key), number)), &
-                  [scalar%number], error)
-            end if
-            if (index(all_quantities(i)%key, '{i}') == 0) exit
-            number = number + 1
+         do storey = 1, values%count(all_quantities(i)%id)
+            associate (value => value_of(values, all_quantities(i)%id, storey))
+               if (.not. may_report(all_quantities(i)%id, value)) call check_numbers(trim( &
+                  numbered(trim(all_quantities(i)%key), storey)), [value], error)
+            end associate
          end do
       end do
    end subroutine check_result

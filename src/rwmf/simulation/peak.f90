@@ -4,9 +4,9 @@ module rwmf_simulation_peak
    use rwmf_core_kinds, only: wp
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t, output_t
-   use rwmf_simulation_quantities, only: all_quantities, asked_by, look_up, of_demands
+   use rwmf_problem_quantity_table, only: all_quantities, asked_by, look_up, of_demands
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_scalars, only: scalar_of, scalar_t
+   use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    implicit none
    private
 
@@ -34,14 +34,14 @@ contains
    pure logical function reports_peak(case, result) result(reports)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
-      type(scalar_t) :: scalar
+      type(values_t) :: values
       integer :: place, number
 
       call look_up(trim(case%solver%accuracy_of), place, number)
       reports = .false.
       if (place == 0) return
-      scalar = scalar_of(case, result, trim(all_quantities(place)%key), number)
-      reports = scalar%is_present
+      call scalars_of(case, result, values)
+      reports = is_present(values, all_quantities(place)%id, number)
    end function reports_peak
 
    !> The peak of a run; 0 for what has not happened in it.
@@ -49,13 +49,15 @@ contains
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       !! of a run of the case
-      type(scalar_t) :: scalar
+      type(values_t) :: values
       integer :: place, number
 
       if (case%solver%accuracy_of /= '') then
          call look_up(trim(case%solver%accuracy_of), place, number)
-         scalar = scalar_of(case, result, trim(all_quantities(place)%key), number)
-         peak = scalar%number
+         call scalars_of(case, result, values)
+         peak = 0
+         if (is_present(values, all_quantities(place)%id, number)) peak = value_of(values, &
+            all_quantities(place)%id, number)
       else if (allocated(result%u_s_max)) then
          peak = result%u_s_max
       else
@@ -73,19 +75,14 @@ contains
       character(40), allocatable, intent(out) :: keys(:)
       !! (keys) with the number of a floor or storey in the place of '{i}'
       character(40), allocatable :: more(:)
-      type(scalar_t) :: scalar
+      type(values_t) :: values
       integer :: i, j, n, number
 
       allocate (keys(0))
+      call scalars_of(case, result, values)
       do i = 1, size(all_quantities)
          if (.not. is_wanted(i)) cycle
-         number = 0
-         do
-            scalar = scalar_of(case, result, trim(all_quantities(i)%key), number + 1)
-            if (.not. scalar%is_present) exit
-            number = number + 1
-            if (index(all_quantities(i)%key, '{i}') == 0) exit
-         end do
+         number = values%count(all_quantities(i)%id)
          n = size(keys)
          allocate (more(n + number))
          more(:n) = keys

@@ -1,6 +1,6 @@
 !> Words of the field for output quantities, for messages about a quantity that is not known.
 module rwmf_simulation_quantity_words
-   use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up
+   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up
    use rwmf_text_strings, only: nearest_name, to_lower
    implicit none
    private

@@ -64,6 +64,8 @@ module rwmf_simulation_result
       !! part of it that no state tells: of smooth hysteresis and of rupture
       character(32), allocatable :: names(:)
       !! of the parts that apply to the scene
+      integer, allocatable :: numbers(:)
+      !! (parts) in the table of quantities
       real(wp), allocatable :: values(:)
       !! (parts) in the end
    end type energy_t

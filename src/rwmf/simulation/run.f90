@@ -25,7 +25,7 @@ module rwmf_simulation_run
    use rwmf_simulation_hybrid_loop, only: has_ended, hybrid_t, mode_collapsed, &
       mode_overturned, mode_rest, start_hybrid
    use rwmf_simulation_lanes_team, only: team_t
-   use rwmf_simulation_quantities, only: all_quantities
+   use rwmf_problem_quantity_table, only: all_quantities
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_nearby_motion, only: begin_nearby
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
@@ -140,7 +140,8 @@ contains
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       if (allocated(error)) return
-      if (equation%has_impacts .and. needs_all_steps(recorder)) then
+      if (equation%has_impacts .and. (needs_all_steps(recorder) &
+         .or. allocated(recorder%demands))) then
          allocate (recorder%nearby)
          call begin_nearby(recorder%nearby, equation%n)
       end if

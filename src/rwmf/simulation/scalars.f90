@@ -1,336 +1,251 @@
-!> The scalars of a run by the keys of the table of quantities: the one place that says which number
-!> of a result each key stands for. Summaries, spectra and sweeps read it.
+!> The scalars of a run by their numbers in the table of quantities: the one place that says which
+!> component of a result each number is. Summaries, spectra and sweeps read it.
 module rwmf_simulation_scalars
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_kinds, only: i8, wp
    use rwmf_problem_case, only: case_t, storeys_t
+   use rwmf_problem_quantity_table, only: all_quantities, id
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
-   use rwmf_simulation_newtons, only: ratios, weight_under
+   use rwmf_simulation_newtons, only: weight_under
    use rwmf_simulation_result, only: demand_extremes_t, energy_t, reaction_extremes_t, result_t
    implicit none
    private
 
-   public :: scalar_t, scalar_of
+   public :: values_t, scalars_of, is_present, value_of
 
-   !> One scalar.
-   type :: scalar_t
-      logical :: is_present = .false.
-      !! it applies to the scene
-      real(wp) :: number = 0
-      !! of a 'real' [unit of the key]
-      integer(i8) :: count = 0
-      !! of an 'int'; of a 'logical' 1 for yes
-   end type scalar_t
+   !> Scalars by the numbers of the table.
+   type :: values_t
+      integer :: count(size(all_quantities)) = 0
+      !! how many numbers each has: storeys or floors for a list, 0 where it does not apply
+      integer, private :: first(size(all_quantities)) = 0
+      !! place of the first of them
+      integer, private :: n = 0
+      !! numbers in use
+      real(wp), allocatable, private :: numbers(:)
+      !! [unit of each]; a count as it is, 1 for yes, 0 for no
+   end type values_t
 
 contains
 
-   !> The number that a key stands for; not present: it does not apply, or is no number.
-   pure type(scalar_t) function scalar_of(case, result, key, storey) result(scalar)
+   !> All scalars of a run that apply.
+   pure subroutine scalars_of(case, result, values)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
-      character(*), intent(in) :: key
-      !! as it stands in the table
-      integer, intent(in) :: storey
-      !! its number from the ground up, for a key with '{i}'
+      type(values_t), intent(out) :: values
 
-      integer :: behind, i
-
-      scalar = number_of(case, result, key, storey)
-      behind = index(key, '_N', back=.true.)
-      if (scalar%is_present .or. behind == 0 .or. .not. case%unit_mass > 0) return
-      ! a force in N, a moment in N m
-      do i = 1, size(ratios)
-         associate (ratio => key(:behind - 1)//trim(ratios(i))//key(behind + 2:))
-            scalar = number_of(case, result, ratio, storey)
-            if (scalar%is_present) scalar%number = scalar%number*weight_under(case, ratio)
-         end associate
-         if (scalar%is_present) return
-      end do
-   end function scalar_of
-
-   !> The same of what is not in N.
-   pure type(scalar_t) function number_of(case, result, key, storey) result(scalar)
-      type(case_t), intent(in) :: case
-      type(result_t), intent(in) :: result
-      character(*), intent(in) :: key
-      integer, intent(in) :: storey
-
-      scalar = peak_of(result, key, storey)
-      if (.not. scalar%is_present) scalar = ending_of(result, key, storey)
-      if (.not. scalar%is_present) scalar = effort_of(result, key)
-      if (allocated(result%reactions) .and. .not. scalar%is_present) then
-         scalar = reaction_of(result%reactions, key)
+      allocate (values%numbers(2*size(all_quantities)))
+      call keep_response(result, values)
+      if (allocated(result%reactions)) call keep_reactions(result%reactions, values)
+      if (allocated(result%demands)) call keep_demands(result%demands, values)
+      if (allocated(result%energy)) call keep_energies(result%energy, values)
+      if (allocated(case%storeys)) then
+         call keep_storeys(case%storeys, values)
+         call keep(values, id%T_s_s, case%frame%T_s)
       end if
-      if (allocated(result%demands) .and. .not. scalar%is_present) then
-         scalar = demand_of(result%demands, key, storey)
-      end if
-      if (allocated(result%energy) .and. .not. scalar%is_present) then
-         scalar = energy_of(result%energy, key)
-      end if
-      if (allocated(case%storeys) .and. .not. scalar%is_present) then
-         scalar = storeys_of(case%storeys, key)
-         if (key == 'T_s_s') scalar = of_real(case%frame%T_s)
-      end if
-   end function number_of
+      if (case%unit_mass > 0) call keep_newtons(case, values)
+   end subroutine scalars_of
 
-   !> Suprema of the response, and their times.
-   pure type(scalar_t) function peak_of(result, key, storey) result(scalar)
-      type(result_t), intent(in) :: result
-      character(*), intent(in) :: key
+   !> Does a scalar apply?
+   elemental logical function is_present(values, number, storey)
+      type(values_t), intent(in) :: values
+      integer, intent(in) :: number
+      !! of the quantity
       integer, intent(in) :: storey
+      !! its number from the ground up, for a list; else any up to 1
 
-      ! an unallocated component is an absent argument
-      select case (key)
-      case ('u_s_max_m')
-         scalar = of_real(result%u_s_max)
-      case ('t_u_s_max_s')
-         scalar = of_real(result%t_u_s_max)
-      case ('theta_max_over_alpha')
-         scalar = of_real(result%theta_max_over_alpha)
-      case ('theta_dot_max_rad_s')
-         scalar = of_real(result%theta_dot_max)
-      case ('cable_force_increment_max_over_m_w_g')
-         scalar = of_real(result%cable_increment_max)
-      case ('ductility')
-         scalar = of_real(result%ductility)
-      case ('storey_{i}_ductility')
-         scalar = of_list(result%storey_ductility, storey)
-      case default
-         ! not here
-      end select
-   end function peak_of
+      is_present = values%count(number) >= max(1, storey)
+   end function is_present
 
-   !> What is left in the end, and how often something happened until then.
-   pure type(scalar_t) function ending_of(result, key, storey) result(scalar)
+   !> A scalar [unit of its key]: a count as it is, 1 for yes, 0 for no; NaN where it does not
+   !> apply.
+   elemental real(wp) function value_of(values, number, storey) result(value)
+      type(values_t), intent(in) :: values
+      integer, intent(in) :: number, storey
+
+      value = ieee_value(1.0_wp, ieee_quiet_nan)
+      if (is_present(values, number, storey)) value = values%numbers(values%first(number) &
+         + max(1, storey) - 1)
+   end function value_of
+
+   !> Suprema of the response and their times, the end of the run, and its effort.
+   pure subroutine keep_response(result, values)
       type(result_t), intent(in) :: result
-      character(*), intent(in) :: key
-      integer, intent(in) :: storey
+      type(values_t), intent(inout) :: values
 
-      select case (key)
-      case ('cable_prestress_loss_over_m_w_g')
-         scalar = of_real(result%prestress_loss)
-      case ('cable_ruptured')
-         scalar = of_logical(result%has_ruptured)
-      case ('residual_displacement_m')
-         scalar = of_real(result%residual_displacement)
-      case ('theta_end_over_alpha')
-         scalar = of_real(result%theta_end_over_alpha)
-      case ('storey_{i}_residual_drift')
-         scalar = of_list(result%storey_residual_drift, storey)
-      case ('storey_{i}_residual_drift_at_rest')
-         scalar = of_list(result%storey_at_rest, storey)
-      case ('impacts')
-         if (result%has_impacts) scalar = of_count(result%impacts)
-      case ('lift_offs')
-         if (result%has_impacts) scalar = of_count(result%lift_offs)
-      case ('overturned')
-         if (result%has_impacts .or. allocated(result%theta_max)) scalar = of_logical( &
-            result%overturned)
-      case ('collapsed')
-         scalar = of_logical(result%collapsed)
-      case ('t_collapse_s')
-         scalar = of_real(result%t_collapse)
-      case ('e')
-         scalar = of_real(result%e)
-      case ('e_max')
-         scalar = of_real(result%e_max)
-      case default
-         ! not here
-      end select
-   end function ending_of
-
-   !> What the integration took, and how far it can be trusted.
-   pure type(scalar_t) function effort_of(result, key) result(scalar)
-      type(result_t), intent(in) :: result
-      character(*), intent(in) :: key
-
-      select case (key)
-      case ('steps')
-         scalar = of_count(result%steps)
-      case ('rhs_evaluations')
-         scalar = of_count(result%rhs_evaluations)
-      case ('seconds')
-         scalar = of_real(result%seconds)
-      case ('rtol')
-         scalar = of_real(result%rtol)
-      case ('estimated_relative_error')
-         scalar = of_real(result%estimated_relative_error)
-      case ('estimate_seconds')
-         scalar = of_real(result%estimate_seconds)
-      case ('sensitivity')
-         scalar = of_real(result%sensitivity)
-      case default
-         ! not here
-      end select
-   end function effort_of
+      call keep(values, id%u_s_max_m, result%u_s_max)
+      call keep(values, id%t_u_s_max_s, result%t_u_s_max)
+      call keep(values, id%theta_max_over_alpha, result%theta_max_over_alpha)
+      call keep(values, id%theta_dot_max_rad_s, result%theta_dot_max)
+      call keep(values, id%cable_force_increment_max_over_m_w_g, result%cable_increment_max)
+      call keep(values, id%ductility, result%ductility)
+      call keep_list(values, id%storey_i_ductility, result%storey_ductility)
+      call keep(values, id%cable_prestress_loss_over_m_w_g, result%prestress_loss)
+      call keep_logical(values, id%cable_ruptured, result%has_ruptured)
+      call keep(values, id%residual_displacement_m, result%residual_displacement)
+      call keep(values, id%theta_end_over_alpha, result%theta_end_over_alpha)
+      call keep_list(values, id%storey_i_residual_drift, result%storey_residual_drift)
+      call keep_list(values, id%storey_i_residual_drift_at_rest, result%storey_at_rest)
+      if (result%has_impacts) call keep_count(values, id%impacts, result%impacts)
+      if (result%has_impacts) call keep_count(values, id%lift_offs, result%lift_offs)
+      if (result%has_impacts .or. allocated(result%theta_max)) call keep_logical(values, &
+         id%overturned, result%overturned)
+      call keep_logical(values, id%collapsed, result%collapsed)
+      call keep(values, id%t_collapse_s, result%t_collapse)
+      call keep(values, id%e, result%e)
+      call keep(values, id%e_max, result%e_max)
+      call keep_count(values, id%steps, result%steps)
+      call keep_count(values, id%rhs_evaluations, result%rhs_evaluations)
+      call keep(values, id%seconds, result%seconds)
+      call keep(values, id%rtol, result%rtol)
+      call keep(values, id%estimated_relative_error, result%estimated_relative_error)
+      call keep(values, id%estimate_seconds, result%estimate_seconds)
+      call keep(values, id%sensitivity, result%sensitivity)
+   end subroutine keep_response
 
    !> What the foundation bears.
-   pure type(scalar_t) function reaction_of(reactions, key) result(scalar)
+   pure subroutine keep_reactions(reactions, values)
       type(reaction_extremes_t), intent(in) :: reactions
-      character(*), intent(in) :: key
+      type(values_t), intent(inout) :: values
 
-      select case (key)
-      case ('base_shear_max_over_weight')
-         scalar = of_real(reactions%base_shear_max)
-      case ('t_base_shear_max_s')
-         scalar = of_real(reactions%t_base_shear_max)
-      case ('pivot_normal_min_over_m_w_g')
-         scalar = of_real(reactions%normal_min)
-      case ('t_pivot_normal_min_s')
-         scalar = of_real(reactions%t_normal_min)
-      case ('pivot_lifts')
-         scalar = of_logical(reactions%pivot_lifts)
-      case ('friction_demand_max')
-         scalar = of_real(reactions%demand_max)
-      case ('t_friction_demand_max_s')
-         scalar = of_real(reactions%t_demand_max)
-      case ('shear_key_force_max_over_m_w_g')
-         scalar = of_real(reactions%shear_key_max)
-      case ('t_shear_key_force_max_s')
-         scalar = of_real(reactions%t_shear_key_max)
-      case ('friction_exceeded')
-         scalar = of_logical(reactions%is_exceeded)
-      case ('t_friction_exceeded_s')
-         scalar = of_real(reactions%t_exceeded)
-      case ('wall_drift_max')
-         scalar = of_real(reactions%wall_drift_max)
-      case ('frame_drift_max')
-         scalar = of_real(reactions%frame_drift_max)
-      case default
-         ! not here
-      end select
-   end function reaction_of
+      call keep(values, id%base_shear_max_over_weight, reactions%base_shear_max)
+      call keep(values, id%t_base_shear_max_s, reactions%t_base_shear_max)
+      call keep(values, id%pivot_normal_min_over_m_w_g, reactions%normal_min)
+      call keep(values, id%t_pivot_normal_min_s, reactions%t_normal_min)
+      call keep_logical(values, id%pivot_lifts, reactions%pivot_lifts)
+      call keep(values, id%friction_demand_max, reactions%demand_max)
+      call keep(values, id%t_friction_demand_max_s, reactions%t_demand_max)
+      call keep(values, id%shear_key_force_max_over_m_w_g, reactions%shear_key_max)
+      call keep(values, id%t_shear_key_force_max_s, reactions%t_shear_key_max)
+      call keep_logical(values, id%friction_exceeded, reactions%is_exceeded)
+      call keep(values, id%t_friction_exceeded_s, reactions%t_exceeded)
+      call keep(values, id%wall_drift_max, reactions%wall_drift_max)
+      call keep(values, id%frame_drift_max, reactions%frame_drift_max)
+   end subroutine keep_reactions
 
    !> What the building is designed for.
-   pure type(scalar_t) function demand_of(demands, key, storey) result(scalar)
+   pure subroutine keep_demands(demands, values)
       type(demand_extremes_t), intent(in) :: demands
-      character(*), intent(in) :: key
-      integer, intent(in) :: storey
+      type(values_t), intent(inout) :: values
 
-      select case (key)
-      case ('storey_{i}_drift_max')
-         scalar = of_list(demands%drift_max, storey)
-      case ('storey_drift_max')
-         scalar = of_largest(demands%drift_max)
-      case ('t_storey_drift_max_s')
-         scalar = of_real(demands%t_drift_max)
-      case ('roof_drift_max')
-         scalar = of_real(demands%roof_drift_max)
-      case ('t_roof_drift_max_s')
-         scalar = of_real(demands%t_roof_drift_max)
-      case ('storey_residual_drift_max')
-         scalar = of_largest(demands%residual_drift)
-      case ('roof_residual_drift')
-         scalar = of_real(demands%roof_residual_drift)
-      case ('roof_residual_drift_at_rest')
-         scalar = of_real(demands%roof_at_rest)
-      case ('floor_{i}_acceleration_max_g')
-         scalar = of_list(demands%acceleration_max, storey)
-      case ('floor_acceleration_max_g')
-         scalar = of_largest(demands%acceleration_max)
-      case ('t_floor_acceleration_max_s')
-         scalar = of_real(demands%t_acceleration_max)
-      case ('storey_{i}_shear_max_over_m_w_g')
-         scalar = of_list(demands%shear_max, storey)
-      case ('overturning_moment_max_over_weight_m')
-         scalar = of_real(demands%overturning_max)
-      case ('t_overturning_moment_max_s')
-         scalar = of_real(demands%t_overturning_max)
-      case ('wall_shear_max_over_m_w_g')
-         scalar = of_real(demands%wall_shear_max)
-      case ('wall_shear_max_height_m')
-         scalar = of_real(demands%wall_shear_height)
-      case ('wall_moment_max_over_m_w_g_m')
-         scalar = of_real(demands%wall_moment_max)
-      case ('wall_moment_max_height_m')
-         scalar = of_real(demands%wall_moment_height)
-      case default
-         ! not here
-      end select
-   end function demand_of
+      call keep_list(values, id%storey_i_drift_max, demands%drift_max)
+      call keep_largest(values, id%storey_drift_max, demands%drift_max)
+      call keep(values, id%t_storey_drift_max_s, demands%t_drift_max)
+      call keep(values, id%roof_drift_max, demands%roof_drift_max)
+      call keep(values, id%t_roof_drift_max_s, demands%t_roof_drift_max)
+      call keep_largest(values, id%storey_residual_drift_max, demands%residual_drift)
+      call keep(values, id%roof_residual_drift, demands%roof_residual_drift)
+      call keep(values, id%roof_residual_drift_at_rest, demands%roof_at_rest)
+      call keep_list(values, id%floor_i_acceleration_max_g, demands%acceleration_max)
+      call keep_largest(values, id%floor_acceleration_max_g, demands%acceleration_max)
+      call keep(values, id%t_floor_acceleration_max_s, demands%t_acceleration_max)
+      call keep_list(values, id%storey_i_shear_max_over_m_w_g, demands%shear_max)
+      call keep(values, id%overturning_moment_max_over_weight_m, demands%overturning_max)
+      call keep(values, id%t_overturning_moment_max_s, demands%t_overturning_max)
+      call keep(values, id%wall_shear_max_over_m_w_g, demands%wall_shear_max)
+      call keep(values, id%wall_shear_max_height_m, demands%wall_shear_height)
+      call keep(values, id%wall_moment_max_over_m_w_g_m, demands%wall_moment_max)
+      call keep(values, id%wall_moment_max_height_m, demands%wall_moment_height)
+   end subroutine keep_demands
 
-   !> The ledger: its parts in the end, and what they miss.
-   pure type(scalar_t) function energy_of(energy, key) result(scalar)
+   !> The ledger: its parts in the end, and the residual over initial plus largest input energy.
+   pure subroutine keep_energies(energy, values)
       type(energy_t), intent(in) :: energy
-      character(*), intent(in) :: key
+      type(values_t), intent(inout) :: values
+      real(wp) :: residual, scale, balance
       integer :: i
 
-      if (key == 'energy_balance_relative') then
-         scalar = of_real(energy_balance(energy))
-         return
-      end if
-      i = findloc(energy%names == key, .true., dim=1)
-      if (i > 0) scalar = of_real(energy%values(i))
-   end function energy_of
-
-   !> Residual of the energy ledger over initial plus largest input energy [-].
-   pure real(wp) function energy_balance(energy)
-      type(energy_t), intent(in) :: energy
-      real(wp) :: residual
-      real(wp) :: scale
-
+      do i = 1, size(energy%values)
+         call keep(values, energy%numbers(i), energy%values(i))
+      end do
       residual = energy%final + energy%viscous + energy%impact + energy%hysteretic &
          - energy%initial - energy%input
       scale = abs(energy%initial) + energy%input_max
-      energy_balance = 0.0_wp
-      if (scale > 0.0_wp) energy_balance = abs(residual)/scale
-   end function energy_balance
+      balance = 0
+      if (scale > 0) balance = abs(residual)/scale
+      call keep(values, id%energy_balance_relative, balance)
+   end subroutine keep_energies
 
    !> The first mode of the frame's storeys, and its share in the mass: what a reduction keeps.
-   pure type(scalar_t) function storeys_of(storeys, key) result(scalar)
+   pure subroutine keep_storeys(storeys, values)
       type(storeys_t), intent(in) :: storeys
-      character(*), intent(in) :: key
+      type(values_t), intent(inout) :: values
 
       associate (frame => storeys%frame)
-         select case (key)
-         case ('modal_mass_over_m_w')
-            scalar = of_real(modal_mass(frame, 1))
-         case ('mass_participation')
-            scalar = of_real(modal_mass(frame, 1)/sum(frame%m))
-         case ('modal_height_m')
-            scalar = of_real(modal_height(frame, 1))
-         case ('roof_factor')
-            scalar = of_real(roof_factor(frame, 1))
-         case default
-            ! not here
-         end select
+         call keep(values, id%modal_mass_over_m_w, modal_mass(frame, 1))
+         call keep(values, id%mass_participation, modal_mass(frame, 1)/sum(frame%m))
+         call keep(values, id%modal_height_m, modal_height(frame, 1))
+         call keep(values, id%roof_factor, roof_factor(frame, 1))
       end associate
-   end function storeys_of
+   end subroutine keep_storeys
 
-   !> A real, unless it is absent.
-   pure type(scalar_t) function of_real(number) result(scalar)
-      real(wp), intent(in), optional :: number
+   !> Forces in N and moments in N m, from those over a weight.
+   pure subroutine keep_newtons(case, values)
+      type(case_t), intent(in) :: case
+      type(values_t), intent(inout) :: values
+      integer :: i, first
 
-      if (present(number)) scalar = scalar_t(.true., number=number)
-   end function of_real
+      do i = 1, size(all_quantities)
+         associate (ratio => all_quantities(i)%ratio)
+            if (ratio == 0) cycle
+            first = values%first(ratio)
+            if (values%count(ratio) > 0) call keep_list(values, all_quantities(i)%id, &
+               values%numbers(first:first + values%count(ratio) - 1)*weight_under(case, ratio))
+         end associate
+      end do
+   end subroutine keep_newtons
 
-   !> One of a list of reals, unless it is absent or too short.
-   pure type(scalar_t) function of_list(numbers, i) result(scalar)
-      real(wp), intent(in), optional :: numbers(:)
-      integer, intent(in) :: i
+   !> Keep a list. A component that is not allocated does not apply: it is an absent argument.
+   pure subroutine keep_list(values, number, list)
+      type(values_t), intent(inout) :: values
+      integer, intent(in) :: number
+      !! of the quantity
+      real(wp), intent(in), optional :: list(:)
+      !! (storeys or floors)
+      real(wp), allocatable :: longer(:)
 
-      if (.not. present(numbers)) return
-      if (i >= 1 .and. i <= size(numbers)) scalar = scalar_t(.true., number=numbers(i))
-   end function of_list
+      if (.not. present(list)) return
+      if (values%n + size(list) > size(values%numbers)) then
+         allocate (longer(2*(values%n + size(list))))
+         longer(:values%n) = values%numbers(:values%n)
+         call move_alloc(longer, values%numbers)
+      end if
+      values%count(number) = size(list)
+      values%first(number) = values%n + 1
+      values%numbers(values%n + 1:values%n + size(list)) = list
+      values%n = values%n + size(list)
+   end subroutine keep_list
 
-   !> The largest magnitude in a list of reals, unless it is absent.
-   pure type(scalar_t) function of_largest(numbers) result(scalar)
-      real(wp), intent(in), optional :: numbers(:)
+   pure subroutine keep(values, number, value)
+      type(values_t), intent(inout) :: values
+      integer, intent(in) :: number
+      real(wp), intent(in), optional :: value
 
-      if (present(numbers)) scalar = scalar_t(.true., number=maxval(abs(numbers)))
-   end function of_largest
+      if (present(value)) call keep_list(values, number, [value])
+   end subroutine keep
 
-   !> A counter.
-   pure type(scalar_t) function of_count(count) result(scalar)
+   !> The largest magnitude in a list.
+   pure subroutine keep_largest(values, number, list)
+      type(values_t), intent(inout) :: values
+      integer, intent(in) :: number
+      real(wp), intent(in), optional :: list(:)
+
+      if (present(list)) call keep_list(values, number, [maxval(abs(list))])
+   end subroutine keep_largest
+
+   pure subroutine keep_count(values, number, count)
+      type(values_t), intent(inout) :: values
+      integer, intent(in) :: number
       integer(i8), intent(in) :: count
 
-      scalar = scalar_t(.true., count=count)
-   end function of_count
+      call keep_list(values, number, [real(count, wp)])
+   end subroutine keep_count
 
-   !> A yes or no, unless it is absent.
-   pure type(scalar_t) function of_logical(value) result(scalar)
+   pure subroutine keep_logical(values, number, value)
+      type(values_t), intent(inout) :: values
+      integer, intent(in) :: number
       logical, intent(in), optional :: value
 
-      if (present(value)) scalar = scalar_t(.true., count=merge(1_i8, 0_i8, value))
-   end function of_logical
+      if (present(value)) call keep_list(values, number, [merge(1.0_wp, 0.0_wp, value)])
+   end subroutine keep_logical
 
 end module rwmf_simulation_scalars

@@ -8,7 +8,7 @@ module rwmf_simulation_simulate
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_error_control, only: run_to_accuracy, verify_run
    use rwmf_simulation_peak, only: ask_for_peak, list_reported, reports_peak
-   use rwmf_simulation_quantities, only: all_quantities, is_peak
+   use rwmf_problem_quantity_table, only: all_quantities, is_peak
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: run_once
    implicit none

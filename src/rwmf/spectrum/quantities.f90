@@ -1,7 +1,6 @@
 !> What each ordinate of a spectrum reports: `&spectrum quantities`, keys of the table of quantities
 !> with the numbers of a run (`rwmf_simulation_scalars`).
 module rwmf_spectrum_quantities
-   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t
@@ -10,10 +9,10 @@ module rwmf_spectrum_quantities
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
-   use rwmf_simulation_quantities, only: all_quantities, is_of_ordinate, look_up, of_demands, &
+   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, of_demands, &
       of_displacement, of_energy, of_reactions, of_storeys, of_velocity, of_verification
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_scalars, only: scalar_of, scalar_t
+   use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    use rwmf_simulation_simulate, only: simulate_instant
    implicit none
    private
@@ -193,18 +192,14 @@ contains
       !! (quantities) [unit of each]
       logical, intent(out) :: are_finite
       !! no number that there is is infinite or NaN
-      type(scalar_t) :: scalar
-      integer :: i
+      type(values_t) :: found
 
-      are_finite = .true.
-      do i = 1, size(asked%place)
-         scalar = scalar_of(case, result, trim(all_quantities(asked%place(i))%key), &
-            asked%storey(i))
-         values(i) = scalar%number + real(scalar%count, wp)
-         are_finite = are_finite .and. may_report(trim(all_quantities(asked%place(i))%key), &
-            values(i))
-         if (.not. scalar%is_present) values(i) = ieee_value(1.0_wp, ieee_quiet_nan)
-      end do
+      call scalars_of(case, result, found)
+      associate (numbers => all_quantities(asked%place)%id)
+         values = value_of(found, numbers, asked%storey)
+         are_finite = all(may_report(numbers, values) .or. .not. is_present(found, numbers, &
+            asked%storey))
+      end associate
    end subroutine take_values
 
 end module rwmf_spectrum_quantities

@@ -11,7 +11,7 @@ module rwmf_spectrum_spectrum
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_tolerance
-   use rwmf_simulation_quantities, only: spelled
+   use rwmf_problem_quantity_table, only: spelled
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: check_peak, simulate_with_motion
    use rwmf_simulation_warnings, only: list_case_warnings

@@ -7,8 +7,9 @@ program test_balance
       uneven_storeys, with_inerter, with_tendon, yielding_storeys
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
-      kinematics_at, second_derivative
+      kinematics_at, rates_at, second_derivative
    use rwmf_model_demands, only: building_of, building_t, links_of
+   use rwmf_model_demands_loop, only: demand_constants, lane_demands
    use rwmf_model_energy, only: powers_at
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
@@ -21,8 +22,10 @@ program test_balance
       reaction_count, shear_of_base => shear
    use rwmf_model_wall_sections, only: links_t, section_forces
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_shear_frame, only: damping_matrix
+   use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
+      observe_demands_at, put_constants
    implicit none
 
    real(wp), parameter :: t = 0.3_wp
@@ -60,6 +63,8 @@ program test_balance
    call check_balance(uneven_storeys(), 'every floor, storeys that yield one by one')
    call check_balance(linked_storeys('full'), 'all modes, link')
    call check_balance(linked_storeys('reduced'), 'one mode, link')
+   call check_bare_frame(storeys('full', 'exact'), 'all modes without wall')
+   call check_bare_frame(hysteretic('exact'), 'single mass without wall')
    if (checks%wants('damper_power')) call check_damper_power()
    call checks%finish()
 
@@ -109,6 +114,7 @@ contains
             call checks%close_to(reactions%base_shear, shear, 'base shear, '//name, &
                atol=round_off*equation%p%g*(1 + equation%p%gamma))
             if (equation%parts%is_complete) call check_loop(equation, y, reactions, name)
+            call check_demands(case, equation, y, name)
             call check_base(equation, case, y, reactions, damper, name)
          end do
       end do
@@ -167,6 +173,60 @@ contains
       call checks%close_to(found(1, shear_of_base), abs(reactions%base_shear), 'shear of the ' &
          //'loop, '//name, rtol=10*round_off)
    end subroutine check_loop
+
+   !> The loop over lanes finds the demands of the scalar procedures.
+   subroutine check_demands(case, equation, y, name)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      character(*), intent(in) :: name
+      type(case_t) :: asking
+      type(demand_recorder_t), allocatable :: recorder
+      real(wp) :: acceleration(1, 2), y_dot(size(y))
+      real(wp), allocatable :: found(:, :), constants(:, :)
+      integer :: q
+
+      asking%structure_t = case%structure_t
+      asking%output = output_t(energy=.false., demands=.true.)
+      call create_demands(recorder, asking, equation)
+      associate (floors => recorder%building%floors, storeys => recorder%building%storeys)
+         if (.not. equation%parts%is_complete .or. (storeys > 0 .and. equation%floors%n == 0)) return
+         call rates_at(equation, t, y, y_dot)
+         call observe_demands_at(recorder, equation, t, y, y_dot)
+         acceleration(1, :) = [ground(equation, t), 0.0_wp]
+         if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
+         allocate (found(1, reaction_count + size(recorder%largest)))
+         allocate (constants(1, demand_constants(floors, storeys)))
+         call put_constants(recorder, constants(1, :))
+         call lane_demands(equation%parts, floors, storeys, constants, equation%state%coef, &
+            reshape(y, [1, size(y)]), acceleration, found)
+      end associate
+      do q = 1, size(recorder%largest)
+         call checks%close_to(found(1, reaction_count + q), recorder%largest(q), &
+            'demand of the loop, '//name, rtol=1.0e-11_wp)
+      end do
+   end subroutine check_demands
+
+   !> The same without a wall.
+   subroutine check_bare_frame(case, name)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: name
+      type(case_t) :: bare
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      real(wp), allocatable :: y(:)
+      integer :: j
+
+      if (.not. checks%wants('bare')) return
+      bare = case
+      deallocate (bare%wall)
+      if (allocated(bare%cable)) deallocate (bare%cable)
+      motion = motion_from_case(bare)
+      call build_equation(bare, motion, equation)
+      call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
+      y = [0.02_wp, 0.3_wp, (0.01_wp*j, j=3, equation%n)]
+      call check_demands(bare, equation, y, name)
+   end subroutine check_bare_frame
 
    !> Clockwise moment about the centroid of a force at a point of the space.
    real(wp) function turn(point, force, equation, y)

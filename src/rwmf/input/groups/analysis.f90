@@ -7,7 +7,7 @@ module rwmf_input_groups_analysis
       logical_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_simulation_quantities, only: all_quantities, is_peak, look_up, spelled
+   use rwmf_problem_quantity_table, only: all_quantities, is_peak, look_up, spelled
    use rwmf_simulation_quantity_words, only: meant_quantity
    implicit none
    private

@@ -17,6 +17,7 @@ module rwmf_model_hysteresis_spring_set
       spring_plastic, spring_residual, turn_spring
    use rwmf_model_hysteresis_spring, only: branch_t, spring_t
    use rwmf_problem_case, only: case_t, spring_law_t, yielding_t
+   use rwmf_problem_quantity_table, only: id
    implicit none
    private
 
@@ -26,10 +27,7 @@ module rwmf_model_hysteresis_spring_set
    public :: yield_displacement, storey_strengths, moves
    public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
    public :: frame_residuals, plastic_displacement, plastic_parts, uneven_plastic_part
-   public :: frame_force_column, fuse_uplift
-
-   character(*), parameter :: frame_force_column = 'frame_force_over_m_s_g'
-   !! of every law
+   public :: fuse_uplift
 
 contains
 
@@ -539,14 +537,14 @@ contains
 
       forces = spring_forces(equation, theta)
       associate (of_frame => equation%springs%place == place_frame)
-         if (any(of_frame)) call put(row, frame_force_column, sum(forces, of_frame))
+         if (any(of_frame)) call put(row, id%frame_force_over_m_s_g, sum(forces, of_frame))
       end associate
       do i = 1, size(forces)
          select case (equation%springs(i)%place)
          case (place_left)
-            call put(row, 'fuse_left_force_over_m_w_g', forces(i))
+            call put(row, id%fuse_left_force_over_m_w_g, forces(i))
          case (place_right)
-            call put(row, 'fuse_right_force_over_m_w_g', forces(i))
+            call put(row, id%fuse_right_force_over_m_w_g, forces(i))
          case default
             ! the frame's, which are in the row already
          end select

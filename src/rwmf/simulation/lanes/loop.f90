@@ -12,7 +12,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
       of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
-      of_pace, of_plain, of_top, of_trial, of_vertical_line, of_watch
+      of_calm, of_pace, of_plain, of_top, of_trial, of_vertical_line, of_watch
    use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
       plan_one => plan_step
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
@@ -302,6 +302,8 @@ contains
          call check_progress(lanes(i), i, team)
          select case (team%mark(i))
          case (needs_look)
+            ! an event may keep the next step from that
+            if (team%table(i, of_calm) < 1) team%is_watched(i) = .true.
             if (.not. lanes(i)%is_smooth) then
                call look_at_step(lanes(i), i, team)
             else if (lanes(i)%goal /= no_event) then
@@ -384,6 +386,8 @@ contains
 
       do i = 1, team%width
          if (team%mark(i) /= at_limit .and. team%mark(i) /= is_done) cycle
+         ! what grows up to the end of the step is seen in the next one
+         if (team%table(i, of_calm) > 0) team%table(i, of_calm) = 1
          if (team%is_watched(i)) then
             call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
                team%table(i, of_time), team%y_new(i, :))
@@ -448,7 +452,7 @@ contains
       step = until(step, t_b, y_b)
       if (lane%recorder%keeps_events) call list_turns(lane%recorder, step, lane%error)
       if (.not. allocated(lane%error)) call observe_piece(lane%recorder, step, lane%error, &
-         team%table(i, of_plain) > 0)
+         team%table(i, of_plain) > 0, team%table(i, of_calm) > 0.75_wp)
       call note_extremes(lane, i, team)
       if (allocated(lane%error)) team%table(i, of_length) = 0
    end subroutine observe_step

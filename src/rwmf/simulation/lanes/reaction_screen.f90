@@ -1,13 +1,16 @@
-!> Which steps of the lanes of a team plainly hold no extremum of the reactions.
+!> Which steps of the lanes of a team plainly hold no extremum of reactions and demands.
 module rwmf_simulation_lanes_reaction_screen
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_lane_columns, only: of_frequency, of_ground_end, of_interval, of_plain, &
-      of_time, of_trial
-   use rwmf_integrator_lane_reactions, only: at_begin, at_end, least_so_far, screen_one => &
-      screen_steps, so_far
-   use rwmf_model_reactions_loop, only: lane_reactions
+   use rwmf_integrator_lane_columns, only: of_calm, of_fastest_demand, of_frequency, of_ground_end, of_interval, &
+      of_limit, of_middle, of_next, of_plain, of_time, of_trial
+   use rwmf_integrator_lane_reactions, only: at_begin, at_end, find_values, least_so_far, &
+      screen_one => screen_steps, so_far, value_count
+   use rwmf_model_demands_loop, only: demand_constants
+   use rwmf_model_equation, only: ground, vertical_ground
+   use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_simulation_lanes_team, only: lane_t, team_t
+   use rwmf_simulation_recorder_demand_extremes, only: put_constants
    use rwmf_simulation_recorder_reaction_estimates, only: fastest_of
    implicit none
    private
@@ -24,12 +27,44 @@ contains
       type(team_t), intent(inout) :: team
 
       team%table(i, of_plain) = 1
-      team%screens = allocated(lane%recorder%forces)
-      if (.not. team%screens) return
+      team%table(i, of_calm) = 1
+      if (.not. allocated(team%values)) call choose_screen(lane, team)
+      if (.not. team%screen%is_used) return
       team%is_known(i) = .false.
       team%table(i, of_frequency) = fastest_of(lane%equation)
+      if (team%screen%has_demands) then
+         team%table(i, of_fastest_demand) = lane%recorder%demands%frequency
+         call put_constants(lane%recorder%demands, team%constants(i, :))
+      end if
       call note_extremes(lane, i, team)
    end subroutine begin_reactions
+
+   !> What is asked for of the lanes, all of one scene.
+   subroutine choose_screen(lane, team)
+      type(lane_t), intent(in) :: lane
+      type(team_t), intent(inout) :: team
+
+      associate (screen => team%screen, recorder => lane%recorder, equation => lane%equation)
+         screen%has_reactions = allocated(recorder%forces)
+         screen%has_demands = allocated(recorder%demands) .and. equation%parts%is_complete
+         screen%is_used = screen%has_reactions .or. allocated(recorder%demands)
+         screen%has_sampled_reactions = equation%floors%n > 0
+         if (screen%has_demands) then
+            associate (building => recorder%demands%building)
+               screen%has_demands = building%storeys == 0 .or. equation%floors%n > 0
+               screen%floors = building%floors
+               screen%storeys = building%storeys
+            end associate
+         end if
+         allocate (screen%is_led(reaction_count), source=.false.)
+         if (screen%has_demands) screen%is_led = [screen%is_led, recorder%demands%is_led]
+         screen%n = size(screen%is_led)
+         screen%has_middle = screen%has_demands .or. screen%has_sampled_reactions
+         allocate (team%values(team%width, screen%n, value_count), source=0.0_wp)
+         allocate (team%constants(team%width, demand_constants(screen%floors, screen%storeys)), &
+            source=0.0_wp)
+      end associate
+   end subroutine choose_screen
 
    !> The extrema of a lane so far.
    subroutine note_extremes(lane, i, team)
@@ -38,57 +73,101 @@ contains
       !! number of the lane in the team
       type(team_t), intent(inout) :: team
 
-      if (.not. team%screens) return
-      team%reactions(i, :, so_far) = lane%recorder%forces%largest
-      team%reactions(i, :, least_so_far) = lane%recorder%forces%smallest
+      if (team%screen%has_reactions) then
+         team%values(i, :reaction_count, so_far) = lane%recorder%forces%largest
+         team%values(i, :reaction_count, least_so_far) = lane%recorder%forces%smallest
+      end if
+      if (team%screen%has_demands) then
+         team%values(i, reaction_count + 1:, so_far) = lane%recorder%demands%largest
+         team%values(i, reaction_count + 1:, least_so_far) = lane%recorder%demands%smallest
+      end if
    end subroutine note_extremes
 
-   !> Ask all lanes, by the reactions at both ends of the steps that they have tried.
+   !> Ask all lanes, by reactions and demands in the steps that they have tried.
    subroutine screen_reactions(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
+      real(wp) :: t
       integer :: i
 
-      if (.not. team%screens) return
+      if (.not. team%screen%is_used) return
       team%table(:, of_plain) = 0
+      team%table(:, of_calm) = 0
       associate (parts => lanes(1)%equation%parts, last => team%pair%stages)
          if (.not. parts%is_complete) return
          do i = 1, team%width
-            if (team%is_busy(i) .and. .not. team%is_known(i)) call find_begin(lanes(i), i, team)
+            if (.not. team%is_busy(i)) cycle
+            if (.not. team%is_known(i)) call find_begin(lanes(i), i, team)
+            team%table(i, of_next) = merge(1, 0, continues(i, team))
+            associate (middle => team%table(i, of_middle:of_middle + 1))
+               middle = (team%ground(i, 1, :) + team%ground(i, last, :))/2
+               if (.not. team%has_curves) cycle
+               t = team%table(i, of_time) + team%table(i, of_trial)/2
+               middle(1) = ground(lanes(i)%equation, t)
+               if (lanes(i)%equation%has_vertical) middle(2) = vertical_ground(lanes(i)%equation, t)
+            end associate
          end do
          if (team%width == 1) then
-            call screen_one(parts, last, team%coef, team%y_new, team%ground, team%mark, &
-               team%table, team%reactions)
+            call screen_one(parts, team%screen, last, team%constants, team%coef, team%y, team%k, &
+               team%y_new, team%ground, team%mark, team%table, team%values)
          else
-            call team%kernels%screen_steps(parts, last, team%coef, team%y_new, team%ground, &
-               team%mark, team%table, team%reactions)
+            call team%kernels%screen_steps(parts, team%screen, last, team%constants, team%coef, &
+               team%y, team%k, team%y_new, team%ground, team%mark, team%table, team%values)
          end if
       end associate
+      if (.not. team%screen%has_demands) then
+         do i = 1, team%width
+            if (team%is_busy(i)) team%table(i, of_calm) = merge(0, 1, &
+               allocated(lanes(i)%recorder%demands))
+         end do
+      end if
       if (.not. team%has_curves) return
       do i = 1, team%width
          if (.not. team%is_busy(i)) cycle
          associate (table => team%table)
             if (turning_point(lanes(i)%equation%motion, int(table(i, of_interval)), &
-               table(i, of_time)) < table(i, of_time) + table(i, of_trial)) table(i, of_plain) = 0
+               table(i, of_time)) < table(i, of_time) + table(i, of_trial)) &
+               table(i, [of_plain, of_calm]) = 0
          end associate
       end do
    end subroutine screen_reactions
 
-   !> The reactions at the beginning of the first step of a lane, as if one before had come to them.
+   !> Does the ground go on without a jump where the step of a lane ends?
+   pure logical function continues(i, team)
+      integer, intent(in) :: i
+      !! number of the lane in the team
+      type(team_t), intent(in) :: team
+      real(wp), parameter :: slack = 1.0e-9_wp
+      integer :: next
+
+      associate (table => team%table, lines => team%lines, last => team%pair%stages)
+         continues = table(i, of_trial) < table(i, of_limit) - table(i, of_time)
+         if (continues) return
+         next = min(int(table(i, of_interval)) + 1, ubound(lines, 2))
+         if (.not. lines(1, next) > table(i, of_limit)) return
+         associate (since => table(i, of_limit) - lines(4, next), a => team%ground(i, last, :))
+            continues = all(abs(lines([2, 5], next) + since*lines([3, 6], next) - a) <= slack*abs(a))
+         end associate
+      end associate
+   end function continues
+
+   !> The values at the beginning of the first step of a lane, as if one before had come to them.
    subroutine find_begin(lane, i, team)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
       type(team_t), intent(inout) :: team
-      real(wp) :: ground(1, 2), coef(1, size(team%coef, 2)), y(1, size(team%y, 2))
-      real(wp) :: found(1, size(team%reactions, 2))
+      real(wp) :: acceleration(1, 2), constants(1, size(team%constants, 2))
+      real(wp) :: coef(1, size(team%coef, 2)), y(1, size(team%y, 2))
+      real(wp) :: found(1, size(team%values, 2))
 
-      ground(1, :) = team%ground(i, 1, :)
+      acceleration(1, :) = team%ground(i, 1, :)
+      constants(1, :) = team%constants(i, :)
       coef(1, :) = team%coef(i, :)
       y(1, :) = team%y(i, :)
-      call lane_reactions(lane%equation%parts, coef, y, ground, found)
-      team%reactions(i, :, at_begin) = found(1, :)
-      team%reactions(i, :, at_end) = found(1, :)
-      team%table(i, of_ground_end:of_ground_end + 1) = ground(1, :)
+      call find_values(lane%equation%parts, team%screen, constants, coef, y, acceleration, found)
+      team%values(i, :, at_begin) = found(1, :)
+      team%values(i, :, at_end) = found(1, :)
+      team%table(i, of_ground_end:of_ground_end + 1) = acceleration(1, :)
       team%is_known(i) = .true.
    end subroutine find_begin
 

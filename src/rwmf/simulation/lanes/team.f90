@@ -4,13 +4,11 @@ module rwmf_simulation_lanes_team
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
-   use rwmf_integrator_lane_columns, only: column_count, line_columns, of_fastest, of_plain, &
-      of_time, of_trial
+   use rwmf_integrator_lane_columns, only: column_count, line_columns, of_calm, of_fastest, &
+      of_plain, of_time, of_trial, screen_t
    use rwmf_integrator_lane_kernels, only: lane_kernels_t
-   use rwmf_integrator_lane_reactions, only: value_count
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_math_sign_changes, only: changes_of, polygon_t, rate_polygon, roughness, unclear
-   use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
       is_piecewise_linear, line_of, line_t, motion_t, step_parts, vertical_line_of
@@ -103,11 +101,12 @@ module rwmf_simulation_lanes_team
       !! (width) the step has to be looked into for it; then the following is set
       real(wp), allocatable :: t_before(:), y_before(:, :)
       !! (width) [s], (width, states) at the beginning of the step
-      logical :: screens = .false.
-      !! reactions are asked for; then the following is set
-      real(wp), allocatable :: reactions(:, :, :)
-      !! (width, reactions, values) at the ends of the step, and the extrema so far: -N [m/s2],
-      !! |H|/N [-], |V| [m/s2]
+      type(screen_t) :: screen
+      !! what is asked for inside the steps; the following belongs to it
+      real(wp), allocatable :: values(:, :, :)
+      !! (width, reactions and demands, places) in the step, and the extrema so far
+      real(wp), allocatable :: constants(:, :)
+      !! (width, constants) of the buildings
       logical, allocatable :: is_known(:)
       !! (width) those at the beginning of the step are
    end type team_t
@@ -138,8 +137,7 @@ contains
          allocate (team%mark(width), source=0)
          allocate (team%is_busy(width), team%is_watched(width), source=.false.)
          allocate (team%t_before(width), team%y_before(width, n))
-         allocate (team%reactions(width, reaction_count, value_count), source=0.0_wp)
-         team%table(:, of_plain) = 1
+         team%table(:, [of_plain, of_calm]) = 1
          allocate (team%is_known(width), source=.false.)
          team%max_steps = real(max_steps, wp)
          team%has_curves = .not. is_piecewise_linear(equation%motion)
@@ -198,8 +196,9 @@ contains
       alone%keeps_more = team%keeps_more
       alone%has_limits = team%has_limits
       if (allocated(team%work)) alone%work = team%work(i:i, :)
-      alone%screens = team%screens
-      alone%reactions(1, :, :) = team%reactions(i, :, :)
+      alone%screen = team%screen
+      alone%values = team%values(i:i, :, :)
+      alone%constants = team%constants(i:i, :)
       alone%is_known = team%is_known(i)
       alone%mark = team%mark(i)
       alone%table(1, :) = team%table(i, :)
@@ -265,8 +264,8 @@ contains
    end function longest_step
 
    !> Which steps have to be looked into for what no event tells? All of them for histories and
-   !> lists of events, those that are not plain for reactions, and those that may hold the peak of
-   !> |theta'|.
+   !> lists of events, those that are not plain for reactions or demands, and those that may hold the
+   !> peak of |theta'|.
    subroutine find_steps_to_watch(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
@@ -275,7 +274,7 @@ contains
 
       do i = 1, team%width
          is_watched = team%is_busy(i) .and. lanes(i)%is_smooth
-         if (is_watched .and. team%table(i, of_plain) > 0) then
+         if (is_watched .and. minval(team%table(i, [of_plain, of_calm])) > 0) then
             is_watched = needs_all_steps(lanes(i)%recorder)
             if (.not. is_watched) is_watched = may_be_fastest(team, i, &
                lanes(i)%recorder%theta_dot_max)

@@ -3,10 +3,9 @@
 !> Demands are smooth between two events or knots. Both ends of a piece of motion count with their
 !> one-sided values, so that those on both sides of an impact do. A step that is short, and whose
 !> ends stay below the largest so far by what a vibration can rise between them, is left alone. Any
-!> other is searched at five places, in parts of a quarter of the shortest period at most. In a
-!> short step the cubics through the states at its ends say what there is to be found, and where; a
-!> maximum that can be the largest so far is closed in on with the integrator's own states, until
-!> nothing but round-off is to be gained.
+!> other is searched at five places, in parts of a quarter of the shortest period at most. A maximum
+!> that can be the largest so far is closed in on until nothing but round-off is to be gained: in a
+!> short step by polynomials of the states, then with the integrator's own state.
 module rwmf_simulation_recorder_demand_extremes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
@@ -16,16 +15,18 @@ module rwmf_simulation_recorder_demand_extremes
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_short, sample_state, &
-      step_view_t
+   use rwmf_problem_quantity_table, only: id
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, step_view_t
    use rwmf_simulation_recorder_reaction_estimates, only: fastest_of, inside, n_nodes, node, &
       place_of_peak
+   use rwmf_simulation_recorder_step_states, only: fit_states, may_interpolate, state_inside, &
+      step_states_t
    use rwmf_simulation_result, only: demand_extremes_t
    implicit none
    private
 
    public :: demand_recorder_t, create_demands, observe_demands, observe_demands_at
-   public :: observe_demands_at_rest, put_storeys, put_demands, demand_extremes
+   public :: observe_demands_at_rest, put_storeys, put_demands, demand_extremes, put_constants
 
    !> Running maxima of the magnitudes: drifts and shears of the storeys [-], [m/s2], accelerations
    !> of the floors [m/s2], overturning moment [m], shear [m/s2] and moment [m2/s2] in the wall.
@@ -54,10 +55,6 @@ module rwmf_simulation_recorder_demand_extremes
       real(wp), allocatable :: at_ends(:, :)
       !! (demands, 2)
    end type demand_recorder_t
-
-   integer, parameter :: middle = (n_nodes + 1)/2
-   real(wp), parameter :: brief = 1
-   !! angle of the fastest vibration in a step from which cubics depart by 1/384 of it at most [rad]
 
 contains
 
@@ -110,6 +107,21 @@ contains
       call rates_at(equation, 0.0_wp, beside, rates_beside)
       frequency = sqrt(max(0.0_wp, (rates(2) - rates_beside(2))/(beside(1) - y(1))))
    end function wall_frequency
+
+   !> Constants of the building for loops over lanes.
+   pure subroutine put_constants(recorder, constants)
+      type(demand_recorder_t), intent(in) :: recorder
+      real(wp), intent(out) :: constants(:)
+      !! as `lane_demands` reads them
+
+      associate (building => recorder%building)
+         constants = 0
+         constants(:2) = [building%unit, 1/building%weight]
+         if (allocated(building%z)) constants(3:2 + building%floors) = building%m*building%z &
+            /building%weight
+         constants(3 + building%floors:) = 1/building%height
+      end associate
+   end subroutine put_constants
 
    !> One state of motion, or of a wall at rest with zeros for its rates.
    subroutine observe_demands_at(recorder, equation, t, y, y_dot)
@@ -172,29 +184,29 @@ contains
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
+      type(step_states_t), allocatable :: states
       real(wp) :: found(size(recorder%largest), n_nodes)
       real(wp), parameter :: most_parts = 1000
       real(wp) :: t(2), angle
-      logical :: is_brief
       integer :: i, n
 
       call look_at_ends(recorder, piece)
-      is_brief = is_short(piece, brief, recorder%frequency)
-      angle = (piece%t_b - piece%t_a)*recorder%frequency
-      if (is_brief) then
-         found(:, 1) = max(recorder%at_ends(:, 1), recorder%at_ends(:, 2))
-         if (is_plain(recorder, angle, found(:, 1))) return
-         call estimate(recorder, piece, piece%t_a + (piece%t_b - piece%t_a)/2, found(:, middle))
-         if (is_plain(recorder, angle/2, max(found(:, 1), found(:, middle)))) return
-      end if
       n = 1
-      if (.not. is_brief) n = max(count_parts(piece), ceiling(min(2*angle/pi, most_parts)))
+      angle = (piece%t_b - piece%t_a)*recorder%frequency
+      if (may_interpolate(piece, recorder%frequency)) then
+         if (is_plain(recorder, angle, max(recorder%at_ends(:, 1), recorder%at_ends(:, 2)))) return
+         allocate (states)
+         call fit_states(piece, recorder%rates, states, error)
+         if (allocated(error)) return
+      else
+         n = max(count_parts(piece), ceiling(min(2*angle/pi, most_parts)))
+      end if
       found(:, n_nodes) = recorder%at_ends(:, 1)
       t(2) = piece%t_a
       do i = 1, n
          found(:, 1) = found(:, n_nodes)
          t = [t(2), end_of_part(piece, i, n)]
-         call search_part(recorder, piece, t, is_brief, found, error)
+         call search_part(recorder, piece, states, t, found, error)
          if (allocated(error)) return
       end do
    end subroutine observe_demands
@@ -252,19 +264,16 @@ contains
    end function is_plain
 
    !> Extrema in a part in which nothing vibrates by more than a quarter of its period.
-   subroutine search_part(recorder, piece, t, is_brief, found, error)
+   subroutine search_part(recorder, piece, states, t, found, error)
       type(demand_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
+      type(step_states_t), intent(in), allocatable :: states
       real(wp), intent(in) :: t(2)
       !! its ends [s]
-      logical, intent(in) :: is_brief
-      !! cubics tell enough of the whole piece, which is the part
       real(wp), intent(inout) :: found(:, :)
-      !! (demands, nodes) the first is known, and where cubics tell enough that in the middle
+      !! (demands, nodes) the first is known
       type(error_t), allocatable, intent(out) :: error
-      real(wp), parameter :: slack = 0.01_wp
-      !! of the range so far, for what the cubics err
-      real(wp) :: times(n_nodes), level(size(recorder%largest))
+      real(wp) :: times(n_nodes)
       integer :: i, q
 
       times = t(1) + (t(2) - t(1))*node
@@ -272,27 +281,24 @@ contains
       do i = 2, n_nodes
          if (times(i) >= piece%t_b) then
             found(:, i) = recorder%at_ends(:, 2)
-         else if (is_brief .and. i /= middle) then
-            call estimate(recorder, piece, times(i), found(:, i))
-         else if (.not. is_brief) then
-            call sample(recorder, piece, times(i), found(:, i), error)
+         else
+            call sample(recorder, piece, times(i), found(:, i), error, states)
          end if
          if (allocated(error)) return
       end do
-      level = 0
-      if (is_brief) level = slack*(recorder%largest - recorder%smallest)
       do q = 1, size(found, 1)
          if (recorder%is_led(q)) cycle
-         if (place_of_peak(found(q, :), recorder%largest(q) - level(q)) /= inside) cycle
-         call close_in(recorder, piece, q, times, found(q, :), error)
+         if (place_of_peak(found(q, :), recorder%largest(q)) /= inside) cycle
+         call close_in(recorder, piece, states, q, times, found(q, :), error)
          if (allocated(error)) return
       end do
    end subroutine search_part
 
    !> The maximum of a demand between the nodes.
-   subroutine close_in(recorder, piece, q, times, found, error)
+   subroutine close_in(recorder, piece, states, q, times, found, error)
       type(demand_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
+      type(step_states_t), intent(in), allocatable :: states
       integer, intent(in) :: q
       !! which demand
       real(wp), intent(in) :: times(n_nodes)
@@ -312,45 +318,34 @@ contains
       if (.not. (vertex > times(k - 1) .and. vertex < times(k + 1))) vertex = times(k)
       search = maximum_between(times(k - 1), times(k + 1), vertex, is_near=.true.)
       do while (search%is_open)
-         call sample(recorder, piece, search%next, at_point, error)
+         call sample(recorder, piece, search%next, at_point, error, states)
          if (allocated(error)) return
          if (at_point(q) + miss*(maxval(found) - minval(found)) < recorder%largest(q)) return
          call climb(search, at_point(q))
       end do
+      if (allocated(states)) call sample(recorder, piece, search%x(1), at_point, error)
    end subroutine close_in
 
-   !> Demands inside a short piece by the cubics through the states at its ends, nearly.
-   subroutine estimate(recorder, piece, t, found)
-      type(demand_recorder_t), intent(inout) :: recorder
-      type(step_view_t), intent(in) :: piece
-      real(wp), intent(in) :: t
-      real(wp), intent(out) :: found(:)
-      real(wp), dimension(size(piece%y_b)) :: y, y_dot
-      real(wp) :: h, x
-
-      h = piece%t_b - piece%t_a
-      x = (t - piece%t_a)/h
-      associate (a => piece%y_a, b => piece%y_b, rates => recorder%rates)
-         y = a + x**2*(3 - 2*x)*(b - a) + h*x*(1 - x)*((1 - x)*rates(:, 1) - x*rates(:, 2))
-      end associate
-      call rates_at(piece%equation, t, y, y_dot)
-      call find_demands(recorder, piece%equation, t, y, y_dot, found)
-   end subroutine estimate
-
-   !> Demands inside a piece; they take part.
-   subroutine sample(recorder, piece, t, found, error)
+   !> Demands inside a piece. Those of the integrator's own state take part.
+   subroutine sample(recorder, piece, t, found, error, states)
       type(demand_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       real(wp), intent(in) :: t
       real(wp), intent(out) :: found(:)
       type(error_t), allocatable, intent(out) :: error
+      type(step_states_t), intent(in), optional :: states
+      !! which tell the state nearly
       real(wp), dimension(size(piece%y_b)) :: y, y_dot
 
-      call sample_state(piece, t, y, error)
-      if (allocated(error)) return
+      if (present(states)) then
+         call state_inside(states, t, y)
+      else
+         call sample_state(piece, t, y, error)
+         if (allocated(error)) return
+      end if
       call rates_at(piece%equation, t, y, y_dot)
       call find_demands(recorder, piece%equation, t, y, y_dot, found)
-      call keep_largest(recorder, t, found)
+      if (.not. present(states)) call keep_largest(recorder, t, found)
    end subroutine sample
 
    !> The wall stays at rest while the motion goes through the interval in force. All demands then
@@ -390,8 +385,8 @@ contains
 
       call demands_at(recorder%building, equation, t, y, y_dot, recorder%present)
       associate (present => recorder%present, g => equation%p%g)
-         if (equation%floors%n == 0) call put(row, 'storey_{i}_drift', present%drift)
-         if (.not. equation%floors%yields) call put(row, 'storey_{i}_shear_over_m_w_g', &
+         if (equation%floors%n == 0) call put(row, id%storey_i_drift, present%drift)
+         if (.not. equation%floors%yields) call put(row, id%storey_i_shear_over_m_w_g, &
             present%shear/g)
       end associate
    end subroutine put_storeys
@@ -403,12 +398,12 @@ contains
       type(equation_t), intent(in) :: equation
 
       associate (present => recorder%present, g => equation%p%g)
-         call put(row, 'floor_{i}_acceleration_g', present%acceleration/g)
-         if (recorder%building%roof_height > 0) call put(row, 'overturning_moment_over_weight_m', &
+         call put(row, id%floor_i_acceleration_g, present%acceleration/g)
+         if (recorder%building%roof_height > 0) call put(row, id%overturning_moment_over_weight_m, &
             present%overturning)
          if (.not. equation%has_wall) return
-         call put(row, 'wall_shear_over_m_w_g', present%wall%shear/g)
-         call put(row, 'wall_moment_over_m_w_g_m', present%wall%moment/g)
+         call put(row, id%wall_shear_over_m_w_g, present%wall%shear/g)
+         call put(row, id%wall_moment_over_m_w_g_m, present%wall%moment/g)
       end associate
    end subroutine put_demands
 

@@ -12,6 +12,7 @@ module rwmf_simulation_recorder_energy_balance
    use rwmf_model_equation, only: has_further_effects
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_lanes, only: of_input, of_plastic, of_viscous, power_count
+   use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_result, only: energy_t
    implicit none
@@ -89,20 +90,20 @@ contains
       type(stored_energy_t) :: stored
 
       stored = stored_energy(equation, y)
-      call put(row, 'energy_input_J_per_kg', energy%input)
-      call put(row, 'energy_kinetic_J_per_kg', stored%kinetic)
-      if (equation%has_frame) call put(row, 'energy_strain_J_per_kg', stored%strain)
-      if (equation%has_wall) call put(row, 'energy_gravity_J_per_kg', stored%gravity)
-      if (equation%has_cable) call put(row, 'energy_cable_J_per_kg', stored%cable)
-      if (stores_in_effects(equation)) call put(row, 'energy_effects_J_per_kg', stored%effects)
+      call put(row, id%energy_input_J_per_kg, energy%input)
+      call put(row, id%energy_kinetic_J_per_kg, stored%kinetic)
+      if (equation%has_frame) call put(row, id%energy_strain_J_per_kg, stored%strain)
+      if (equation%has_wall) call put(row, id%energy_gravity_J_per_kg, stored%gravity)
+      if (equation%has_cable) call put(row, id%energy_cable_J_per_kg, stored%cable)
+      if (stores_in_effects(equation)) call put(row, id%energy_effects_J_per_kg, stored%effects)
       if (equation%has_frame .or. has_further_effects(equation)) then
-         call put(row, 'energy_viscous_J_per_kg', energy%viscous)
+         call put(row, id%energy_viscous_J_per_kg, energy%viscous)
       end if
       if (dissipates_hysteretically(equation)) then
-         call put(row, 'energy_hysteretic_J_per_kg', energy%flow &
+         call put(row, id%energy_hysteretic_J_per_kg, energy%flow &
             + yielding_loss(equation, y))
       end if
-      if (equation%has_impacts) call put(row, 'energy_impact_J_per_kg', energy%impact)
+      if (equation%has_impacts) call put(row, id%energy_impact_J_per_kg, energy%impact)
    end subroutine put_energies
 
    !> Do further effects store energy?

@@ -5,6 +5,7 @@ module rwmf_simulation_recorder_reaction_columns
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
    use rwmf_model_reactions_loop, only: demand, low_normal, shear
+   use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_recorder_reaction_extremes, only: reaction_extremes_recorder_t
    use rwmf_simulation_result, only: reaction_extremes_t
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
@@ -32,18 +33,18 @@ contains
       type(reactions_t) :: reactions
 
       reactions = reactions_at(equation, t, y, y_ddot)
-      call put(row, 'base_shear_over_weight', reactions%base_shear/weight(equation))
+      call put(row, id%base_shear_over_weight, reactions%base_shear/weight(equation))
       if (.not. equation%has_wall) return
       associate (g => equation%p%g)
-         call put(row, 'pivot_normal_over_m_w_g', reactions%normal/g)
-         call put(row, 'pivot_horizontal_over_m_w_g', reactions%horizontal/g)
-         if (.not. equation%parts%has_shear_key) call put(row, 'friction_demand', &
+         call put(row, id%pivot_normal_over_m_w_g, reactions%normal/g)
+         call put(row, id%pivot_horizontal_over_m_w_g, reactions%horizontal/g)
+         if (.not. equation%parts%has_shear_key) call put(row, id%friction_demand, &
             infinite_where_lifted(friction_demand(reactions)))
-         call put(row, 'wall_drift', wall_drift(equation, y(1)))
-         if (equation%has_frame) call put(row, 'frame_drift', u_s/roof_height(equation))
+         call put(row, id%wall_drift, wall_drift(equation, y(1)))
+         if (equation%has_frame) call put(row, id%frame_drift, u_s/roof_height(equation))
          if (m_w_g > 0) then
-            call put(row, 'pivot_normal_N', reactions%normal*m_w_g/g)
-            call put(row, 'pivot_horizontal_N', reactions%horizontal*m_w_g/g)
+            call put(row, id%pivot_normal_N, reactions%normal*m_w_g/g)
+            call put(row, id%pivot_horizontal_N, reactions%horizontal*m_w_g/g)
          end if
       end associate
    end subroutine put_reactions

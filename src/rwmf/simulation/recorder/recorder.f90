@@ -15,15 +15,16 @@ module rwmf_simulation_recorder_recorder
    use rwmf_model_equation, only: enter_interval, frame_motion
    use rwmf_model_history_row, only: create_row, history_row_t, put
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
-   use rwmf_model_hysteresis_spring_set, only: frame_force_column, put_spring_forces
+   use rwmf_model_hysteresis_spring_set, only: put_spring_forces
    use rwmf_motion_ground_motion, only: acceleration, interval_end, vertical_acceleration
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: all_quantities, id
    use rwmf_simulation_events_first_change, only: changes_in, moment_t, span_between, span_t, &
       stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
       sample_state, step_view_t, until
    use rwmf_simulation_events_turns, only: fastest_in, velocity_t
-   use rwmf_simulation_newtons, only: in_newtons, ratios, weight_under
+   use rwmf_simulation_newtons, only: weight_under
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
       observe_demands, observe_demands_at, observe_demands_at_rest, put_demands, &
       put_storeys
@@ -87,12 +88,10 @@ module rwmf_simulation_recorder_recorder
       !! interval of the history [s]
       real(wp) :: m_w_g
       !! weight of the wall, 0 when the case gives no mass [N]
-      real(wp) :: weights(size(ratios)) = 0
-      !! that forces are over, 0 when the case gives no mass [N]
-      integer, allocatable :: newton_place(:)
-      !! (columns in N) column of the ratio that each follows from
-      real(wp), allocatable :: newton_weight(:)
-      !! (columns in N) weight that it is over [N]
+      real(wp), allocatable :: weights(:)
+      !! (quantities) that the ratio of each in N or N m is over, 0 when the case gives no mass [N]
+      integer, allocatable :: newtons(:, :)
+      !! (3, quantities in N) place of each in the table, first and last column of its ratio
       integer :: next_row
       !! first row of the history that is still to be filled
       type(event_t), allocatable :: events(:)
@@ -162,7 +161,11 @@ contains
       if (equation%has_wall) then
          if (allocated(case%wall%m_w)) recorder%m_w_g = case%wall%m_w*equation%p%g
       end if
-      recorder%weights = [(weight_under(case, ratios(i)), i=1, size(ratios))]
+      allocate (recorder%weights(size(all_quantities)), source=0.0_wp)
+      do i = 1, size(all_quantities)
+         if (all_quantities(i)%ratio > 0) recorder%weights(i) = weight_under(case, &
+            all_quantities(i)%ratio)
+      end do
       call create_row(recorder%row)
       call put_columns(recorder, equation, 0.0_wp, y, 0.0_wp, recorder%energy)
       call move_alloc(recorder%row%names, recorder%history%names)
@@ -211,7 +214,7 @@ contains
       type(recorder_t), intent(in) :: recorder
 
       needs_all = recorder%keeps_history .or. recorder%keeps_events &
-         .or. allocated(recorder%drifts) .or. allocated(recorder%demands)
+         .or. allocated(recorder%drifts) .or. allocated(recorder%nearby)
    end function needs_all_steps
 
    !> Does what is asked for show the ground motion while the wall rests?
@@ -223,13 +226,15 @@ contains
    end function sees_rest
 
    !> A piece of smooth motion inside the last step of the integrator.
-   subroutine observe_piece(recorder, piece, error, has_plain_reactions)
+   subroutine observe_piece(recorder, piece, error, has_plain_reactions, has_calm_demands)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       logical, intent(in), optional :: has_plain_reactions
       !! it is known to hold no extremum of the reactions
+      logical, intent(in), optional :: has_calm_demands
+      !! nor of the demands
       logical :: is_left
 
       is_left = allocated(recorder%forces)
@@ -242,7 +247,9 @@ contains
       if (allocated(error)) return
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, piece, error)
       if (allocated(error)) return
-      if (allocated(recorder%demands)) call observe_demands(recorder%demands, piece, error)
+      is_left = allocated(recorder%demands)
+      if (present(has_calm_demands)) is_left = is_left .and. .not. has_calm_demands
+      if (is_left) call observe_demands(recorder%demands, piece, error)
       if (allocated(error)) return
       if (recorder%keeps_history) call sample_piece(recorder, piece, error)
       if (allocated(error)) return
@@ -472,31 +479,30 @@ contains
       real(wp) :: u_s_dot
       !! [m/s]
       real(wp) :: y_dot(size(y))
-      character(40) :: key
       integer :: i
 
       u_s = 0
       associate (row => recorder%row, m_w_g => recorder%m_w_g)
-         call put(row, 't_s', t)
+         call put(row, id%t_s, t)
          if (equation%has_wall) then
-            call put(row, 'theta_rad', y(1))
-            call put(row, 'theta_dot_rad_s', y(2))
-            call put(row, 'theta_ddot_rad_s2', y_ddot)
+            call put(row, id%theta_rad, y(1))
+            call put(row, id%theta_dot_rad_s, y(2))
+            call put(row, id%theta_ddot_rad_s2, y_ddot)
          end if
          if (equation%has_frame) then
             call frame_motion(equation, equation%state%side, y, u_s, u_s_dot)
-            call put(row, 'u_s_m', u_s)
-            call put(row, 'u_s_dot_m_s', u_s_dot)
+            call put(row, id%u_s_m, u_s)
+            call put(row, id%u_s_dot_m_s, u_s_dot)
          end if
-         call put(row, 'u_g_ddot_m_s2', acceleration(equation%motion, interval_of(equation), t))
-         if (equation%has_vertical) call put(row, 'v_g_ddot_m_s2', &
+         call put(row, id%u_g_ddot_m_s2, acceleration(equation%motion, interval_of(equation), t))
+         if (equation%has_vertical) call put(row, id%v_g_ddot_m_s2, &
             vertical_acceleration(equation%motion, interval_of(equation), t))
          if (equation%has_cable) then
             cable = cable_at(equation, y(1))
-            call put(row, 'cable_force_over_m_w_g', cable%force)
-            if (m_w_g > 0) call put(row, 'cable_force_N', cable%force*m_w_g)
+            call put(row, id%cable_force_over_m_w_g, cable%force)
+            if (m_w_g > 0) call put(row, id%cable_force_N, cable%force*m_w_g)
          end if
-         if (equation%has_loading_direction) call put(row, frame_force_column, &
+         if (equation%has_loading_direction) call put(row, id%frame_force_over_m_s_g, &
             bouc_wen_force(equation, y)/equation%p%g)
          if (equation%has_bilinear_springs) call put_spring_forces(row, equation, y(1))
          if (allocated(equation%floors%m)) call put_floors(row, equation, y)
@@ -510,10 +516,10 @@ contains
          end if
          if (allocated(recorder%demands)) call put_demands(row, recorder%demands, equation)
          if (allocated(row%names)) call list_newtons(recorder)
-         do i = 1, size(recorder%newton_place)
-            key = ''
-            if (allocated(row%names)) key = in_newtons(row%names(recorder%newton_place(i)))
-            call put(row, trim(key), row%values(recorder%newton_place(i))*recorder%newton_weight(i))
+         do i = 1, size(recorder%newtons, 2)
+            associate (n => recorder%newtons(:, i))
+               call put(row, all_quantities(n(1))%id, row%values(n(2):n(3))*recorder%weights(n(1)))
+            end associate
          end do
          if (recorder%keeps_energy) call put_energies(row, energy, equation, y)
       end associate
@@ -523,18 +529,22 @@ contains
    subroutine list_newtons(recorder)
       type(recorder_t), intent(inout) :: recorder
       !! with a row that gathers names
-      character(40) :: key
-      integer :: i, j
+      integer :: i, first, place
 
-      allocate (recorder%newton_place(0), recorder%newton_weight(0))
+      allocate (recorder%newtons(3, 0))
       if (.not. any(recorder%weights > 0)) return
-      associate (names => recorder%row%names)
-         do i = 1, size(names)
-            key = in_newtons(names(i))
-            if (key == '' .or. any(names == key)) cycle
-            recorder%newton_place = [recorder%newton_place, i]
-            recorder%newton_weight = [recorder%newton_weight, sum(recorder%weights, &
-               [(index(names(i), trim(ratios(j))) > 0, j=1, size(ratios))])]
+      first = 1
+      associate (numbers => recorder%row%numbers)
+         do i = 1, size(numbers)
+            if (numbers(i) /= numbers(first)) first = i
+            if (i < size(numbers)) then
+               if (numbers(i + 1) == numbers(first)) cycle
+            end if
+            place = findloc(all_quantities%ratio, numbers(i), dim=1)
+            if (place == 0) cycle
+            if (any(numbers == all_quantities(place)%id)) cycle
+            recorder%newtons = reshape([recorder%newtons, place, first, i], [3, &
+               size(recorder%newtons, 2) + 1])
          end do
       end associate
    end subroutine list_newtons
@@ -636,6 +646,7 @@ contains
          call create_row(parts)
          call put_energies(parts, recorder%energy, equation, y)
          call move_alloc(parts%names, recorder%energy%names)
+         call move_alloc(parts%numbers, recorder%energy%numbers)
          call move_alloc(parts%values, recorder%energy%values)
       end if
       if (.not. recorder%keeps_history) return

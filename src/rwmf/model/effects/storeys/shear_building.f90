@@ -17,6 +17,7 @@ module rwmf_model_effects_storeys_shear_building
    use rwmf_model_hysteresis_laws, only: spring_energy
    use rwmf_model_hysteresis_spring, only: branch_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: id
    use rwmf_problem_shear_frame, only: base_shear_share, damping_matrix, roof_factor, shear_frame_t
    implicit none
    private
@@ -216,8 +217,8 @@ contains
 
       n = size(v)
       call floor_motion(equation, equation%state%side, y, u, v)
-      call put(row, 'floor_{i}_m', u(1:n - 1))
-      call put(row, 'storey_{i}_drift', (u(1:) - u(:n - 1))/equation%floors%height)
+      call put(row, id%floor_i_m, u(1:n - 1))
+      call put(row, id%storey_i_drift, (u(1:) - u(:n - 1))/equation%floors%height)
    end subroutine put_floors
 
    !> The floors move about as much as the roof; z is at most d/u_y and 1.

@@ -9,6 +9,7 @@ module rwmf_model_effects_storeys_storeys
       set_storeys, storey_coefficients, storey_energy, storey_sizes
    use rwmf_model_effects_storeys_yielding_storeys, only: choose_storey_springs
    use rwmf_model_equation, only: contribution_t, equation_t
+   use rwmf_model_scene, only: through_link
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
@@ -279,6 +280,7 @@ contains
          storeys%coefficients => excited_mass_coefficients
          return
       end if
+      storeys%acts = through_link
       storeys%n = equation%floors%n
       storeys%law = no_hysteresis
       if (allocated(case%yielding)) then

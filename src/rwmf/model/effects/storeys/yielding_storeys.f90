@@ -16,6 +16,7 @@ module rwmf_model_effects_storeys_yielding_storeys
       pass_limit, spring_force, spring_limits, spring_loss, spring_residual, turn_spring
    use rwmf_model_hysteresis_spring_set, only: has_branches, law_of, storey_strengths
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: id
    implicit none
    private
 
@@ -286,7 +287,7 @@ contains
          shears = spring_force(equation%floors%springs, equation%state%storeys, d)
       end if
       shears = shears*(equation%floors%unit/equation%p%g)
-      call put(row, 'storey_{i}_shear_over_m_w_g', shears)
+      call put(row, id%storey_i_shear_over_m_w_g, shears)
    end subroutine put_shears
 
    !> Displacement at which each storey would have no shear, unloaded slowly [m].

@@ -1,0 +1,638 @@
+!> The table of output quantities: every column of a history, every scalar of a run, and what
+!> spectra, sweeps and comparisons of methods report beyond them. The summary, Python and
+!> `docs/reference/outputs.md` read it.
+module rwmf_problem_quantity_table
+   use rwmf_text_strings, only: to_lower
+   implicit none
+   private
+
+   public :: quantity_t, id, key_of, all_quantities, look_up, spelled, is_of_ordinate, is_peak
+   public :: asked_by, quantities_text
+   public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
+   public :: of_verification
+
+   ! The observer leaves out what no requested quantity needs: a quantity that needs more than its
+   ! row says is wrong where it is requested alone.
+   character(*), parameter :: of_nothing = 'nothing'
+   !! known before the run or beside it
+   character(*), parameter :: of_displacement = 'displacement'
+   !! follows from the largest displacement where both sides of the scene are alike
+   character(*), parameter :: of_events = 'events'
+   !! known from events and the end of the run
+   character(*), parameter :: of_velocity = 'velocity'
+   !! largest angular velocity, inside steps
+   character(*), parameter :: of_storeys = 'storeys'
+   !! turns of storeys that yield, inside steps
+   character(*), parameter :: of_reactions = 'reactions'
+   !! reactions of the foundation, inside steps
+   character(*), parameter :: of_demands = 'demands'
+   !! drifts, accelerations, shears and moments, inside steps
+   character(*), parameter :: of_energy = 'energy'
+   !! work over each step
+   character(*), parameter :: of_rows = 'rows'
+   !! rows of a history
+   character(*), parameter :: of_verification = 'verification'
+   !! further runs that estimate errors
+
+   !> Numbers of the quantities, in any order.
+   type :: ids_t
+      integer :: t_s = 1, theta_rad = 2, theta_dot_rad_s = 3, theta_ddot_rad_s2 = 4, u_s_m = 5
+      integer :: u_s_dot_m_s = 6, u_g_ddot_m_s2 = 7, v_g_ddot_m_s2 = 8, cable_force_over_m_w_g = 9
+      integer :: cable_force_N = 10, frame_force_over_m_s_g = 11, fuse_left_force_over_m_w_g = 12
+      integer :: fuse_right_force_over_m_w_g = 13, floor_i_m = 14, storey_i_drift = 15
+      integer :: storey_i_shear_over_m_w_g = 16, base_shear_over_weight = 17
+      integer :: pivot_normal_over_m_w_g = 18, pivot_horizontal_over_m_w_g = 19
+      integer :: friction_demand = 20, wall_drift = 21, frame_drift = 22, pivot_normal_N = 23
+      integer :: pivot_horizontal_N = 24, floor_i_acceleration_g = 25
+      integer :: overturning_moment_over_weight_m = 26, wall_shear_over_m_w_g = 27
+      integer :: wall_moment_over_m_w_g_m = 28, frame_force_N = 29, fuse_left_force_N = 30
+      integer :: fuse_right_force_N = 31, storey_i_shear_N = 32, base_shear_N = 33
+      integer :: overturning_moment_N_m = 34, wall_shear_N = 35, wall_moment_N_m = 36
+      integer :: u_s_max_m = 37, t_u_s_max_s = 38, theta_max_over_alpha = 39
+      integer :: theta_dot_max_rad_s = 40, cable_force_increment_max_over_m_w_g = 41
+      integer :: cable_prestress_loss_over_m_w_g = 42, cable_ruptured = 43, ductility = 44
+      integer :: residual_displacement_m = 45, theta_end_over_alpha = 46, storey_i_ductility = 47
+      integer :: storey_i_residual_drift = 48, storey_i_residual_drift_at_rest = 49, impacts = 50
+      integer :: lift_offs = 51, overturned = 52, collapsed = 53, t_collapse_s = 54, e = 55
+      integer :: e_max = 56, T_s_s = 57, modal_mass_over_m_w = 58, mass_participation = 59
+      integer :: modal_height_m = 60, roof_factor = 61, base_shear_max_over_weight = 62
+      integer :: t_base_shear_max_s = 63, pivot_normal_min_over_m_w_g = 64
+      integer :: t_pivot_normal_min_s = 65, pivot_lifts = 66, friction_demand_max = 67
+      integer :: t_friction_demand_max_s = 68, shear_key_force_max_over_m_w_g = 69
+      integer :: t_shear_key_force_max_s = 70, friction_exceeded = 71, t_friction_exceeded_s = 72
+      integer :: wall_drift_max = 73, frame_drift_max = 74, cable_force_increment_max_N = 75
+      integer :: cable_prestress_loss_N = 76, base_shear_max_N = 77, pivot_normal_min_N = 78
+      integer :: shear_key_force_max_N = 79, steps = 80, rhs_evaluations = 81, seconds = 82
+      integer :: method = 83, rtol = 84, estimated_relative_error = 85, estimate_seconds = 86
+      integer :: sensitivity = 87, effects = 88, warnings = 89, storey_i_drift_max = 90
+      integer :: storey_drift_max = 91, t_storey_drift_max_s = 92, roof_drift_max = 93
+      integer :: t_roof_drift_max_s = 94, storey_residual_drift_max = 95, roof_residual_drift = 96
+      integer :: roof_residual_drift_at_rest = 97, floor_i_acceleration_max_g = 98
+      integer :: floor_acceleration_max_g = 99, t_floor_acceleration_max_s = 100
+      integer :: storey_i_shear_max_over_m_w_g = 101, overturning_moment_max_over_weight_m = 102
+      integer :: t_overturning_moment_max_s = 103, wall_shear_max_over_m_w_g = 104
+      integer :: wall_shear_max_height_m = 105, wall_moment_max_over_m_w_g_m = 106
+      integer :: wall_moment_max_height_m = 107, storey_i_shear_max_N = 108
+      integer :: overturning_moment_max_N_m = 109, wall_shear_max_N = 110
+      integer :: wall_moment_max_N_m = 111, energy_input_J_per_kg = 112
+      integer :: energy_kinetic_J_per_kg = 113, energy_strain_J_per_kg = 114
+      integer :: energy_gravity_J_per_kg = 115, energy_cable_J_per_kg = 116
+      integer :: energy_effects_J_per_kg = 117, energy_viscous_J_per_kg = 118
+      integer :: energy_hysteretic_J_per_kg = 119, energy_impact_J_per_kg = 120
+      integer :: energy_balance_relative = 121, b_m = 122, gamma = 123, status = 124, threads = 125
+      integer :: theta_max_rad = 126, theta_end_rad = 127, theta_dot_end_rad_s = 128, t_end_s = 129
+      integer :: relative_error = 130, theta_max_relative_error = 131, impact_time_error_s = 132
+      integer :: end_state_relative_error = 133, error_estimate = 134, peak = 135
+      integer :: good_enough = 136
+   end type ids_t
+
+   type(ids_t), parameter :: id = ids_t()
+
+   !> One quantity.
+   type :: quantity_t
+      integer :: id
+      !! its number, one of `id`
+      character(40) :: key
+      !! name with unit suffix; '{i}' stands for the number of a floor or storey, from the ground up
+      character(40) :: name
+      !! variable of a run's dataset in Python; '' for an attribute of it, and where there is no run
+      character(8) :: unit
+      !! '1' for numbers without one, '' for texts
+      character(8) :: kind
+      !! 'real', 'int', 'logical', 'text' or 'list'
+      character(8) :: found
+      !! how it is found, 'row' (in each row of a history), 'peak' (supremum, located), 'time' (of
+      !! a peak), 'end' (value in the end), 'count', 'whether', 'before' (known before the run),
+      !! 'axis' (of a grid), 'work' (what the computation took) or 'error' (estimate or comparison)
+      character(32) :: outputs
+      !! where it stands, 'history', 'run', 'ordinate' (of a spectrum that asks for it), 'spectrum',
+      !! 'sweep', 'cost'
+      character(8) :: group
+      !! of the case, without which it is absent; '' for none
+      character(12) :: observed
+      !! what has to be observed of a run for it, one of the names above
+      character(56) :: needs
+      !! what else it needs, in Markdown
+      character(80) :: meaning
+      integer :: ratio = 0
+      !! of a force in N or a moment in N m: number of the same over a weight
+   end type quantity_t
+
+   !> Columns of the history.
+   type(quantity_t), parameter :: columns(*) = [ &
+      quantity_t(id%t_s, 't_s', 'time', 's', 'real', 'row', 'history', '', of_rows, '', 'time'), &
+      quantity_t(id%theta_rad, 'theta_rad', 'theta', 'rad', 'real', 'row', 'history', 'wall', &
+      of_rows, '', 'rotation of the wall'), &
+      quantity_t(id%theta_dot_rad_s, 'theta_dot_rad_s', 'theta_dot', 'rad/s', 'real', 'row', &
+      'history', 'wall', of_rows, '', 'angular velocity of the wall'), &
+      quantity_t(id%theta_ddot_rad_s2, 'theta_ddot_rad_s2', 'theta_ddot', 'rad/s2', 'real', 'row', &
+      'history', 'wall', of_rows, '', 'angular acceleration of the wall'), &
+      quantity_t(id%u_s_m, 'u_s_m', 'u_s', 'm', 'real', 'row', 'history', 'frame', of_rows, '', &
+      'displacement of the frame'), &
+      quantity_t(id%u_s_dot_m_s, 'u_s_dot_m_s', 'u_s_dot', 'm/s', 'real', 'row', 'history', &
+      'frame', of_rows, '', 'velocity of the frame'), &
+      quantity_t(id%u_g_ddot_m_s2, 'u_g_ddot_m_s2', 'u_g_ddot', 'm/s2', 'real', 'row', 'history', &
+      '', of_rows, '', 'ground acceleration'), &
+      quantity_t(id%v_g_ddot_m_s2, 'v_g_ddot_m_s2', 'v_g_ddot', 'm/s2', 'real', 'row', 'history', &
+      'vertical', of_rows, '', 'vertical ground acceleration'), &
+      quantity_t(id%cable_force_over_m_w_g, 'cable_force_over_m_w_g', 'cable_force_over_m_w_g', &
+      '1', 'real', 'row', 'history', 'cable', of_rows, '', 'cable force over weight of wall'), &
+      quantity_t(id%cable_force_N, 'cable_force_N', 'cable_force', 'N', 'real', 'row', 'history', &
+      'cable', of_rows, '`m_w` of `&wall`', 'cable force', id%cable_force_over_m_w_g), &
+      quantity_t(id%frame_force_over_m_s_g, 'frame_force_over_m_s_g', 'frame_force_over_m_s_g', &
+      '1', 'real', 'row', 'history', 'yielding', of_rows, &
+      'not with `storey_u_y` and `coupling = ''full''`', &
+      'force of the yielding frame over weight of its mass'), &
+      quantity_t(id%fuse_left_force_over_m_w_g, 'fuse_left_force_over_m_w_g', &
+      'fuse_left_force_over_m_w_g', '1', 'real', 'row', 'history', 'fuse', of_rows, '', &
+      'force of the left fuse over weight of wall'), &
+      quantity_t(id%fuse_right_force_over_m_w_g, 'fuse_right_force_over_m_w_g', &
+      'fuse_right_force_over_m_w_g', '1', 'real', 'row', 'history', 'fuse', of_rows, '', &
+      'force of the right fuse over weight of wall'), &
+      quantity_t(id%floor_i_m, 'floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', &
+      'storeys', of_rows, '`coupling = ''full''`', 'displacement of floor {i}'), &
+      quantity_t(id%storey_i_drift, 'storey_{i}_drift', 'storey_{i}_drift', '1', 'real', 'row', &
+      'history', 'storeys', of_rows, '`coupling = ''full''` or `reactions`', &
+      'drift of storey {i} over its height'), &
+      quantity_t(id%storey_i_shear_over_m_w_g, 'storey_{i}_shear_over_m_w_g', &
+      'storey_{i}_shear_over_m_w_g', '1', 'real', 'row', 'history', 'storeys', of_rows, &
+      '`reactions`, or `storey_u_y` with `full`', &
+      'shear of the columns of storey {i} over the weight that its mass is over'), &
+      quantity_t(id%base_shear_over_weight, 'base_shear_over_weight', 'base_shear_over_weight', &
+      '1', 'real', 'row', 'history', '', of_reactions, '', &
+      'base shear over weight of wall and frame'), &
+      quantity_t(id%pivot_normal_over_m_w_g, 'pivot_normal_over_m_w_g', 'pivot_normal_over_m_w_g', &
+      '1', 'real', 'row', 'history', 'wall', of_reactions, '', &
+      'vertical reaction of the pivot over weight of wall'), &
+      quantity_t(id%pivot_horizontal_over_m_w_g, 'pivot_horizontal_over_m_w_g', &
+      'pivot_horizontal_over_m_w_g', '1', 'real', 'row', 'history', 'wall', of_reactions, '', &
+      'horizontal reaction of the pivot over weight of wall'), &
+      quantity_t(id%friction_demand, 'friction_demand', 'friction_demand', '1', 'real', 'row', &
+      'history', 'wall', of_reactions, 'no `shear_key`', &
+      'horizontal over vertical reaction of the pivot'), &
+      quantity_t(id%wall_drift, 'wall_drift', 'wall_drift', '1', 'real', 'row', 'history', 'wall', &
+      of_reactions, '', 'displacement of the wall''s top over its height'), &
+      quantity_t(id%frame_drift, 'frame_drift', 'frame_drift', '1', 'real', 'row', 'history', &
+      'frame', of_reactions, '`&wall`', &
+      'displacement of the frame, that of its roof, over the wall''s height'), &
+      quantity_t(id%pivot_normal_N, 'pivot_normal_N', 'pivot_normal_N', 'N', 'real', 'row', &
+      'history', 'wall', of_reactions, '`m_w`', 'vertical reaction of the pivot', &
+      id%pivot_normal_over_m_w_g), &
+      quantity_t(id%pivot_horizontal_N, 'pivot_horizontal_N', 'pivot_horizontal_N', 'N', 'real', &
+      'row', 'history', 'wall', of_reactions, '`m_w`', 'horizontal reaction of the pivot', &
+      id%pivot_horizontal_over_m_w_g), &
+      quantity_t(id%floor_i_acceleration_g, 'floor_{i}_acceleration_g', &
+      'floor_{i}_acceleration_g', '1', 'real', 'row', 'history', 'frame', of_demands, '', &
+      'absolute acceleration of floor {i} over g'), &
+      quantity_t(id%overturning_moment_over_weight_m, 'overturning_moment_over_weight_m', &
+      'overturning_moment_over_weight', 'm', 'real', 'row', 'history', '', of_demands, &
+      'a height: `&wall`, `&storeys` or `h_f`', &
+      'moment of all horizontal inertia about the ground over the weight'), &
+      quantity_t(id%wall_shear_over_m_w_g, 'wall_shear_over_m_w_g', 'wall_shear_over_m_w_g', '1', &
+      'real', 'row', 'history', 'wall', of_demands, '', &
+      'largest shear along the wall over its weight'), &
+      quantity_t(id%wall_moment_over_m_w_g_m, 'wall_moment_over_m_w_g_m', &
+      'wall_moment_over_m_w_g', 'm', 'real', 'row', 'history', 'wall', of_demands, '', &
+      'largest bending moment along the wall over its weight'), &
+      quantity_t(id%frame_force_N, 'frame_force_N', 'frame_force', 'N', 'real', 'row', 'history', &
+      'yielding', of_rows, 'a mass; not with `storey_u_y` and `full`', &
+      'force of the yielding frame', id%frame_force_over_m_s_g), &
+      quantity_t(id%fuse_left_force_N, 'fuse_left_force_N', 'fuse_left_force', 'N', 'real', 'row', &
+      'history', 'fuse', of_rows, 'a mass', 'force of the left fuse', &
+      id%fuse_left_force_over_m_w_g), &
+      quantity_t(id%fuse_right_force_N, 'fuse_right_force_N', 'fuse_right_force', 'N', 'real', &
+      'row', 'history', 'fuse', of_rows, 'a mass', 'force of the right fuse', &
+      id%fuse_right_force_over_m_w_g), &
+      quantity_t(id%storey_i_shear_N, 'storey_{i}_shear_N', 'storey_{i}_shear', 'N', 'real', &
+      'row', 'history', 'storeys', of_rows, 'a mass; `reactions`, or `storey_u_y` with `full`', &
+      'shear of the columns of storey {i}', id%storey_i_shear_over_m_w_g), &
+      quantity_t(id%base_shear_N, 'base_shear_N', 'base_shear', 'N', 'real', 'row', 'history', '', &
+      of_reactions, 'a mass', 'base shear', id%base_shear_over_weight), &
+      quantity_t(id%overturning_moment_N_m, 'overturning_moment_N_m', 'overturning_moment', 'N m', &
+      'real', 'row', 'history', '', of_demands, 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
+      'moment of all horizontal inertia about the ground', id%overturning_moment_over_weight_m), &
+      quantity_t(id%wall_shear_N, 'wall_shear_N', 'wall_shear', 'N', 'real', 'row', 'history', &
+      'wall', of_demands, 'a mass', 'largest shear along the wall', id%wall_shear_over_m_w_g), &
+      quantity_t(id%wall_moment_N_m, 'wall_moment_N_m', 'wall_moment', 'N m', 'real', 'row', &
+      'history', 'wall', of_demands, 'a mass', 'largest bending moment along the wall', &
+      id%wall_moment_over_m_w_g_m)]
+
+   !> Scalars of a run.
+   type(quantity_t), parameter :: scalars(*) = [ &
+      quantity_t(id%u_s_max_m, 'u_s_max_m', 'u_s_max', 'm', 'real', 'peak', &
+      'run ordinate spectrum sweep cost', 'frame', of_displacement, '', &
+      'largest displacement of the frame'), &
+      quantity_t(id%t_u_s_max_s, 't_u_s_max_s', 't_u_s_max', 's', 'real', 'time', &
+      'run ordinate cost', 'frame', of_events, '', 'first time of the largest displacement'), &
+      quantity_t(id%theta_max_over_alpha, 'theta_max_over_alpha', 'theta_max_over_alpha', '1', &
+      'real', 'peak', 'run ordinate', 'wall', of_displacement, '', &
+      'largest rotation over slenderness'), &
+      quantity_t(id%theta_dot_max_rad_s, 'theta_dot_max_rad_s', 'theta_dot_max', 'rad/s', 'real', &
+      'peak', 'run ordinate cost', 'wall', of_velocity, '', 'largest angular velocity'), &
+      quantity_t(id%cable_force_increment_max_over_m_w_g, 'cable_force_increment_max_over_m_w_g', &
+      'cable_force_increment_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'cable', &
+      of_displacement, '', 'largest increment of the cable force over weight of wall'), &
+      quantity_t(id%cable_prestress_loss_over_m_w_g, 'cable_prestress_loss_over_m_w_g', &
+      'cable_prestress_loss_over_m_w_g', '1', 'real', 'end', 'run ordinate', 'cable', of_events, &
+      '`eta_y` or `rupture_strain`', &
+      'cable force at theta = 0 that is lost in the end, over weight of wall'), &
+      quantity_t(id%cable_ruptured, 'cable_ruptured', 'cable_ruptured', '1', 'logical', 'whether', &
+      'run ordinate', 'cable', of_events, '`eta_y` or `rupture_strain`', &
+      'whether the cable broke'), &
+      quantity_t(id%ductility, 'ductility', 'ductility', '1', 'real', 'peak', 'run ordinate', &
+      'yielding', of_storeys, '', 'largest displacement over that at first yield'), &
+      quantity_t(id%residual_displacement_m, 'residual_displacement_m', 'residual_displacement', &
+      'm', 'real', 'end', 'run ordinate', 'yielding', of_events, '', &
+      'displacement at which the frame alone would be without force in the end'), &
+      quantity_t(id%theta_end_over_alpha, 'theta_end_over_alpha', 'theta_end_over_alpha', '1', &
+      'real', 'end', 'run ordinate', 'fuse', of_events, '', &
+      'rotation in the end over alpha, at which fuses may hold the wall up'), &
+      quantity_t(id%storey_i_ductility, 'storey_{i}_ductility', 'storey_{i}_ductility', '1', &
+      'real', 'peak', 'run ordinate', 'yielding', of_storeys, '`storey_u_y`', &
+      'largest displacement of storey {i} over that at first yield'), &
+      quantity_t(id%storey_i_residual_drift, 'storey_{i}_residual_drift', &
+      'storey_{i}_residual_drift', '1', 'real', 'end', 'run ordinate', 'yielding', of_events, &
+      '`storey_u_y`', 'drift of storey {i} that unloading would leave in the end'), &
+      quantity_t(id%storey_i_residual_drift_at_rest, 'storey_{i}_residual_drift_at_rest', &
+      'storey_{i}_residual_drift_at_rest', '1', 'real', 'end', 'run ordinate', 'yielding', &
+      of_events, '`storey_u_y`; an equilibrium', &
+      'drift of storey {i} in static equilibrium after the motion'), &
+      quantity_t(id%impacts, 'impacts', 'impacts', '1', 'int', 'count', 'run ordinate cost', &
+      'wall', of_events, '`base = ''rocking''`', 'number of impacts'), &
+      quantity_t(id%lift_offs, 'lift_offs', 'lift_offs', '1', 'int', 'count', 'run ordinate', &
+      'wall', of_events, '`base = ''rocking''`', &
+      'number of times that the wall lifts off from rest'), &
+      quantity_t(id%overturned, 'overturned', 'overturned', '1', 'logical', 'whether', &
+      'run ordinate cost', 'wall', of_displacement, '', 'whether the wall overturned'), &
+      quantity_t(id%collapsed, 'collapsed', 'collapsed', '1', 'logical', 'whether', &
+      'run ordinate', '', of_displacement, 'an effect that limits a drift', &
+      'whether a drift passed the limit of the effect'), &
+      quantity_t(id%t_collapse_s, 't_collapse_s', 't_collapse', 's', 'real', 'time', &
+      'run ordinate', '', of_events, 'an effect that limits a drift, collapsed', &
+      'when it did, which ends the run'), &
+      quantity_t(id%e, 'e', 'e', '1', 'real', 'before', 'run ordinate', 'wall', of_displacement, &
+      '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
+      quantity_t(id%e_max, 'e_max', 'e_max', '1', 'real', 'before', 'run ordinate', 'wall', &
+      of_displacement, '`base = ''rocking''`', &
+      'velocity factor that the momentum balance allows'), &
+      quantity_t(id%T_s_s, 'T_s_s', 'T_s', 's', 'real', 'before', 'run spectrum', 'frame', &
+      of_nothing, 'in a run `&storeys`', 'period of the frame'), &
+      quantity_t(id%modal_mass_over_m_w, 'modal_mass_over_m_w', 'modal_mass_over_m_w', '1', &
+      'real', 'before', 'run', 'storeys', of_nothing, '', &
+      'mass of the first mode over that of the wall'), &
+      quantity_t(id%mass_participation, 'mass_participation', 'mass_participation', '1', 'real', &
+      'before', 'run', 'storeys', of_nothing, '', &
+      'mass of the first mode over that of all floors'), &
+      quantity_t(id%modal_height_m, 'modal_height_m', 'modal_height', 'm', 'real', 'before', &
+      'run', 'storeys', of_nothing, '', 'height at which the mass of the first mode acts'), &
+      quantity_t(id%roof_factor, 'roof_factor', 'roof_factor', '1', 'real', 'before', 'run', &
+      'storeys', of_nothing, '', 'displacement of the roof over that of the first mode'), &
+      quantity_t(id%base_shear_max_over_weight, 'base_shear_max_over_weight', &
+      'base_shear_max_over_weight', '1', 'real', 'peak', 'run ordinate', '', of_reactions, '', &
+      'largest base shear over weight of wall and frame'), &
+      quantity_t(id%t_base_shear_max_s, 't_base_shear_max_s', 't_base_shear_max', 's', 'real', &
+      'time', 'run ordinate', '', of_reactions, '', 'time of the largest base shear'), &
+      quantity_t(id%pivot_normal_min_over_m_w_g, 'pivot_normal_min_over_m_w_g', &
+      'pivot_normal_min_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_reactions, &
+      '', 'smallest pivot reaction over weight of wall'), &
+      quantity_t(id%t_pivot_normal_min_s, 't_pivot_normal_min_s', 't_pivot_normal_min', 's', &
+      'real', 'time', 'run ordinate', 'wall', of_reactions, '', &
+      'time of the smallest pivot reaction'), &
+      quantity_t(id%pivot_lifts, 'pivot_lifts', 'pivot_lifts', '1', 'logical', 'whether', &
+      'run ordinate', 'wall', of_reactions, '', &
+      'whether the pivot reaction was not positive at some time'), &
+      quantity_t(id%friction_demand_max, 'friction_demand_max', 'friction_demand_max', '1', &
+      'real', 'peak', 'run ordinate', 'wall', of_reactions, 'no `shear_key`', &
+      'required coefficient of friction'), &
+      quantity_t(id%t_friction_demand_max_s, 't_friction_demand_max_s', 't_friction_demand_max', &
+      's', 'real', 'time', 'run ordinate', 'wall', of_reactions, &
+      'no lift of the pivot, no `shear_key`', 'time of the largest friction demand'), &
+      quantity_t(id%shear_key_force_max_over_m_w_g, 'shear_key_force_max_over_m_w_g', &
+      'shear_key_force_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_reactions, &
+      '`shear_key`', 'largest force of the shear key over weight of wall'), &
+      quantity_t(id%t_shear_key_force_max_s, 't_shear_key_force_max_s', 't_shear_key_force_max', &
+      's', 'real', 'time', 'run ordinate', 'wall', of_reactions, '`shear_key`', &
+      'time of that force'), &
+      quantity_t(id%friction_exceeded, 'friction_exceeded', 'friction_exceeded', '1', 'logical', &
+      'whether', 'run ordinate', 'wall', of_reactions, '`friction_limit` of `&output`', &
+      'whether the friction demand exceeded the limit'), &
+      quantity_t(id%t_friction_exceeded_s, 't_friction_exceeded_s', 't_friction_exceeded', 's', &
+      'real', 'time', 'run ordinate', 'wall', of_reactions, &
+      '`friction_limit` of `&output`, exceeded', &
+      'first time at which the demand exceeds the limit'), &
+      quantity_t(id%wall_drift_max, 'wall_drift_max', 'wall_drift_max', '1', 'real', 'peak', &
+      'run ordinate', 'wall', of_reactions, '', 'largest drift of the wall'), &
+      quantity_t(id%frame_drift_max, 'frame_drift_max', 'frame_drift_max', '1', 'real', 'peak', &
+      'run ordinate', 'frame', of_reactions, '`&wall`', &
+      'largest displacement of the frame, that of its roof, over the wall''s height'), &
+      quantity_t(id%cable_force_increment_max_N, 'cable_force_increment_max_N', &
+      'cable_force_increment_max', 'N', 'real', 'peak', 'run ordinate', 'cable', of_displacement, &
+      'a mass', 'largest increment of the cable force', &
+      id%cable_force_increment_max_over_m_w_g), &
+      quantity_t(id%cable_prestress_loss_N, 'cable_prestress_loss_N', 'cable_prestress_loss', 'N', &
+      'real', 'end', 'run ordinate', 'cable', of_events, 'a mass; `eta_y` or `rupture_strain`', &
+      'cable force at theta = 0 that is lost in the end', id%cable_prestress_loss_over_m_w_g), &
+      quantity_t(id%base_shear_max_N, 'base_shear_max_N', 'base_shear_max', 'N', 'real', 'peak', &
+      'run ordinate', '', of_reactions, 'a mass', 'largest base shear', &
+      id%base_shear_max_over_weight), &
+      quantity_t(id%pivot_normal_min_N, 'pivot_normal_min_N', 'pivot_normal_min', 'N', 'real', &
+      'peak', 'run ordinate', 'wall', of_reactions, 'a mass', 'smallest pivot reaction', &
+      id%pivot_normal_min_over_m_w_g), &
+      quantity_t(id%shear_key_force_max_N, 'shear_key_force_max_N', 'shear_key_force_max', 'N', &
+      'real', 'peak', 'run ordinate', 'wall', of_reactions, 'a mass; `shear_key`', &
+      'largest force of the shear key', id%shear_key_force_max_over_m_w_g), &
+      quantity_t(id%steps, 'steps', '', '1', 'int', 'work', 'run cost', '', of_nothing, '', &
+      'accepted steps of the integrator'), &
+      quantity_t(id%rhs_evaluations, 'rhs_evaluations', '', '1', 'int', 'work', &
+      'run spectrum cost', '', of_nothing, '', 'evaluations of the right-hand side'), &
+      quantity_t(id%seconds, 'seconds', '', 's', 'real', 'work', 'run spectrum cost', '', &
+      of_nothing, '', 'wall-clock time of the integration'), &
+      quantity_t(id%method, 'method', '', '', 'text', 'before', 'run spectrum cost', '', &
+      of_nothing, '', 'integrator, or procedure that is compared'), &
+      quantity_t(id%rtol, 'rtol', '', '1', 'real', 'before', 'run cost', '', of_nothing, '', &
+      'its relative tolerance'), &
+      quantity_t(id%estimated_relative_error, 'estimated_relative_error', '', '1', 'real', &
+      'error', 'run ordinate', '', of_verification, '`accuracy` or `verify` of `&solver`', &
+      'estimated error of the peak of `accuracy_of`, over it; absent: none can be made'), &
+      quantity_t(id%estimate_seconds, 'estimate_seconds', '', 's', 'real', 'work', 'run', '', &
+      of_nothing, '`accuracy` or `verify` of `&solver`', &
+      'wall-clock time that the estimate took beyond `seconds`'), &
+      quantity_t(id%sensitivity, 'sensitivity', '', '1', 'real', 'error', 'run ordinate', '', &
+      of_verification, '`verify` of `&solver`', &
+      'relative change of the same peak per relative change of the motion'), &
+      quantity_t(id%effects, 'effects', '', '', 'list', 'before', 'run', '', of_nothing, '', &
+      'names of the effects that are simulated'), &
+      quantity_t(id%warnings, 'warnings', '', '', 'list', 'end', 'run spectrum', '', of_events, &
+      '', 'what the user should know')]
+
+   !> Demands of a run: what a building is designed for. Accelerations err by at most 100 rtol of
+   !> their values times their sensitivity to the motion (1 at least).
+   type(quantity_t), parameter :: demands(*) = [ &
+      quantity_t(id%storey_i_drift_max, 'storey_{i}_drift_max', 'storey_{i}_drift_max', '1', &
+      'real', 'peak', 'run ordinate', 'storeys', of_demands, '', &
+      'largest drift of storey {i} over its height'), &
+      quantity_t(id%storey_drift_max, 'storey_drift_max', 'storey_drift_max', '1', 'real', 'peak', &
+      'run ordinate', 'storeys', of_demands, '', &
+      'largest drift of all storeys over their heights'), &
+      quantity_t(id%t_storey_drift_max_s, 't_storey_drift_max_s', 't_storey_drift_max', 's', &
+      'real', 'time', 'run ordinate', 'storeys', of_demands, '', &
+      'time of the largest drift of a storey'), &
+      quantity_t(id%roof_drift_max, 'roof_drift_max', 'roof_drift_max', '1', 'real', 'peak', &
+      'run ordinate', 'frame', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
+      'largest displacement of the roof over its height'), &
+      quantity_t(id%t_roof_drift_max_s, 't_roof_drift_max_s', 't_roof_drift_max', 's', 'real', &
+      'time', 'run ordinate', 'frame', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
+      'time of the largest drift of the roof'), &
+      quantity_t(id%storey_residual_drift_max, 'storey_residual_drift_max', &
+      'storey_residual_drift_max', '1', 'real', 'end', 'run ordinate', 'yielding', of_demands, &
+      '`&storeys`', 'largest drift of a storey that unloading would leave in the end'), &
+      quantity_t(id%roof_residual_drift, 'roof_residual_drift', 'roof_residual_drift', '1', &
+      'real', 'end', 'run ordinate', 'yielding', of_demands, &
+      'a height: `&wall`, `&storeys` or `h_f`', &
+      'displacement of the roof that unloading would leave over its height'), &
+      quantity_t(id%roof_residual_drift_at_rest, 'roof_residual_drift_at_rest', &
+      'roof_residual_drift_at_rest', '1', 'real', 'end', 'run ordinate', 'frame', of_demands, &
+      '`&yielding` or `&fuse`; a height; an equilibrium', &
+      'drift of the roof in static equilibrium after the motion'), &
+      quantity_t(id%floor_i_acceleration_max_g, 'floor_{i}_acceleration_max_g', &
+      'floor_{i}_acceleration_max_g', '1', 'real', 'peak', 'run ordinate', 'frame', of_demands, &
+      '', 'largest absolute acceleration of floor {i} over g'), &
+      quantity_t(id%floor_acceleration_max_g, 'floor_acceleration_max_g', &
+      'floor_acceleration_max_g', '1', 'real', 'peak', 'run ordinate', 'frame', of_demands, '', &
+      'largest absolute acceleration of all floors over g'), &
+      quantity_t(id%t_floor_acceleration_max_s, 't_floor_acceleration_max_s', &
+      't_floor_acceleration_max', 's', 'real', 'time', 'run ordinate', 'frame', of_demands, '', &
+      'time of the largest acceleration of a floor'), &
+      quantity_t(id%storey_i_shear_max_over_m_w_g, 'storey_{i}_shear_max_over_m_w_g', &
+      'storey_{i}_shear_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'storeys', &
+      of_demands, '', &
+      'largest shear of the columns of storey {i} over the weight that its mass is over'), &
+      quantity_t(id%overturning_moment_max_over_weight_m, 'overturning_moment_max_over_weight_m', &
+      'overturning_moment_max_over_weight', 'm', 'real', 'peak', 'run ordinate', '', of_demands, &
+      'a height: `&wall`, `&storeys` or `h_f`', &
+      'largest moment of all horizontal inertia about the ground over the weight'), &
+      quantity_t(id%t_overturning_moment_max_s, 't_overturning_moment_max_s', &
+      't_overturning_moment_max', 's', 'real', 'time', 'run ordinate', '', of_demands, &
+      'a height: `&wall`, `&storeys` or `h_f`', 'time of the largest overturning moment'), &
+      quantity_t(id%wall_shear_max_over_m_w_g, 'wall_shear_max_over_m_w_g', &
+      'wall_shear_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_demands, '', &
+      'largest shear inside the wall over its weight'), &
+      quantity_t(id%wall_shear_max_height_m, 'wall_shear_max_height_m', 'wall_shear_max_height', &
+      'm', 'real', 'peak', 'run ordinate', 'wall', of_demands, '', 'where, above the base'), &
+      quantity_t(id%wall_moment_max_over_m_w_g_m, 'wall_moment_max_over_m_w_g_m', &
+      'wall_moment_max_over_m_w_g', 'm', 'real', 'peak', 'run ordinate', 'wall', of_demands, '', &
+      'largest bending moment inside the wall over its weight'), &
+      quantity_t(id%wall_moment_max_height_m, 'wall_moment_max_height_m', &
+      'wall_moment_max_height', 'm', 'real', 'peak', 'run ordinate', 'wall', of_demands, '', &
+      'where, above the base'), &
+      quantity_t(id%storey_i_shear_max_N, 'storey_{i}_shear_max_N', 'storey_{i}_shear_max', 'N', &
+      'real', 'peak', 'run ordinate', 'storeys', of_demands, 'a mass', &
+      'largest shear of the columns of storey {i}', id%storey_i_shear_max_over_m_w_g), &
+      quantity_t(id%overturning_moment_max_N_m, 'overturning_moment_max_N_m', &
+      'overturning_moment_max', 'N m', 'real', 'peak', 'run ordinate', '', of_demands, &
+      'a mass; a height: `&wall`, `&storeys` or `h_f`', &
+      'largest moment of all horizontal inertia about the ground', &
+      id%overturning_moment_max_over_weight_m), &
+      quantity_t(id%wall_shear_max_N, 'wall_shear_max_N', 'wall_shear_max', 'N', 'real', 'peak', &
+      'run ordinate', 'wall', of_demands, 'a mass', 'largest shear inside the wall', &
+      id%wall_shear_max_over_m_w_g), &
+      quantity_t(id%wall_moment_max_N_m, 'wall_moment_max_N_m', 'wall_moment_max', 'N m', 'real', &
+      'peak', 'run ordinate', 'wall', of_demands, 'a mass', &
+      'largest bending moment inside the wall', id%wall_moment_max_over_m_w_g_m)]
+
+   !> Parts of the energy ledger, and its residual. They err by at most 100 rtol of the largest part
+   !> times their sensitivity to the motion (1 at least).
+   type(quantity_t), parameter :: energies(*) = [ &
+      quantity_t(id%energy_input_J_per_kg, 'energy_input_J_per_kg', 'energy_input_J_per_kg', &
+      'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, '', &
+      'work of the ground (energies over m_w; no wall: over m_s, `full`: of the roof)'), &
+      quantity_t(id%energy_kinetic_J_per_kg, 'energy_kinetic_J_per_kg', 'energy_kinetic_J_per_kg', &
+      'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, '', &
+      'kinetic energy of wall and floors'), &
+      quantity_t(id%energy_strain_J_per_kg, 'energy_strain_J_per_kg', 'energy_strain_J_per_kg', &
+      'J/kg', 'real', 'end', 'history run ordinate', 'frame', of_energy, '', &
+      'energy that the springs of the frame hold'), &
+      quantity_t(id%energy_gravity_J_per_kg, 'energy_gravity_J_per_kg', 'energy_gravity_J_per_kg', &
+      'J/kg', 'real', 'end', 'history run ordinate', 'wall', of_energy, '', &
+      'potential energy of the wall'), &
+      quantity_t(id%energy_cable_J_per_kg, 'energy_cable_J_per_kg', 'energy_cable_J_per_kg', &
+      'J/kg', 'real', 'end', 'history run ordinate', 'cable', of_energy, '', &
+      'work stored in the cable'), &
+      quantity_t(id%energy_effects_J_per_kg, 'energy_effects_J_per_kg', 'energy_effects_J_per_kg', &
+      'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, &
+      'an effect that stores energy', 'energy stored in fuses and other effects'), &
+      quantity_t(id%energy_viscous_J_per_kg, 'energy_viscous_J_per_kg', 'energy_viscous_J_per_kg', &
+      'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, 'a frame or a further effect', &
+      'energy dissipated by dampers'), &
+      quantity_t(id%energy_hysteretic_J_per_kg, 'energy_hysteretic_J_per_kg', &
+      'energy_hysteretic_J_per_kg', 'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, &
+      'springs that yield or break', 'energy dissipated by yielding'), &
+      quantity_t(id%energy_impact_J_per_kg, 'energy_impact_J_per_kg', 'energy_impact_J_per_kg', &
+      'J/kg', 'real', 'end', 'history run ordinate', 'wall', of_energy, '`base = ''rocking''`', &
+      'energy dissipated by impacts'), &
+      quantity_t(id%energy_balance_relative, 'energy_balance_relative', 'energy_balance_relative', &
+      '1', 'real', 'error', 'run ordinate', '', of_energy, '', 'residual of the energy ledger')]
+
+   !> What spectra, sweeps and comparisons of methods report beyond these.
+   type(quantity_t), parameter :: others(*) = [ &
+      quantity_t(id%b_m, 'b_m', '', 'm', 'real', 'axis', 'spectrum', 'wall', of_nothing, '', &
+      'half width of the wall'), &
+      quantity_t(id%gamma, 'gamma', '', '1', 'real', 'axis', 'spectrum', 'frame', of_nothing, &
+      '`&wall`', 'mass ratio'), &
+      quantity_t(id%status, 'status', '', '', 'text', 'end', 'spectrum sweep cost', '', &
+      of_nothing, '', 'how the run ended'), &
+      quantity_t(id%threads, 'threads', '', '1', 'int', 'work', 'spectrum', '', of_nothing, '', &
+      'threads of the kernel'), &
+      quantity_t(id%theta_max_rad, 'theta_max_rad', '', 'rad', 'real', 'peak', 'cost', 'wall', &
+      of_nothing, '', 'largest rotation of the wall'), &
+      quantity_t(id%theta_end_rad, 'theta_end_rad', '', 'rad', 'real', 'end', 'cost', 'wall', &
+      of_nothing, '', 'rotation of the wall in the end'), &
+      quantity_t(id%theta_dot_end_rad_s, 'theta_dot_end_rad_s', '', 'rad/s', 'real', 'end', &
+      'cost', 'wall', of_nothing, '', 'angular velocity of the wall in the end'), &
+      quantity_t(id%t_end_s, 't_end_s', '', 's', 'real', 'end', 'cost', '', of_nothing, '', &
+      'end of the simulation'), &
+      quantity_t(id%relative_error, 'relative_error', '', '1', 'real', 'error', 'cost', '', &
+      of_nothing, '', 'of the peak, against the reference'), &
+      quantity_t(id%theta_max_relative_error, 'theta_max_relative_error', '', '1', 'real', &
+      'error', 'cost', 'wall', of_nothing, '', &
+      'of the largest rotation, against the reference'), &
+      quantity_t(id%impact_time_error_s, 'impact_time_error_s', '', 's', 'real', 'error', 'cost', &
+      'wall', of_nothing, '`base = ''rocking''`', &
+      'largest distance of an impact from that of the reference, chatter left out'), &
+      quantity_t(id%end_state_relative_error, 'end_state_relative_error', '', '1', 'real', &
+      'error', 'cost', '', of_nothing, '', &
+      'of the state in the end, over the largest rotation and angular velocity'), &
+      quantity_t(id%error_estimate, 'error_estimate', '', '', 'text', 'before', 'cost', '', &
+      of_nothing, '', 'how the error of the reference is estimated'), &
+      quantity_t(id%peak, 'peak', '', '', 'text', 'before', 'cost', '', of_nothing, '', &
+      'key of the peak whose error is compared'), &
+      quantity_t(id%good_enough, 'good_enough', '', '1', 'logical', 'whether', 'cost', '', &
+      of_nothing, '', 'whether the reference is two digits better than the best method')]
+
+   !> All of them. A summary and the columns of a history have this order.
+   type(quantity_t), parameter :: all_quantities(*) = [columns, scalars, demands, energies, &
+      others]
+
+
+contains
+
+   !> Key of the quantity with a number.
+   elemental character(40) function key_of(number) result(key)
+      integer, intent(in) :: number
+      !! one of `id`
+
+      key = all_quantities(findloc(all_quantities%id, number, dim=1))%key
+   end function key_of
+
+   !> Place of a key of an output in the table, 0 when it is not there, and the number of a floor or
+   !> storey in it.
+   pure subroutine look_up(key, place, number)
+      character(*), intent(in) :: key
+      !! as it stands in an output
+      integer, intent(out) :: place
+      !! row of `all_quantities`, 0 for a key that is not there
+      integer, intent(out) :: number
+      !! 0 where it has none
+      integer :: first, behind, status
+
+      number = 0
+      place = findloc(all_quantities%key == key, .true., dim=1)
+      call find_number(key, first, behind)
+      if (place > 0 .or. behind == first .or. behind > first + 4) return
+      read (key(first:behind - 1), '(i4)', iostat=status) number
+      if (status == 0) place = findloc(all_quantities%key == key(:first - 1)//'{i}'//key(behind:), &
+         .true., dim=1)
+   end subroutine look_up
+
+   !> A key in the spelling of the outputs: a user's capitals do not matter, nor that Python's names
+   !> have no units. What the table does not have comes back in small letters.
+   elemental character(40) function spelled(key)
+      character(*), intent(in) :: key
+      !! as a user writes it
+      character(40) :: row
+      integer :: place, first, behind, braces
+
+      spelled = to_lower(key)
+      place = place_of(trim(spelled))
+      if (place > 0) then
+         spelled = all_quantities(place)%key
+         return
+      end if
+      call find_number(spelled, first, behind)
+      if (behind == first) return
+      row = spelled(:first - 1)//'{i}'//spelled(behind:)
+      place = place_of(trim(row))
+      if (place == 0) return
+      row = all_quantities(place)%key
+      braces = index(row, '{i}')
+      spelled = row(:braces - 1)//spelled(first:behind - 1)//row(braces + 3:)
+   end function spelled
+
+   !> Row of a key or of a name in Python; 0 where there is none.
+   pure integer function place_of(key) result(place)
+      character(*), intent(in) :: key
+      !! in small letters
+
+      place = 0
+      if (key == '') return
+      place = findloc(to_lower(all_quantities%key) == key, .true., dim=1)
+      if (place == 0) place = findloc(to_lower(all_quantities%name) == key, .true., dim=1)
+   end function place_of
+
+   !> Where a key has the number of a floor or storey: behind its first underscore.
+   pure subroutine find_number(key, first, behind)
+      character(*), intent(in) :: key
+      integer, intent(out) :: first
+      integer, intent(out) :: behind
+      !! the same as `first` where there is none
+
+      first = index(key, '_') + 1
+      behind = first + verify(key(first:)//' ', '0123456789') - 1
+   end subroutine find_number
+
+   !> May a spectrum be asked for it?
+   elemental logical function is_of_ordinate(quantity)
+      type(quantity_t), intent(in) :: quantity
+
+      is_of_ordinate = index(quantity%outputs, 'ordinate') > 0
+   end function is_of_ordinate
+
+   !> Is it a peak of a run that an accuracy may be asked of? Where a peak lies along the wall is
+   !> none.
+   elemental logical function is_peak(quantity)
+      type(quantity_t), intent(in) :: quantity
+
+      is_peak = quantity%found == 'peak' .and. index(quantity%outputs, 'run') > 0 &
+         .and. index(quantity%key, '_height_m') == 0
+   end function is_peak
+
+   !> Key of `&output` that requests a quantity; '' for one that every run reports.
+   elemental character(12) function asked_by(quantity)
+      type(quantity_t), intent(in) :: quantity
+
+      asked_by = ''
+      if (quantity%observed == of_reactions .or. quantity%observed == of_demands) then
+         asked_by = 'reactions'
+      else if (quantity%observed == of_energy) then
+         asked_by = 'energy'
+      end if
+   end function asked_by
+
+   !> The table as text: its components in their order, separated by tabs, one quantity a line.
+   pure subroutine quantities_text(text)
+      character(:), allocatable, intent(out) :: text
+      !! the lines, each with its line feed
+      character(*), parameter :: tab = achar(9)
+      type(quantity_t) :: row
+      integer :: i
+
+      text = ''
+      do i = 1, size(all_quantities)
+         row = all_quantities(i)
+         text = text//trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab &
+            //trim(row%kind)//tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group) &
+            //tab//trim(asked_by(row))//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
+      end do
+   end subroutine quantities_text
+
+end module rwmf_problem_quantity_table
