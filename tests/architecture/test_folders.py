@@ -34,17 +34,14 @@ STATE_ALLOWED = {
 # Base names of several files below src/rwmf.
 SHARED_BASE_NAMES = {
     "lanes": 2,
-    "quantities": 2,
     "spectrum": 2,
 }
 
 # Names of several derived types.
 SHARED_TYPE_NAMES = {
     "model_t": 2,
-    "ordinate_t": 2,
     "samples_t": 2,
     "storeys_t": 2,
-    "team_t": 2,
 }
 
 # Folders inside one top folder that use each other.
@@ -57,7 +54,6 @@ BOTH_WAYS = (
     ("rwmf/simulation", "rwmf/simulation/lanes"),
     ("rwmf/simulation", "rwmf/simulation/recorder"),
     ("rwmf/simulation/events", "rwmf/simulation/recorder"),
-    ("rwmf/spectrum", "rwmf/spectrum/fast"),
 )
 
 # Modules outside an effect's own files that use it or contain its name in code: wanted are 5.

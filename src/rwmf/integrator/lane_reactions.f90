@@ -44,7 +44,7 @@ contains
       type(screen_t), intent(in) :: screen
       integer, intent(in) :: last
       !! stage at the end of the step
-      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%storeys))
+      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%drifts))
       !! of the buildings
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
       !! coefficients of the loops, on the side and the branches in force
@@ -145,14 +145,14 @@ contains
    subroutine find_values(parts, screen, constants, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       type(screen_t), intent(in) :: screen
-      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%storeys))
+      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%drifts))
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
       real(wp), intent(in) :: ground(lane_count, 2)
       real(wp), intent(out) :: found(lane_count, screen%n)
 
       if (screen%has_demands) then
-         call lane_demands(parts, screen%floors, screen%storeys, constants, coef, y, ground, found)
+         call lane_demands(parts, screen%floors, screen%drifts, constants, coef, y, ground, found)
       else
          call lane_reactions(parts, coef, y, ground, found)
       end if

@@ -28,8 +28,8 @@ module rwmf_model_demands
    type :: building_t
       integer :: floors = 0
       !! number of them, 0 without a frame
-      integer :: storeys = 0
-      !! number of them, 0 of a single degree of freedom
+      integer :: drifts = 0
+      !! number of storeys, each with its drift; 0 of a single degree of freedom
       real(wp) :: roof_height = 0
       !! of the wall, else of the frame; 0: unknown [m]
       real(wp) :: unit = 1
@@ -110,7 +110,7 @@ contains
       associate (frame => case%storeys%frame)
          n = size(frame%m)
          building%floors = n
-         building%storeys = n
+         building%drifts = n
          building%m = frame%m
          building%height = frame%height
          building%z = [(sum(frame%height(:i)), i=1, n)]
@@ -187,7 +187,7 @@ contains
             u(1:) = building%share*frame_displacement(equation, equation%state%side, y(1))
             demands%shear = building%k*building%bend*resisting_displacements(building, equation, y)
          end if
-         demands%drift = u(1:building%storeys) - u(0:building%storeys - 1)
+         demands%drift = u(1:building%drifts) - u(0:building%drifts - 1)
          demands%drift = demands%drift/building%height
       end associate
    end subroutine follow_floors
@@ -198,7 +198,7 @@ contains
       type(building_t), intent(in) :: building
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
-      real(wp) :: u(building%storeys)
+      real(wp) :: u(building%drifts)
       real(wp) :: roof
       integer :: i, n
 
@@ -236,7 +236,7 @@ contains
       !! theta'' [rad/s2]
       type(links_t), intent(inout) :: links
       !! whose room may be used again
-      real(wp), dimension(building%storeys) :: shear, a
+      real(wp), dimension(building%drifts) :: shear, a
       real(wp) :: u, v
       integer :: i, n
 

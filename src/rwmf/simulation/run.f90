@@ -366,7 +366,7 @@ contains
          if (building%roof_height > 0) demands%roof_residual_drift = u/building%roof_height
          if (allocated(result%storey_residual_drift)) then
             demands%residual_drift = result%storey_residual_drift
-         else if (building%storeys > 0) then
+         else if (building%drifts > 0) then
             demands%residual_drift = u*building%bend/building%height
          end if
       end associate

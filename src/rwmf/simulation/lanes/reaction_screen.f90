@@ -51,9 +51,9 @@ contains
          screen%has_sampled_reactions = equation%floors%n > 0
          if (screen%has_demands) then
             associate (building => recorder%demands%building)
-               screen%has_demands = building%storeys == 0 .or. equation%floors%n > 0
+               screen%has_demands = building%drifts == 0 .or. equation%floors%n > 0
                screen%floors = building%floors
-               screen%storeys = building%storeys
+               screen%drifts = building%drifts
             end associate
          end if
          allocate (screen%is_led(reaction_count), source=.false.)
@@ -61,7 +61,7 @@ contains
          screen%n = size(screen%is_led)
          screen%has_middle = screen%has_demands .or. screen%has_sampled_reactions
          allocate (team%values(team%width, screen%n, value_count), source=0.0_wp)
-         allocate (team%constants(team%width, demand_constants(screen%floors, screen%storeys)), &
+         allocate (team%constants(team%width, demand_constants(screen%floors, screen%drifts)), &
             source=0.0_wp)
       end associate
    end subroutine choose_screen

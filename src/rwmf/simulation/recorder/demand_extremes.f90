@@ -72,7 +72,7 @@ contains
       allocate (recorder)
       recorder%frequency = max(fastest_of(equation), wall_frequency(equation, y))
       call building_of(case, equation, recorder%building)
-      associate (building => recorder%building, storeys => recorder%building%storeys)
+      associate (building => recorder%building, storeys => recorder%building%drifts)
          n = 2*storeys + building%floors + 3
          allocate (recorder%largest(n), source=-1.0_wp)
          allocate (recorder%t_largest(n), source=0.0_wp)
@@ -150,7 +150,7 @@ contains
       !! (demands)
 
       call demands_at(recorder%building, equation, t, y, y_dot, recorder%present)
-      associate (present => recorder%present, n => size(found), s => recorder%building%storeys)
+      associate (present => recorder%present, n => size(found), s => recorder%building%drifts)
          found(:s) = abs(present%drift)
          found(s + 1:2*s) = abs(present%shear)
          found(2*s + 1:n - 3) = abs(present%acceleration)
@@ -419,7 +419,7 @@ contains
       integer :: n
 
       associate (building => recorder%building, largest => recorder%largest, g => equation%p%g, &
-                 t => recorder%t_largest, storeys => recorder%building%storeys)
+                 t => recorder%t_largest, storeys => recorder%building%drifts)
          n = size(largest)
          if (building%floors > 0) then
             extremes%acceleration_max = largest(2*storeys + 1:n - 3)/g
