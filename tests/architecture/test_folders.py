@@ -41,10 +41,8 @@ SHARED_BASE_NAMES = {
 # Names of several derived types.
 SHARED_TYPE_NAMES = {
     "model_t": 2,
-    "ordinate_t": 2,
     "samples_t": 2,
     "storeys_t": 2,
-    "team_t": 2,
 }
 
 # Folders inside one top folder that use each other.
@@ -57,7 +55,6 @@ BOTH_WAYS = (
     ("rwmf/simulation", "rwmf/simulation/lanes"),
     ("rwmf/simulation", "rwmf/simulation/recorder"),
     ("rwmf/simulation/events", "rwmf/simulation/recorder"),
-    ("rwmf/spectrum", "rwmf/spectrum/fast"),
 )
 
 # Modules outside an effect's own files that use it or contain its name in code: wanted are 5.
