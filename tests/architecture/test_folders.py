@@ -34,7 +34,6 @@ STATE_ALLOWED = {
 # Base names of several files below src/rwmf.
 SHARED_BASE_NAMES = {
     "lanes": 2,
-    "quantities": 2,
     "reader": 2,
     "run": 2,
     "spectrum": 2,

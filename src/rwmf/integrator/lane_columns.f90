@@ -78,8 +78,8 @@ module rwmf_integrator_lane_columns
       !! their ends do not tell enough of a step, because floors move by themselves
       logical :: has_middle = .false.
       !! something is sampled in the middle of each step
-      integer :: floors = 0, storeys = 0
-      !! numbers of those of the demands; the storeys move by themselves
+      integer :: floors = 0, drifts = 0
+      !! numbers of those among the demands
       integer :: n = 0
       !! number of values
       logical, allocatable :: is_led(:)
