@@ -79,7 +79,7 @@ module rwmf_integrator_lane_columns
       logical :: has_middle = .false.
       !! something is sampled in the middle of each step
       integer :: floors = 0, drifts = 0
-      !! numbers of those of the demands; the floors move by themselves
+      !! numbers of those among the demands
       integer :: n = 0
       !! number of values
       logical, allocatable :: is_led(:)

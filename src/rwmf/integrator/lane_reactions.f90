@@ -2,7 +2,8 @@
 module rwmf_integrator_lane_reactions
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, of_calm, &
-      of_fastest_demand, of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, screen_t
+      of_fastest_demand, of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, &
+      screen_t
    use rwmf_integrator_pairs, only: most_stages
    use rwmf_model_demands_loop, only: demand_constants, lane_demands
    use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
@@ -62,8 +63,8 @@ contains
       !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
       !! `of_ground_end`, `of_plain` and `of_calm`
       real(wp), intent(inout) :: values(lane_count, screen%n, value_count)
-      !! reactions and demands, as of `lane_demands`, at both ends and in the middle of the step, and
-      !! their extremes so far, which stay
+      !! reactions and demands, as of `lane_demands`, at both ends and in the middle of the step,
+      !! and their extremes so far, which stay
       real(wp) :: angle(lane_count), at(lane_count, 2)
       real(wp) :: y_middle(lane_count, parts%through_link%n)
       integer :: i, m
@@ -87,7 +88,8 @@ contains
       table(:, of_calm) = 1
       if (screen%has_reactions) then
          if (screen%has_sampled_reactions) then
-            call find_flat_steps(screen, angle, values, 1, reaction_count, parts, table(1, of_plain))
+            call find_flat_steps(screen, angle, values, 1, reaction_count, parts, &
+               table(1, of_plain))
             table(:, of_plain) = aint(table(:, of_plain))
          else
             call find_plain_steps(parts, screen%n, angle, values, table(1, of_plain))

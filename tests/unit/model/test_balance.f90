@@ -188,7 +188,7 @@ contains
 
       asking%structure_t = case%structure_t
       asking%output = output_t(energy=.false., demands=.true.)
-      call create_demands(recorder, asking, equation)
+      call create_demands(recorder, asking, equation, y)
       associate (floors => recorder%building%floors, storeys => recorder%building%drifts)
          if (.not. equation%parts%is_complete .or. (storeys > 0 .and. equation%floors%n == 0)) return
          call rates_at(equation, t, y, y_dot)

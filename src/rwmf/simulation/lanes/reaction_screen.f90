@@ -1,8 +1,8 @@
 !> Which steps of the lanes of a team plainly hold no extremum of reactions and demands.
 module rwmf_simulation_lanes_reaction_screen
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_lane_columns, only: of_calm, of_fastest_demand, of_frequency, of_ground_end, of_interval, &
-      of_limit, of_middle, of_next, of_plain, of_time, of_trial
+   use rwmf_integrator_lane_columns, only: of_calm, of_fastest_demand, of_frequency, &
+      of_ground_end, of_interval, of_limit, of_middle, of_next, of_plain, of_time, of_trial
    use rwmf_integrator_lane_reactions, only: at_begin, at_end, find_values, least_so_far, &
       screen_one => screen_steps, so_far, value_count
    use rwmf_model_demands_loop, only: demand_constants
@@ -10,7 +10,7 @@ module rwmf_simulation_lanes_reaction_screen
    use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_simulation_lanes_team, only: lane_t, team_t
-   use rwmf_simulation_recorder_demand_extremes, only: put_constants
+   use rwmf_simulation_recorder_demand_extremes, only: count_demands, put_constants
    use rwmf_simulation_recorder_reaction_estimates, only: fastest_of
    implicit none
    private
@@ -49,13 +49,8 @@ contains
          screen%has_demands = allocated(recorder%demands) .and. equation%parts%is_complete
          screen%is_used = screen%has_reactions .or. allocated(recorder%demands)
          screen%has_sampled_reactions = equation%floors%n > 0
-         if (screen%has_demands) then
-            associate (building => recorder%demands%building)
-               screen%has_demands = building%drifts == 0 .or. equation%floors%n > 0
-               screen%floors = building%floors
-               screen%drifts = building%drifts
-            end associate
-         end if
+         if (screen%has_demands) call count_demands(recorder%demands, equation, screen%floors, &
+            screen%drifts, screen%has_demands)
          allocate (screen%is_led(reaction_count), source=.false.)
          if (screen%has_demands) screen%is_led = [screen%is_led, recorder%demands%is_led]
          screen%n = size(screen%is_led)
@@ -125,9 +120,9 @@ contains
       do i = 1, team%width
          if (.not. team%is_busy(i)) cycle
          associate (table => team%table)
-            if (turning_point(lanes(i)%equation%motion, int(table(i, of_interval)), &
-               table(i, of_time)) < table(i, of_time) + table(i, of_trial)) &
-               table(i, [of_plain, of_calm]) = 0
+            t = turning_point(lanes(i)%equation%motion, int(table(i, of_interval)), &
+               table(i, of_time))
+            if (t < table(i, of_time) + table(i, of_trial)) table(i, [of_plain, of_calm]) = 0
          end associate
       end do
    end subroutine screen_reactions
@@ -146,7 +141,8 @@ contains
          next = min(int(table(i, of_interval)) + 1, ubound(lines, 2))
          if (.not. lines(1, next) > table(i, of_limit)) return
          associate (since => table(i, of_limit) - lines(4, next), a => team%ground(i, last, :))
-            continues = all(abs(lines([2, 5], next) + since*lines([3, 6], next) - a) <= slack*abs(a))
+            continues = all(abs(lines([2, 5], next) + since*lines([3, 6], next) - a) &
+               <= slack*abs(a))
          end associate
       end associate
    end function continues

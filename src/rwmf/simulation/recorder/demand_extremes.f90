@@ -26,7 +26,8 @@ module rwmf_simulation_recorder_demand_extremes
    private
 
    public :: demand_recorder_t, create_demands, observe_demands, observe_demands_at
-   public :: observe_demands_at_rest, put_storeys, put_demands, demand_extremes, put_constants
+   public :: observe_demands_at_rest, put_storeys, put_demands, demand_extremes
+   public :: put_constants, count_demands
 
    !> Running maxima of the magnitudes: drifts and shears of the storeys [-], [m/s2], accelerations
    !> of the floors [m/s2], overturning moment [m], shear [m/s2] and moment [m2/s2] in the wall.
@@ -107,6 +108,19 @@ contains
       call rates_at(equation, 0.0_wp, beside, rates_beside)
       frequency = sqrt(max(0.0_wp, (rates(2) - rates_beside(2))/(beside(1) - y(1))))
    end function wall_frequency
+
+   !> Numbers of a building for loops over lanes.
+   pure subroutine count_demands(recorder, equation, floors, storeys, are_known)
+      type(demand_recorder_t), intent(in) :: recorder
+      type(equation_t), intent(in) :: equation
+      integer, intent(out) :: floors, storeys
+      logical, intent(out) :: are_known
+      !! the loops find its demands: not where storeys follow one mode
+
+      floors = recorder%building%floors
+      storeys = recorder%building%storeys
+      are_known = storeys == 0 .or. equation%floors%n > 0
+   end subroutine count_demands
 
    !> Constants of the building for loops over lanes.
    pure subroutine put_constants(recorder, constants)
