@@ -46,7 +46,7 @@ contains
       integer, intent(in) :: last
       !! stage at the end of the step
       real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%drifts))
-      !! of the buildings
+      !! of the buildings, as `put_constants` sets them, each in its unit
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
       !! coefficients of the loops, on the side and the branches in force
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
@@ -63,7 +63,7 @@ contains
       !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
       !! `of_ground_end`, `of_plain` and `of_calm`
       real(wp), intent(inout) :: values(lane_count, screen%n, value_count)
-      !! reactions and demands, as of `lane_demands`, at both ends and in the middle of the step,
+      !! reactions and demands, in the units of `lane_demands`, at both ends and in the middle,
       !! and their extremes so far, which stay
       real(wp) :: angle(lane_count), at(lane_count, 2)
       real(wp) :: y_middle(lane_count, parts%through_link%n)
@@ -143,15 +143,21 @@ contains
       end do
    end subroutine begin_at_end
 
-   !> Reactions, and demands where they are asked for, of moving lanes.
+   !> Reactions, and demands where they are asked for, of moving lanes; arguments and units as of
+   !> `lane_demands`.
    subroutine find_values(parts, screen, constants, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%drifts))
+      !! each in its unit
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
+      !! coefficients of the loops, each in its unit
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
+      !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
+      !! [m/s2]
       real(wp), intent(out) :: found(lane_count, screen%n)
+      !! each in its unit
 
       if (screen%has_demands) then
          call lane_demands(parts, screen%floors, screen%drifts, constants, coef, y, ground, found)

@@ -11,6 +11,7 @@ contains
    !> Indices of a list in rising order, by merging sorted runs; equal numbers keep theirs.
    pure function rising_order(x) result(order)
       real(wp), intent(in) :: x(:)
+      !! of any unit
       integer :: order(size(x))
       integer :: i, n
 

@@ -2,7 +2,8 @@
 module rwmf_model_demands_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_numbers, only: storeys_effect
-   use rwmf_model_effects_storeys_storeys_loop, only: no_hysteresis
+   use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, floor_states, &
+      no_hysteresis
    use rwmf_model_lanes, only: lane_count
    use rwmf_model_reactions_loop, only: lane_forces, lane_forces_t, reaction_count
    use rwmf_model_scene, only: first_wall, force_parts_t, term_t
@@ -24,6 +25,7 @@ contains
    !> Number of constants of a building.
    pure integer function demand_constants(floors, storeys) result(n)
       integer, intent(in) :: floors, storeys
+      !! number of them
 
       n = of_floors + floors + storeys
    end function demand_constants
@@ -45,6 +47,7 @@ contains
       real(wp), intent(in) :: ground(lane_count, 2)
       !! acceleration of the ground, horizontal and vertical [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count + 2*storeys + floors + 3)
+      !! reactions as of `lane_reactions` and demands, each in its unit
       type(lane_forces_t) :: forces
       real(wp) :: rates(lane_count, parts%through_link%n)
       real(wp), dimension(lane_count) :: roof, length
@@ -100,9 +103,9 @@ contains
       integer, intent(in) :: law
       !! of the storeys
       real(wp), intent(in) :: building(lane_count, demand_constants(n, n))
-      real(wp), intent(in) :: coef(lane_count, *)
+      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
       !! of `add_floors`
-      real(wp), intent(in) :: y(lane_count, *)
+      real(wp), intent(in) :: y(lane_count, floor_states(n, law))
       !! states of the floors
       real(wp), intent(in) :: roof(lane_count)
       !! [m]

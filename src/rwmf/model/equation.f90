@@ -230,8 +230,8 @@ module rwmf_model_equation
       logical :: has_loading_direction = .false.
       !! rates depend on the sign of theta'
       real(wp) :: creep = 0
-      !! velocity below which a wall on its base counts as resting; 0 unless an effect has a law with
-      !! a corner at theta' = 0, which may hold it up to that velocity [rad/s]
+      !! velocity below which a wall on its base counts as resting; 0 unless an effect has a law
+      !! with a corner at theta' = 0, which may hold it up to that velocity [rad/s]
       logical :: moves_at_rest = .false.
       !! further states move while the wall rests
       logical :: has_wall

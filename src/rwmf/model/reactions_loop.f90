@@ -45,7 +45,7 @@ contains
       real(wp), intent(in) :: ground(lane_count, 2)
       !! acceleration of the ground, horizontal and vertical [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count)
-      !! as of `lane_forces`
+      !! as of `lane_forces` [m/s2], [-]
       type(lane_forces_t) :: forces
       real(wp) :: rates(lane_count, parts%through_link%n)
 

@@ -93,15 +93,16 @@ contains
       may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
    end function may_rest
 
-   !> Does the chatter after an impact end by itself, below an angle and before a side is pulled? Then
-   !> a wall put to rest at once has the same largest displacement and lifts off in the same instant.
+   !> Does the chatter after an impact end by itself, below an angle and before a side is pulled?
+   !> Then a wall put to rest at once has the same largest displacement and lifts off in the same
+   !> instant.
    !>
    !> Under a deceleration p(t) >= p_min > 0 a flight returns with at most sqrt(p_1/p_0) of its
    !> velocity, p_0 and p_1 the least and the largest deceleration in it. Impact number n therefore
-   !> leaves at most w e**n, w = v exp(V/2), V the total variation of ln(p). The flights take at most
-   !> 2 w/(p_min (1 - e)) together, and none rises above w**2/(2 p_min). What rotation and velocity
-   !> take off p is small below a small angle: four times its largest value at the bounds is allowed
-   !> for.
+   !> leaves at most w e**n, w = v exp(V/2), V the total variation of ln(p). The flights take at
+   !> most 2 w/(p_min (1 - e)) together, and none rises above w**2/(2 p_min). Rotation and velocity
+   !> reduce p by little below a small angle: four times the largest reduction at the bounds is
+   !> allowed for.
    logical function will_settle(equation, t, v, e, angle, t_pulled) result(will)
       type(equation_t), intent(inout) :: equation
       !! of two states, without hysteresis; returns as it was

@@ -61,6 +61,7 @@ contains
    elemental real(wp) function value_of(values, number, storey) result(value)
       type(values_t), intent(in) :: values
       integer, intent(in) :: number, storey
+      !! of the quantity in the table, and of the storey from the ground
 
       value = ieee_value(1.0_wp, ieee_quiet_nan)
       if (is_present(values, number, storey)) value = values%numbers(values%first(number) &

@@ -344,8 +344,8 @@ contains
 
    !> The pair for a tolerance, unless the case names it; the one of the highest order for runs at
    !> several tolerances, under motions without knots that limit the steps, for laws with a corner,
-   !> and for frames alone, which add up the errors of many steps. So does smooth hysteresis: it gets
-   !> one order more.
+   !> and for frames alone, which add up the errors of many steps. So does smooth hysteresis: it
+   !> gets one order more.
    pure type(pair_t) function pair_for(case, equation) result(pair)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation

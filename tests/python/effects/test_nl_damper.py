@@ -1,4 +1,4 @@
-"""Nonlinear dampers: limits, an independent integration, every path, and velocities close to zero."""
+"""Nonlinear dampers: limits, an independent integration, every path, velocities near zero."""
 
 from __future__ import annotations
 

@@ -21,7 +21,8 @@ contains
       do n = 0, 40
          x = [(real(modulo(17*i**2 + 5*i, 13), wp), i=1, n)]
          order = rising_order(x)
-         call checks%that(size(order) == n .and. all([(any(order == i), i=1, n)]), 'every index once')
+         call checks%that(size(order) == n .and. all([(any(order == i), i=1, n)]), &
+            'every index once')
          call checks%that(all(x(order(2:)) >= x(order(:n - 1))), 'rising')
          call checks%that(all(x(order(2:)) > x(order(:n - 1)) .or. order(2:) > order(:n - 1)), &
             'equal numbers keep their order')

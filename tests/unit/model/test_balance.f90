@@ -190,7 +190,8 @@ contains
       asking%output = output_t(energy=.false., demands=.true.)
       call create_demands(recorder, asking, equation, y)
       associate (floors => recorder%building%floors, storeys => recorder%building%drifts)
-         if (.not. equation%parts%is_complete .or. (storeys > 0 .and. equation%floors%n == 0)) return
+         if (.not. equation%parts%is_complete) return
+         if (storeys > 0 .and. equation%floors%n == 0) return
          call rates_at(equation, t, y, y_dot)
          call observe_demands_at(recorder, equation, t, y, y_dot)
          acceleration(1, :) = [ground(equation, t), 0.0_wp]

@@ -80,7 +80,8 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
 
-      energy = equation%p%R**2*(effect%constants(1)*(2*equation%p%sin_alpha*cos(y(1)/2))**2)*y(2)**2/2
+      energy = equation%p%R**2*(effect%constants(1)*(2*equation%p%sin_alpha*cos(y(1)/2))**2) &
+         *y(2)**2/2
    end function inerter_energy
 
 end module rwmf_model_effects_corner_inerter

@@ -6,7 +6,8 @@ module rwmf_model_effects_loops
    use rwmf_model_effects_fuse_loop, only: add_fuse
    use rwmf_model_effects_nl_damper_loop, only: add_nl_damper, add_nl_damper_power
    use rwmf_model_effects_numbers, only: damper_effect, fuse_effect, inerter_effect, &
-      link_effect, nl_damper_effect, p_delta_effect, storeys_effect, vertical_effect, yielding_effect
+      link_effect, nl_damper_effect, p_delta_effect, storeys_effect, vertical_effect, &
+      yielding_effect
    use rwmf_model_effects_p_delta_loop, only: add_p_delta
    use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_excited_mass_power, &
       add_floor_power, add_floors

@@ -30,7 +30,7 @@ contains
       real(wp), intent(in) :: weight
       !! of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count, 3)
-      !! those of `add_nl_damper`
+      !! those of `add_nl_damper` [m], [1/s2], [-]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]

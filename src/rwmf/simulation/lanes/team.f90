@@ -104,7 +104,8 @@ module rwmf_simulation_lanes_team
       type(screen_t) :: screen
       !! what is asked for inside the steps; the following belongs to it
       real(wp), allocatable :: values(:, :, :)
-      !! (width, reactions and demands, places) in the step, and the extrema so far
+      !! (width, reactions and demands, places) in the step, and the extrema so far, in the units
+      !! of `lane_demands`
       real(wp), allocatable :: constants(:, :)
       !! (width, constants) of the buildings
       logical, allocatable :: is_known(:)
@@ -264,8 +265,8 @@ contains
    end function longest_step
 
    !> Which steps have to be looked into for what no event tells? All of them for histories and
-   !> lists of events, those that are not plain for reactions or demands, and those that may hold the
-   !> peak of |theta'|.
+   !> lists of events, those that are not plain for reactions or demands, and those that may hold
+   !> the peak of |theta'|.
    subroutine find_steps_to_watch(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team

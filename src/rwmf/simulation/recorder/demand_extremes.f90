@@ -114,11 +114,12 @@ contains
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
       integer, intent(out) :: floors, storeys
+      !! number of them
       logical, intent(out) :: are_known
       !! the loops find its demands: not where storeys follow one mode
 
       floors = recorder%building%floors
-      storeys = recorder%building%storeys
+      storeys = recorder%building%drifts
       are_known = storeys == 0 .or. equation%floors%n > 0
    end subroutine count_demands
 
@@ -126,7 +127,7 @@ contains
    pure subroutine put_constants(recorder, constants)
       type(demand_recorder_t), intent(in) :: recorder
       real(wp), intent(out) :: constants(:)
-      !! as `lane_demands` reads them
+      !! as `lane_demands` reads them, each in its unit
 
       associate (building => recorder%building)
          constants = 0

@@ -206,8 +206,8 @@ contains
          values(1, :, at_end) = at_ends(:n_quantities, 2)
          values(1, :, so_far) = forces%largest
          values(1, :, least_so_far) = forces%smallest
-         call find_plain_steps(equation%parts, n_quantities, [(piece%t_b - piece%t_a)*fastest_of(equation)], &
-            values, found)
+         call find_plain_steps(equation%parts, n_quantities, [(piece%t_b - piece%t_a) &
+            *fastest_of(equation)], values, found)
          is_plain = found(1) > 0
       end associate
    end function is_plain
