@@ -193,13 +193,14 @@ contains
       logical, intent(out) :: are_finite
       !! no number that there is is infinite or NaN
       type(values_t) :: found
+      integer, allocatable :: numbers(:)
+      !! (quantities) in the table
 
       call scalars_of(case, result, found)
-      associate (numbers => all_quantities(asked%place)%id)
-         values = value_of(found, numbers, asked%storey)
-         are_finite = all(may_report(numbers, values) .or. .not. is_present(found, numbers, &
-            asked%storey))
-      end associate
+      numbers = all_quantities(asked%place)%id
+      values = value_of(found, numbers, asked%storey)
+      are_finite = all(may_report(numbers, values) .or. .not. is_present(found, numbers, &
+         asked%storey))
    end subroutine take_values
 
 end module rwmf_spectrum_quantities

@@ -152,11 +152,12 @@ contains
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
       type(team_t), intent(inout) :: team
-      real(wp) :: acceleration(1, 2), constants(1, size(team%constants, 2))
-      real(wp) :: coef(1, size(team%coef, 2)), y(1, size(team%y, 2))
-      real(wp) :: found(1, size(team%values, 2))
+      real(wp) :: acceleration(1, 2)
+      real(wp), allocatable, dimension(:, :) :: constants, coef, y, found
 
       acceleration(1, :) = team%ground(i, 1, :)
+      allocate (constants(1, size(team%constants, 2)), coef(1, size(team%coef, 2)))
+      allocate (y(1, size(team%y, 2)), found(1, size(team%values, 2)))
       constants(1, :) = team%constants(i, :)
       coef(1, :) = team%coef(i, :)
       y(1, :) = team%y(i, :)
