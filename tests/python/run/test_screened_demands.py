@@ -10,8 +10,9 @@ import rwmf
 from alone import build
 from rwmf.quantities import QUANTITIES
 
-# numbers of scenes of every family, without one whose chatter adams does not get through
-_SCENES = [number for number in range(0, 60, 2) if number != 8]
+# numbers of scenes of every family, without those whose response depends on the last digits (4, 14)
+# and one whose chatter adams does not get through (8)
+_SCENES = [number for number in range(0, 60, 2) if number not in (4, 8, 14)]
 RTOL = 1e-10
 # what adams and dop853 agree to in the response, and, far above its error, in every other maximum
 _SAME, _MISSED = 1e-8, 1e-6
@@ -42,10 +43,8 @@ def test_no_maximum_is_missed(number: int, tmp_path: Path) -> None:
     case = build(number, tmp_path)
     lanes, every = _peaks(case, "dop853"), _peaks(case, "adams")
     assert lanes.keys() == every.keys()
-    response = [key for key in ("u_s_max", "theta_max_over_alpha") if key in every]
-    for key in response:
-        if not np.allclose(lanes[key], every[key], rtol=_SAME, atol=0.0):
-            pytest.skip("the response depends on the last digits")
+    for key in {"u_s_max", "theta_max_over_alpha"} & every.keys():
+        assert lanes[key] == pytest.approx(every[key], rel=_SAME), "the response is the same"
     for key, peak in every.items():
         if key.endswith("_height"):
             continue
