@@ -188,8 +188,8 @@ contains
       type(asked_t), intent(in) :: asked
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
-      real(wp), intent(out) :: values(:)
-      !! (quantities) [unit of each]
+      real(wp), intent(inout) :: values(:)
+      !! (quantities, and others behind them that stay) [unit of each]
       logical, intent(out) :: are_finite
       !! no number that there is is infinite or NaN
       type(values_t) :: found
@@ -198,9 +198,11 @@ contains
 
       call scalars_of(case, result, found)
       numbers = all_quantities(asked%place)%id
-      values = value_of(found, numbers, asked%storey)
-      are_finite = all(may_report(numbers, values) .or. .not. is_present(found, numbers, &
-         asked%storey))
+      associate (asked_values => values(:size(numbers)))
+         asked_values = value_of(found, numbers, asked%storey)
+         are_finite = all(may_report(numbers, asked_values) .or. .not. is_present(found, numbers, &
+            asked%storey))
+      end associate
    end subroutine take_values
 
 end module rwmf_spectrum_quantities
