@@ -25,7 +25,7 @@ __all__ = ["BrokenError", "BusyError", "Workers"]
 _MOST = max(4, min(8, os.cpu_count() or 4))
 # how long a computation may go on while all others are busy and a question waits [s]
 _LONG = 10.0
-# how long a computation may go on at all [s]; costs are measured by many runs
+# longest computation [s]; a cost chart takes many runs
 _LIMITS = {"history": 30.0, "spectrum": 60.0, "add_record": 60.0, "cost": 600.0}
 # how often a waiting thread looks whether the page still wants its answer [s]
 _LOOK = 0.05

@@ -69,7 +69,7 @@ module rwmf_integrator_lane_columns
    integer, parameter :: line_columns = 6
    !! that depend on the interval of the motion: `of_limit` and those of the lines
 
-   !> What is asked for of the lanes of a batch.
+   !> Requested outputs of the lanes of a batch.
    type :: screen_t
       logical :: is_used = .false.
       logical :: has_reactions = .false.

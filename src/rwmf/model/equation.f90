@@ -52,7 +52,7 @@ module rwmf_model_equation
       procedure(frame_energy_i), pointer, nopass :: frame_energy => null()
       !! not associated: the frame holds what an elastic one of a single mass does
       integer :: acts = elsewhere
-      !! how the force of its loop reaches the wall
+      !! path of its force to the wall (constants of rwmf_model_scene)
       procedure(frame_force_i), pointer, nopass :: frame_force => null()
       !! asked only for reactions; not associated: no force on the frame
       integer :: states = 0
