@@ -19,19 +19,21 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction, load_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: fuse_uplift, load_to, pass_window, renew_window, &
       reset_springs, tendon_is_broken, turn_back
-   use rwmf_model_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, pull_duration
-   use rwmf_model_rest, only: may_rest, will_settle
+   use rwmf_model_lift_off, only: find_bearing, find_lift_off, find_uplift_acceleration, &
+      jumps, pull_duration
+   use rwmf_model_rest, only: elastic_loss, may_rest, release_wall, will_settle
    use rwmf_model_restitution, only: factor_at, largest_factor
    use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
    use rwmf_simulation_events_drift_events, only: cut_step, has_collapsed
+   use rwmf_simulation_events_lift_off_events, only: side_pulled
    use rwmf_simulation_events_step_events, only: search_step
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_elastic_chatter, only: drop_chatter, skip_chatter
    use rwmf_simulation_free_vibration, only: follow_free_vibration
-   use rwmf_simulation_held_wall, only: elastic_loss, hold_wall, may_rest_moving, move_at_rest
-   use rwmf_simulation_hybrid_state, only: change_storey, count_steps, has_ended, hybrid_t, &
-      mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
+   use rwmf_simulation_hybrid_state, only: change_storey, count_steps, enter_rest, has_ended, &
+      hybrid_t, is_at_rest, mode_collapsed, mode_held, mode_no_impacts, mode_overturned, &
+      mode_rest, mode_rocking, pass_knot
    use rwmf_simulation_recorder_nearby_motion, only: meet_impact
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
       observe_piece, observe_rest, observe_state, observe_still, recorder_t, sees_rest
@@ -41,9 +43,8 @@ module rwmf_simulation_hybrid_loop
    implicit none
    private
 
-   public :: hybrid_t, start_hybrid, advance_hybrid, begin_step, end_step, apply_event, stay_at_rest
-   public :: check_work, leave_rest, may_stand_on_fuses, stands_on_fuses
-   public :: mode_rest, mode_rocking, mode_overturned, mode_collapsed, mode_no_impacts, has_ended
+   public :: start_hybrid, advance_hybrid, begin_step, end_step, apply_event, stay_at_rest
+   public :: check_work, may_stand_on_fuses, stands_on_fuses
 
    real(wp), parameter :: negligible = 0.01_wp
    !! part of the tolerance below which a motion may be put to rest
@@ -68,7 +69,7 @@ contains
       call enter_interval(equation%model_t, equation%state, interval_at(equation%motion, t))
       call count_steps(hybrid, equation)
       call enter_side(equation%model_t, equation%state, 1)
-      if (equation%moves_at_rest) call hold_wall(equation%state, .false.)
+      call release_wall(equation%state)
       equation%state%signs%loading_direction = 1
       if (equation%has_impacts) then
          if (y(1) < 0 .or. (abs(y(1)) <= 0 .and. y(2) < 0)) call enter_side(equation%model_t, &
@@ -85,7 +86,7 @@ contains
       end if
       call find_uplift_acceleration(equation%model_t, equation%state, y)
       hybrid%mode = mode_rocking
-      if (all(abs(y(:2)) <= 0)) hybrid%mode = mode_rest
+      if (all(abs(y(:2)) <= 0)) call enter_rest(hybrid, equation)
       if (has_collapsed(equation, hybrid%drifts, y)) hybrid%mode = mode_collapsed
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
    end subroutine start_hybrid
@@ -127,8 +128,7 @@ contains
 
       do while (hybrid%t < t_target .and. .not. has_ended(hybrid))
          if (hybrid%mode == mode_rest) then
-            call stay_at_rest(hybrid, equation, integrator, recorder, t_target, error)
-            if (allocated(error)) return
+            call stay_at_rest(hybrid, equation, recorder, t_target, error)
          else
             call integrate_step(hybrid, equation, integrator, recorder, t_target, error)
          end if
@@ -157,27 +157,22 @@ contains
    end subroutine check_work
 
    !> Rest until the ground motion lifts the wall.
-   subroutine stay_at_rest(hybrid, equation, integrator, recorder, t_target, error)
+   subroutine stay_at_rest(hybrid, equation, recorder, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
-      class(integrator_t), intent(inout) :: integrator
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
       !! [s]
       type(error_t), allocatable, intent(out) :: error
-      !! the integrator fails, or the wall jumps
+      !! the wall jumps
       real(wp) :: t_begin
       real(wp) :: t_limit
       integer :: interval
       integer :: side
 
       side = 0
-      if (equation%moves_at_rest) then
-         call move_at_rest(hybrid, equation, integrator, recorder, t_target, side, error)
-         if (allocated(error)) return
-      end if
       interval = interval_of(equation)
-      do while (side == 0 .and. hybrid%t < t_target .and. .not. equation%moves_at_rest)
+      do while (side == 0 .and. hybrid%t < t_target)
          t_begin = hybrid%t
          t_limit = t_target
          ! One interval at a time, where history and reactions show the ground motion as well.
@@ -187,11 +182,11 @@ contains
          if (hybrid%t > t_begin) call observe_rest(recorder, equation, hybrid%y, t_begin, hybrid%t)
          call enter_interval(equation%model_t, equation%state, interval)
       end do
-      if (side /= 0) call leave_rest(hybrid, equation, recorder, side, error)
+      if (side /= 0) call lift_off(hybrid, equation, recorder, side, error)
    end subroutine stay_at_rest
 
    !> The resting wall lifts off on a side.
-   subroutine leave_rest(hybrid, equation, recorder, side, error)
+   subroutine lift_off(hybrid, equation, recorder, side, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
@@ -200,7 +195,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! the wall jumps
 
-      if (equation%moves_at_rest) call hold_wall(equation%state, .false.)
+      call release_wall(equation%state)
       if (equation%has_vertical) call check_ground(hybrid, equation, error)
       if (allocated(error)) return
       call enter_side(equation%model_t, equation%state, side)
@@ -209,7 +204,7 @@ contains
       hybrid%t_turn = -huge(hybrid%t)
       recorder%lift_offs = recorder%lift_offs + 1_i8
       call observe_event(recorder, event_lift_off, hybrid%t, hybrid%y)
-   end subroutine leave_rest
+   end subroutine lift_off
 
    !> A wall that stands on its base and would leave it on both sides at once jumps.
    subroutine check_ground(hybrid, equation, error)
@@ -282,8 +277,8 @@ contains
       real(wp) :: t_limit
       real(wp) :: span
 
-      call begin_step(hybrid, equation, recorder, integrator%steps, t_target, t_limit, span)
-      if (t_limit <= hybrid%t) return
+      call begin_step(hybrid, equation, recorder, integrator%steps, t_target, t_limit, span, error)
+      if (allocated(error) .or. t_limit <= hybrid%t) return
       if (hybrid%must_restart) call integrator%start(hybrid%t, hybrid%y, span, error)
       if (allocated(error)) return
       hybrid%must_restart = .false.
@@ -313,8 +308,8 @@ contains
       if (is_curved(equation%motion, interval_of(equation))) longest = angle/rate
    end function longest_step
 
-   !> How far the next step may go, and what a new piece of motion needs to know.
-   subroutine begin_step(hybrid, equation, recorder, steps, t_target, t_limit, span)
+   !> Prepare the next step: what a new piece of motion depends on, and how far it may go.
+   subroutine begin_step(hybrid, equation, recorder, steps, t_target, t_limit, span, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
@@ -323,12 +318,21 @@ contains
       real(wp), intent(in) :: t_target
       !! [s]
       real(wp), intent(out) :: t_limit
-      !! not beyond the present time where there was no way to go, and a knot has been passed [s]
+      !! equals the present time where a held wall lifts off or a knot has been passed [s]
       real(wp), intent(out) :: span
       !! within which the motion is expected to change its course, where it begins anew [s]
+      type(error_t), allocatable, intent(out) :: error
+      !! the wall jumps
+      integer :: side
 
-      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
       span = huge(span)
+      if (hybrid%mode == mode_held) then
+         t_limit = hybrid%t
+         side = side_pulled(equation, hybrid%t, hybrid%y)
+         if (side /= 0) call lift_off(hybrid, equation, recorder, side, error)
+         if (side /= 0) return
+      end if
+      t_limit = min(t_target, interval_end(equation%motion, interval_of(equation)))
       if (hybrid%must_restart) call skip_chatter(hybrid, equation, recorder, &
          negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), t_limit)
       call follow_free_vibration(hybrid, equation, recorder, t_target, t_limit)
@@ -339,18 +343,26 @@ contains
          call pass_knot(hybrid, equation, steps)
          return
       end if
-      if (.not. hybrid%must_restart) return
+      if (hybrid%must_restart) call begin_piece(hybrid, equation, span)
+      if (hybrid%mode == mode_held) call find_bearing(equation%model_t, equation%state)
+   end subroutine begin_step
+
+   !> What a new piece of motion depends on: windows of the branches, directions of loading, and the
+   !> time within which it is expected to change its course.
+   subroutine begin_piece(hybrid, equation, span)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(out) :: span
+      !! [s]
+
       if (equation%has_bilinear_springs) call renew_window(equation%model_t, equation%state)
       if (equation%has_loading_direction) call set_loading_direction(hybrid, equation)
       if (equation%floors%yields) call settle_storeys(equation%model_t, equation%state, hybrid%y, &
          hybrid%t <= hybrid%t_turn)
-      if (hybrid%flight > 0) then
-         span = hybrid%flight
-      else
-         span = flight_time(hybrid, equation)
-      end if
+      span = hybrid%flight
+      if (.not. span > 0) span = flight_time(hybrid, equation)
       hybrid%flight = 0
-   end subroutine begin_step
+   end subroutine begin_piece
 
    !> Look at the integrator's last step, and let what happens first in it happen.
    subroutine end_step(hybrid, equation, integrator, recorder, error)
@@ -373,7 +385,9 @@ contains
       step%y_b => hybrid%y
       if (equation%has_fuses) call check_fuses(equation, step, error)
       if (allocated(error)) return
-      call observe_piece(recorder, step, error)
+      ! a motion that jumps where the step begins lifts a held wall at once: that is no rest
+      if (event /= event_lift_off .or. step%t_b > step%t_a) call observe_piece(recorder, step, &
+         error)
       if (allocated(error)) return
       call apply_event(hybrid, equation, recorder, event, error)
       if (allocated(error)) return
@@ -396,6 +410,8 @@ contains
       case (event_impact)
          call apply_impact(hybrid, equation, recorder)
          if (equation%has_vertical) call check_ground(hybrid, equation, error)
+      case (event_lift_off)
+         call lift_off(hybrid, equation, recorder, merge(1, -1, hybrid%is_rising), error)
       case (event_branch)
          call enter_branch(hybrid, equation, recorder)
       case (event_peak)
@@ -483,7 +499,7 @@ contains
       hybrid%must_restart = .true.
       do
          call apply_one_impact(hybrid, equation, recorder)
-         if (hybrid%mode == mode_rest .or. abs(hybrid%y(2)) <= 0) return
+         if (is_at_rest(hybrid) .or. abs(hybrid%y(2)) <= 0) return
          hybrid%flight = flight_time(hybrid, equation)
          ! a spacing is at most epsilon*t, and costs a call
          if (hybrid%flight > followable*epsilon(hybrid%t)*hybrid%t) return
@@ -500,6 +516,10 @@ contains
       real(wp), parameter :: slow = 1000
       !! impacts faster than that over the largest velocity, times sqrt(rtol), do not graze [-]
       real(wp) :: after
+      real(wp) :: factor
+      !! largest velocity factor of further impacts [-]
+      real(wp) :: small(2)
+      !! negligible rotation and velocity [rad], [rad/s]
       logical :: rests
 
       ! a warning that ordinates of peaks alone do not have
@@ -519,24 +539,15 @@ contains
       if (equation%has_bilinear_springs .or. equation%has_loading_direction &
           .or. equation%moves_at_rest) call find_uplift_acceleration(equation%model_t, &
           equation%state, hybrid%y)
-      if (equation%moves_at_rest) then
-         rests = may_rest_moving(equation, hybrid%t, hybrid%y, abs(after), &
-            largest_factor(hybrid%restitution, abs(after)), &
-            negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), &
-            negligible*hybrid%rtol*recorder%theta_dot_ends)
-         if (rests .and. 1 - largest_factor(hybrid%restitution, abs(after)) <= elastic_loss &
-             .and. abs(after) > negligible*hybrid%rtol*recorder%theta_dot_ends) then
-            call drop_chatter(equation, recorder, hybrid%t, after)
-         end if
-      else
-         rests = may_rest(equation, hybrid%t, abs(after), &
-            largest_factor(hybrid%restitution, abs(after)), &
-            negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), &
-            negligible*hybrid%rtol*recorder%theta_dot_ends)
-         if (.not. rests .and. hybrid%settled_angle > 0) rests = will_settle(equation, hybrid%t, &
-            abs(after), largest_factor(hybrid%restitution, abs(after)), &
-            hybrid%settled_angle*max(recorder%theta_max, -recorder%theta_min), hybrid%t_pulled)
-      end if
+      factor = largest_factor(hybrid%restitution, abs(after))
+      small = negligible*hybrid%rtol*[max(recorder%theta_max, -recorder%theta_min), &
+         recorder%theta_dot_ends]
+      rests = may_rest(equation, hybrid%t, hybrid%y, abs(after), factor, small(1), small(2))
+      if (rests .and. equation%moves_at_rest .and. 1 - factor <= elastic_loss &
+          .and. abs(after) > small(2)) call drop_chatter(equation, recorder, hybrid%t, after)
+      if (.not. rests .and. hybrid%settled_angle > 0) rests = will_settle(equation, hybrid%t, &
+         abs(after), factor, hybrid%settled_angle*max(recorder%theta_max, -recorder%theta_min), &
+         hybrid%t_pulled)
       if (rests) then
          if (allocated(recorder%forces) .or. allocated(recorder%demands)) then
             call observe_end_of_chatter(hybrid, equation, recorder)
@@ -544,8 +555,7 @@ contains
          call turn_back(equation%model_t, equation%state, 0.0_wp)
          if (equation%has_bilinear_springs) call find_uplift_acceleration(equation%model_t, &
             equation%state, hybrid%y)
-         hybrid%y(:2) = 0
-         hybrid%mode = mode_rest
+         call enter_rest(hybrid, equation)
          call observe_event(recorder, event_rest, hybrid%t, hybrid%y)
       else if (abs(after) <= 0) then
          ! Nothing bounces (e = 0) and the motion pulls: the drive says to which side.
@@ -613,7 +623,7 @@ contains
       if (side /= 0) then
          call enter_side(equation%model_t, equation%state, side)
       else
-         hybrid%mode = mode_rest
+         call enter_rest(hybrid, equation)
       end if
    end subroutine leave_without_velocity
 

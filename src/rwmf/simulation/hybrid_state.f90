@@ -2,6 +2,7 @@
 module rwmf_simulation_hybrid_state
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
+   use rwmf_model_rest, only: hold_wall
    use rwmf_model_restitution, only: restitution_t
    use rwmf_motion_ground_motion, only: has_jump, interval_end
    use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
@@ -10,17 +11,20 @@ module rwmf_simulation_hybrid_state
    implicit none
    private
 
-   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, pass_knot
-   public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
+   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, is_at_rest, enter_rest, pass_knot
+   public :: mode_rest, mode_held, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
    public :: change_storey
 
    integer, parameter :: mode_rest = 0
+   !! both corners on the base, and nothing but the ground moves
    integer, parameter :: mode_rocking = 1
    integer, parameter :: mode_overturned = 2
    integer, parameter :: mode_no_impacts = 3
    !! bare frame or hinged wall: one smooth regime
    integer, parameter :: mode_collapsed = 4
    !! a drift has passed its limit
+   integer, parameter :: mode_held = 5
+   !! both corners on the base, theta = 0, while further states move
 
    integer(i8), parameter :: cost_of_restart = 30_i8
    !! steps that a multistep method takes to be up to speed
@@ -41,7 +45,7 @@ module rwmf_simulation_hybrid_state
       type(restitution_t) :: restitution
       !! what an impact leaves of the velocity
       logical :: is_rising = .false.
-      !! theta grew when a branch of a spring ended
+      !! theta grows where a branch of a spring ends or the wall lifts off
       real(wp) :: overturning_angle
       !! [rad]
       real(wp) :: rtol
@@ -71,6 +75,25 @@ contains
 
       has_ended = hybrid%mode == mode_overturned .or. hybrid%mode == mode_collapsed
    end function has_ended
+
+   !> Are both corners of the wall on the base?
+   elemental logical function is_at_rest(hybrid)
+      type(hybrid_t), intent(in) :: hybrid
+
+      is_at_rest = hybrid%mode == mode_rest .or. hybrid%mode == mode_held
+   end function is_at_rest
+
+   !> Both corners of the wall are on the base from now on.
+   pure subroutine enter_rest(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+
+      hybrid%y(:2) = 0
+      hybrid%mode = mode_rest
+      if (.not. equation%moves_at_rest) return
+      hybrid%mode = mode_held
+      call hold_wall(equation%state)
+   end subroutine enter_rest
 
    !> Begin to count the steps of the interval in force: at the first knot of the motion there are
    !> enough of them for a restart.

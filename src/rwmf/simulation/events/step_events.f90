@@ -8,14 +8,15 @@ module rwmf_simulation_events_step_events
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
    use rwmf_simulation_events_event_time, only: find_event_time
+   use rwmf_simulation_events_lift_off_events, only: search_lift_off
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, &
       sample_state, step_view_t, until
    use rwmf_simulation_events_turns, only: farthest_turn, keeps_direction, split_turns
-   use rwmf_simulation_hybrid_state, only: hybrid_t, mode_rocking
+   use rwmf_simulation_hybrid_state, only: hybrid_t, mode_held, mode_rocking
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, &
       observe_state, recorder_t
-   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
-      event_peak
+   use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
+      event_passage, event_peak
    implicit none
    private
 
@@ -33,14 +34,20 @@ contains
       type(recorder_t), intent(inout) :: recorder
       integer, intent(out) :: event
       !! `event_impact`, `event_overturned`, `event_branch`, `event_peak` (only where a spring
-      !! unloads there), `event_passage`, or 0
+      !! unloads there), `event_passage`, of a held wall `event_lift_off`, or 0
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       real(wp), dimension(size(step%y_a)), target :: y_a, y_b
       type(step_view_t) :: part
-      integer :: i, n
+      integer :: i, n, side
 
       event = 0
+      if (hybrid%mode == mode_held) then
+         call search_lift_off(step, hybrid%t, hybrid%y, side, error)
+         if (side /= 0) event = event_lift_off
+         hybrid%is_rising = side > 0
+         return
+      end if
       if (is_quiet(hybrid, step)) then
          hybrid%t = step%t_b
          hybrid%y(:) = step%y_b
