@@ -2,18 +2,13 @@
 module rwmf_simulation_hybrid_state
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
-   use rwmf_model_rest, only: hold_wall
    use rwmf_model_restitution, only: restitution_t
    use rwmf_motion_ground_motion, only: has_jump, interval_end
-   use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
-   use rwmf_simulation_recorder_recorder, only: observe_event, observe_state, recorder_t
-   use rwmf_simulation_result, only: event_branch, event_collapsed
    implicit none
    private
 
-   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, is_at_rest, enter_rest, pass_knot
+   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, is_at_rest, pass_knot
    public :: mode_rest, mode_held, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
-   public :: change_storey
 
    integer, parameter :: mode_rest = 0
    !! both corners on the base, and nothing but the ground moves
@@ -83,18 +78,6 @@ contains
       is_at_rest = hybrid%mode == mode_rest .or. hybrid%mode == mode_held
    end function is_at_rest
 
-   !> Both corners of the wall are on the base from now on.
-   pure subroutine enter_rest(hybrid, equation)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-
-      hybrid%y(:2) = 0
-      hybrid%mode = mode_rest
-      if (.not. equation%moves_at_rest) return
-      hybrid%mode = mode_held
-      call hold_wall(equation%state)
-   end subroutine enter_rest
-
    !> Begin to count the steps of the interval in force: at the first knot of the motion there are
    !> enough of them for a restart.
    subroutine count_steps(hybrid, equation)
@@ -128,25 +111,5 @@ contains
       if (all(abs(hybrid%y) <= 0)) hybrid%must_restart = .true.
       hybrid%steps_at_knot = steps
    end subroutine pass_knot
-
-   !> The branch of a storey ends at the present state, or the scene collapses there.
-   subroutine change_storey(hybrid, equation, recorder, ending)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      type(recorder_t), intent(inout) :: recorder
-      type(storey_end_t), intent(in) :: ending
-
-      if (ending%collapses) then
-         hybrid%mode = mode_collapsed
-         call observe_event(recorder, event_collapsed, hybrid%t, hybrid%y)
-         return
-      end if
-      call observe_state(recorder, equation, hybrid%t, hybrid%y)
-      call end_branch(equation%model_t, equation%state, ending, hybrid%y)
-      if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &
-         hybrid%t, hybrid%y)
-      if (ending%turns) hybrid%t_turn = hybrid%t
-      hybrid%must_restart = .true.
-   end subroutine change_storey
 
 end module rwmf_simulation_hybrid_state

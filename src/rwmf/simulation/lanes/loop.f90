@@ -29,7 +29,7 @@ module rwmf_simulation_lanes_loop
       no_event, place_event, quartic_of, quartic_t, quintic_of
    use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
    use rwmf_simulation_free_vibration, only: long_rest
-   use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
+   use rwmf_simulation_hybrid_loop, only: begin_step, check_work, end_step, &
       may_stand_on_fuses, stands_on_fuses, stay_at_rest
    use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, mode_held, mode_rest, mode_rocking
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
@@ -37,10 +37,10 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_lanes_team, only: create_team, find_steps_to_watch, &
       follow_curves, lane_t, line_row, longest_step, may_hide_turns, team_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
-   use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_piece, &
-      observe_state, recorder_t
+   use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
       event_peak
+   use rwmf_simulation_transitions, only: apply_event, observe_peak
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -206,10 +206,8 @@ contains
          table(i, of_high) = -table(i, of_low)
          if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, &
             equation%state%side > 0)) = 0
-         if (equation%has_bilinear_springs) then
-            table(i, of_low) = max(table(i, of_low), equation%state%low)
-            table(i, of_high) = min(table(i, of_high), equation%state%high)
-         end if
+         table(i, of_low) = max(table(i, of_low), equation%state%low)
+         table(i, of_high) = min(table(i, of_high), equation%state%high)
          table(i, of_bottom) = merge(huge(1.0_wp), recorder%theta_min, equation%state%ends_at_peak)
          table(i, of_top) = merge(-huge(1.0_wp), recorder%theta_max, equation%state%ends_at_peak)
          if (lane%is_held) then
@@ -799,11 +797,7 @@ contains
          end if
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) then
-            if (hybrid%mode == mode_rocking .and. equation%state%side*team%y(i, 2) < 0) then
-               call observe_grazing(lane%recorder, hybrid%rtol, hybrid%t, abs(hybrid%y(1)))
-            end if
-            call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
-            call observe_event(lane%recorder, event_peak, hybrid%t, hybrid%y)
+            call observe_peak(hybrid, equation, lane%recorder, (team%y(i, 2)), hybrid%t, hybrid%y)
          end if
          if (allocated(lane%error)) return
          if (event /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
@@ -820,7 +814,6 @@ contains
 
       event = event_overturned
       if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
-      if (.not. lane%equation%has_bilinear_springs) return
       if (abs(level - merge(lane%equation%state%high, lane%equation%state%low, &
          lane%goal == at_high)) <= 0) then
          event = event_branch
