@@ -30,7 +30,7 @@ module rwmf_embedding_stepping
       motion_from_case
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
-   use rwmf_simulation_hybrid_loop, only: mode_collapsed, mode_overturned, mode_rest
+   use rwmf_simulation_hybrid_state, only: is_at_rest, mode_collapsed, mode_overturned
    use rwmf_simulation_result, only: event_t
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -341,7 +341,7 @@ contains
       if (allocated(error)) return
       associate (hybrid => stepping%instance%hybrid, recorder => stepping%instance%recorder)
          state%t = hybrid%t
-         state%at_rest = hybrid%mode == mode_rest
+         state%at_rest = is_at_rest(hybrid)
          state%overturned = hybrid%mode == mode_overturned
          state%collapsed = hybrid%mode == mode_collapsed
          state%impacts = recorder%impacts

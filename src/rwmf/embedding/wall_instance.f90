@@ -14,8 +14,8 @@ module rwmf_embedding_wall_instance
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_advance, only: advance
    use rwmf_simulation_finite_check, only: check_numbers
-   use rwmf_simulation_hybrid_loop, only: has_ended, hybrid_t, start_hybrid
-   use rwmf_simulation_hybrid_state, only: hybrid_state_t
+   use rwmf_simulation_hybrid_loop, only: start_hybrid
+   use rwmf_simulation_hybrid_state, only: has_ended, hybrid_state_t, hybrid_t
    use rwmf_simulation_lanes_team, only: team_t
    use rwmf_simulation_recorder_recorder, only: create_recorder, peaks_t, recorder_t
    use rwmf_simulation_run, only: guess_size, initial_state, tolerances

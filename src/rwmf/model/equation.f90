@@ -67,6 +67,8 @@ module rwmf_model_equation
       !! number of drifts that end the run when they pass their limits
       procedure(drifts_i), pointer, nopass :: put_drifts => null()
       !! those drifts
+      procedure(land_i), pointer, nopass :: land => null()
+      !! changes its states at an impact; not associated: they go on
    end type contribution_t
 
    !> Smooth hysteresis of the frame after Bouc and Wen.
@@ -318,6 +320,21 @@ module rwmf_model_equation
          real(wp), intent(out) :: rate(:)
          !! (drifts of the effect) [1/s]
       end subroutine drifts_i
+
+      !> Change the velocities of an effect's states at an impact by its own balance of momentum.
+      subroutine land_i(effect, equation, y, after, stays)
+         import :: contribution_t, equation_t, wp
+         implicit none
+         type(contribution_t), intent(in) :: effect
+         type(equation_t), intent(in) :: equation
+         !! on the side that the wall comes from
+         real(wp), intent(inout) :: y(:)
+         !! (states) at theta = 0; theta' keeps its value before the impact
+         real(wp), intent(inout) :: after
+         !! theta' after the impact, so far by the velocity factor [rad/s]
+         logical, intent(inout) :: stays
+         !! both corners stay on the base: theta' after the impact is 0
+      end subroutine land_i
 
       !> Sizes that the states of an effect are expected to have, for absolute tolerances.
       subroutine sizes_i(effect, equation, size_guess, sizes)

@@ -13,7 +13,7 @@ module rwmf_model_lift_off
    implicit none
    private
 
-   public :: lifts, find_lift_off, jumps, pull_duration, drive_turns
+   public :: lifting_side, find_lift_off, jumps, pull_duration, drive_turns
    public :: find_uplift_acceleration, find_bearing
 
 contains

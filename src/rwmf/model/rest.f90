@@ -1,19 +1,36 @@
-!> When chatter ends and the wall rests: a question about the ground motion alone.
+!> When chatter ends and the wall rests: a question about the ground motion alone, unless further
+!> states move while the wall stays on its base.
 module rwmf_model_rest
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: enter_side, second_derivative
-   use rwmf_model_equation, only: equation_t, interval_of, lift_off_drives
-   use rwmf_model_lift_off, only: drive_turns
+   use rwmf_model_assembly, only: enter_side, rhs, second_derivative
+   use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, lift_off_drives
+   use rwmf_model_lift_off, only: drive_turns, find_uplift_acceleration
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until
    implicit none
    private
 
    real(wp), parameter :: most_varied = 4
    !! variation of the drives over the least pressure for which chatter is said to settle [-]
+   real(wp), parameter :: elastic_loss = 1.0_wp/640
+   !! part of the velocity lost at an impact up to which bounces may have no end [-]
 
-   public :: pressing_acceleration, may_rest, will_settle, inverse_inertia
+   public :: elastic_loss, hold_wall, release_wall, may_rest, will_settle, inverse_inertia
 
 contains
+
+   !> Hold theta at 0 while further states move.
+   pure subroutine hold_wall(state)
+      type(discrete_state_t), intent(inout) :: state
+
+      state%coef(1, 1) = 0
+   end subroutine hold_wall
+
+   !> Let theta follow its equation of motion.
+   pure subroutine release_wall(state)
+      type(discrete_state_t), intent(inout) :: state
+
+      state%coef(1, 1) = 1
+   end subroutine release_wall
 
    !> Smallest ground acceleration that presses the wall down on both sides over a span [m/s2];
    !> not positive when one side lets go.
@@ -51,13 +68,38 @@ contains
    end function pressing_at
 
    !> May the wall be put to rest after an impact that leaves it the velocity v?
+   logical function may_rest(equation, t, y, v, e, small_angle, small_velocity)
+      type(equation_t), intent(inout) :: equation
+      !! returns as it was
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: v
+      !! magnitude of the angular velocity after the impact [rad/s]
+      real(wp), intent(in) :: e
+      !! velocity factor [-]
+      real(wp), intent(in) :: small_angle
+      !! negligible rotation [rad]
+      real(wp), intent(in) :: small_velocity
+      !! negligible angular velocity [rad/s]
+
+      if (equation%moves_at_rest) then
+         may_rest = may_rest_moving(equation, t, y, v, e, small_angle, small_velocity)
+      else
+         may_rest = may_rest_still(equation, t, v, e, small_angle, small_velocity)
+      end if
+   end function may_rest
+
+   !> May it where nothing but the ground moves meanwhile?
    !>
    !> Impacts with e < 1 accumulate: flights of duration 2 v e**n/a end after 2 v/(a (1 - e)).
    !> If the wall is pressed down throughout that time, the true motion has ended by then and stays
    !> below v**2/(2a) meanwhile: when that is negligible, resting at once changes nothing else. The
    !> same holds when the ground has come to rest for good, whatever e.
    !> Otherwise only a velocity that is itself negligible may be dropped.
-   pure logical function may_rest(equation, t, v, e, small_angle, small_velocity)
+   pure logical function may_rest_still(equation, t, v, e, small_angle, small_velocity) &
+      result(may_rest)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
@@ -91,7 +133,92 @@ contains
       if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
       press = pressing_acceleration(equation, t, t + chatter)
       may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
-   end function may_rest
+   end function may_rest_still
+
+   !> May it where further states move meanwhile?
+   !>
+   !> As `may_rest_still`, but the pressure changes with the other states. So the chatter
+   !> must end within a tenth of their shortest period, and the pressure is reduced by twice what
+   !> their present rates make of it in that time, and by a bound on their acceleration.
+   !>
+   !> Bounces that hardly lose energy would go on below the resolution; the wall rests when many of
+   !> them are sure to follow within the shortest period over 2 pi. What is dropped is less than
+   !> the tolerance of the energy.
+   logical function may_rest_moving(equation, t, y, v, e, small_angle, small_velocity) &
+      result(may_rest)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: v
+      !! magnitude of the angular velocity after the impact [rad/s]
+      real(wp), intent(in) :: e
+      !! velocity factor [-]
+      real(wp), intent(in) :: small_angle
+      !! negligible rotation [rad]
+      real(wp), intent(in) :: small_velocity
+      !! negligible angular velocity [rad/s]
+      real(wp), parameter :: flights = 64
+      real(wp) :: press
+      real(wp) :: gain
+      real(wp) :: loss
+      !! of velocity at an impact, or over half the number of flights [-]
+      real(wp) :: chatter
+      !! how long it may last [s]
+      real(wp) :: longest
+      !! the same over the shortest period over 2 pi [-]
+      real(wp) :: change
+      !! of the pressure in that time [m/s2]
+
+      may_rest = .false.
+      press = pressing_acceleration(equation, t, t)
+      if (press <= 0) return
+      gain = inverse_inertia(equation)
+      may_rest = v <= max(small_velocity, press*gain*64*spacing(t))
+      if (may_rest .or. v**2 > 2*press*gain*small_angle) return
+      loss = 1 - e
+      longest = 0.1_wp
+      if (loss <= elastic_loss) then
+         loss = 2/flights
+         longest = 1
+      end if
+      chatter = 4*v/(press*gain*loss)
+      if (chatter*equation%floors%max_frequency > longest) return
+      if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
+      call bound_change(equation, t, y, chatter, change)
+      press = pressing_acceleration(equation, t, t + chatter) - change
+      may_rest = press > 0 .and. 2*v <= press*gain*loss*chatter
+   end function may_rest_moving
+
+   !> By how much the other states may change what the wall bears within a time.
+   subroutine bound_change(equation, t, y, duration, change)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: duration
+      !! much shorter than their shortest period [s]
+      real(wp), intent(out) :: change
+      !! [m/s2]
+      real(wp) :: held(size(y))
+      real(wp) :: rates(size(y))
+      real(wp) :: present(-1:1)
+      real(wp) :: later(-1:1)
+      real(wp) :: displaced
+
+      held = y
+      held(:2) = 0
+      present = equation%state%uplift_acceleration
+      call hold_wall(equation%state)
+      call rhs(equation, t, held, rates)
+      call release_wall(equation%state)
+      call find_uplift_acceleration(equation%model_t, equation%state, held + duration*rates)
+      later = equation%state%uplift_acceleration
+      call find_uplift_acceleration(equation%model_t, equation%state, y)
+      displaced = maxval(abs(present([-1, 1]) - equation%threshold))
+      change = 2*maxval(abs(later([-1, 1]) - present([-1, 1]))) &
+         + (duration*equation%floors%max_frequency)**2*displaced
+   end subroutine bound_change
 
    !> Does the chatter after an impact end by itself, below an angle and before a side is pulled?
    !> Then a wall put to rest at once has the same largest displacement and lifts off in the same

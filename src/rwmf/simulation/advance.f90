@@ -6,7 +6,8 @@ module rwmf_simulation_advance
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_integrator, only: integrator_t
    use rwmf_model_assembly, only: equation_t
-   use rwmf_simulation_hybrid_loop, only: advance_hybrid, hybrid_t
+   use rwmf_simulation_hybrid_loop, only: advance_hybrid
+   use rwmf_simulation_hybrid_state, only: hybrid_t
    use rwmf_simulation_lanes_loop, only: advance_lane
    use rwmf_simulation_lanes_team, only: create_team, tabulate_lines, team_t
    use rwmf_simulation_recorder_recorder, only: recorder_t

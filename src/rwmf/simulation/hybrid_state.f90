@@ -4,23 +4,22 @@ module rwmf_simulation_hybrid_state
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_model_restitution, only: restitution_t
    use rwmf_motion_ground_motion, only: has_jump, interval_end
-   use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
-   use rwmf_simulation_recorder_recorder, only: observe_event, observe_state, recorder_t
-   use rwmf_simulation_result, only: event_branch, event_collapsed
    implicit none
    private
 
-   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, pass_knot
-   public :: mode_rest, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
-   public :: change_storey
+   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, is_at_rest, pass_knot
+   public :: mode_rest, mode_held, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
 
    integer, parameter :: mode_rest = 0
+   !! both corners on the base, and nothing but the ground moves
    integer, parameter :: mode_rocking = 1
    integer, parameter :: mode_overturned = 2
    integer, parameter :: mode_no_impacts = 3
    !! bare frame or hinged wall: one smooth regime
    integer, parameter :: mode_collapsed = 4
    !! a drift has passed its limit
+   integer, parameter :: mode_held = 5
+   !! both corners on the base, theta = 0, while further states move
 
    integer(i8), parameter :: cost_of_restart = 30_i8
    !! steps that a multistep method takes to be up to speed
@@ -41,7 +40,7 @@ module rwmf_simulation_hybrid_state
       type(restitution_t) :: restitution
       !! what an impact leaves of the velocity
       logical :: is_rising = .false.
-      !! theta grew when a branch of a spring ended
+      !! theta grows where a branch of a spring ends or the wall lifts off
       real(wp) :: overturning_angle
       !! [rad]
       real(wp) :: rtol
@@ -71,6 +70,13 @@ contains
 
       has_ended = hybrid%mode == mode_overturned .or. hybrid%mode == mode_collapsed
    end function has_ended
+
+   !> Are both corners of the wall on the base?
+   elemental logical function is_at_rest(hybrid)
+      type(hybrid_t), intent(in) :: hybrid
+
+      is_at_rest = hybrid%mode == mode_rest .or. hybrid%mode == mode_held
+   end function is_at_rest
 
    !> Begin to count the steps of the interval in force: at the first knot of the motion there are
    !> enough of them for a restart.
@@ -105,25 +111,5 @@ contains
       if (all(abs(hybrid%y) <= 0)) hybrid%must_restart = .true.
       hybrid%steps_at_knot = steps
    end subroutine pass_knot
-
-   !> The branch of a storey ends at the present state, or the scene collapses there.
-   subroutine change_storey(hybrid, equation, recorder, ending)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      type(recorder_t), intent(inout) :: recorder
-      type(storey_end_t), intent(in) :: ending
-
-      if (ending%collapses) then
-         hybrid%mode = mode_collapsed
-         call observe_event(recorder, event_collapsed, hybrid%t, hybrid%y)
-         return
-      end if
-      call observe_state(recorder, equation, hybrid%t, hybrid%y)
-      call end_branch(equation%model_t, equation%state, ending, hybrid%y)
-      if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &
-         hybrid%t, hybrid%y)
-      if (ending%turns) hybrid%t_turn = hybrid%t
-      hybrid%must_restart = .true.
-   end subroutine change_storey
 
 end module rwmf_simulation_hybrid_state

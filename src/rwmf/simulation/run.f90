@@ -22,8 +22,9 @@ module rwmf_simulation_run
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_advance, only: advance, begin_advance
    use rwmf_simulation_finite_check, only: check_result
-   use rwmf_simulation_hybrid_loop, only: has_ended, hybrid_t, mode_collapsed, &
-      mode_overturned, mode_rest, start_hybrid
+   use rwmf_simulation_hybrid_loop, only: start_hybrid
+   use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, is_at_rest, mode_collapsed, &
+      mode_overturned
    use rwmf_simulation_lanes_team, only: team_t
    use rwmf_problem_quantity_table, only: all_quantities
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
@@ -148,7 +149,7 @@ contains
       call begin_advance(hybrid, equation, integrator, case%solver%t_end, team)
       call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, team, error)
       if (allocated(error)) return
-      call finish_recorder(recorder, equation, hybrid%t, hybrid%y, hybrid%mode == mode_rest)
+      call finish_recorder(recorder, equation, hybrid%t, hybrid%y, is_at_rest(hybrid))
       size_found = response_size(recorder)
       call fill_result(case, equation, hybrid, recorder, result)
       if (allocated(recorder%nearby)) result%peak_sensitivity = recorder%nearby%sensitivity

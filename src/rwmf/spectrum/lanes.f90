@@ -17,7 +17,7 @@ module rwmf_spectrum_lanes
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_error_control, only: shake
    use rwmf_simulation_finite_check, only: is_finite
-   use rwmf_simulation_hybrid_loop, only: hybrid_t, mode_collapsed, mode_overturned, mode_rest
+   use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_overturned
    use rwmf_simulation_lanes_loop, only: join_team, step_team
    use rwmf_simulation_lanes_team, only: create_team, lane_t, leave_team, &
       tabulate_lines, team_t
@@ -377,7 +377,7 @@ contains
          + run%integrator%pair%stages*run%integrator%steps
       if (.not. allocated(error)) then
          call finish_recorder(run%recorder, run%equation, run%hybrid%t, run%hybrid%y, &
-            run%hybrid%mode == mode_rest)
+            is_at_rest(run%hybrid))
          ordinate%peak = run%recorder%u_max
          if (.not. run%equation%has_frame) ordinate%peak = max(run%recorder%theta_max, &
             -run%recorder%theta_min)

@@ -14,7 +14,8 @@ program test_memory
    use rwmf_model_jacobian, only: jacobian
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, fuse_t
-   use rwmf_simulation_hybrid_loop, only: hybrid_t, start_hybrid
+   use rwmf_simulation_hybrid_loop, only: start_hybrid
+   use rwmf_simulation_hybrid_state, only: hybrid_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
    use scenes, only: frame_scene, rwmf_scene

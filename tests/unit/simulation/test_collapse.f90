@@ -55,8 +55,8 @@ program test_collapse
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
-   use rwmf_simulation_hybrid_loop, only: advance_hybrid, has_ended, hybrid_t, mode_collapsed, &
-      start_hybrid
+   use rwmf_simulation_hybrid_loop, only: advance_hybrid, start_hybrid
+   use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, mode_collapsed
    use rwmf_simulation_recorder_recorder, only: create_recorder, recorder_t
    use rwmf_simulation_result, only: ending_name, event_collapsed, event_name, result_t
    use rwmf_simulation_run, only: guess_size, tolerances

@@ -276,6 +276,7 @@ contains
       real(wp), intent(in) :: theta
       !! [rad] or [m]
 
+      if (.not. model%has_bilinear_springs) return
       do
          call renew_window(model, state)
          if (theta > state%high) then
@@ -298,6 +299,7 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
 
+      if (.not. model%has_bilinear_springs) return
       associate (window => state%windows(state%side))
          if (.not. window%is_known) window = window_of(model, state)
          state%low = window%low

@@ -7,11 +7,10 @@
 module rwmf_simulation_events_drift_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_math_sign_changes, only: no_change
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_drift_limits, only: drift_ratios
-   use rwmf_simulation_events_first_change, only: changes_in, functions_t, moment_t, &
-      sample_functions, span_between, span_t, stop_at_change, watch_t
+   use rwmf_simulation_events_first_change, only: are_quiet, functions_t, moment_t, &
+      sample_functions, span_between, span_t, stop_at_first, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, step_view_t
    use rwmf_simulation_events_storey_events, only: is_quiet, stop_at_storey, storey_end_t
    implicit none
@@ -63,8 +62,6 @@ contains
       !! number of drifts with a limit
       type(drifts_t) :: drifts
       type(moment_t) :: a, b
-      type(span_t) :: span
-      integer :: i
 
       is_uncut = count_parts(step) == 1
       if (is_uncut .and. step%equation%floors%yields) is_uncut = is_quiet(step)
@@ -75,23 +72,21 @@ contains
       b%t = step%t_b
       call drifts%evaluate(a%t, step%y_a, a%f)
       call drifts%evaluate(b%t, step%y_b, b%f)
-      span = span_between(drifts, a, b)
-      do i = 1, n
-         is_uncut = changes_in(span, watch_of(i, 1)) == no_change
-         if (is_uncut) is_uncut = changes_in(span, watch_of(i, -1)) == no_change
-         if (.not. is_uncut) return
-      end do
+      is_uncut = are_quiet(span_between(drifts, a, b), limits_of(n))
    end function is_uncut
 
-   !> A drift is expected to stay within its limit on one side.
-   pure type(watch_t) function watch_of(i, side) result(watch)
-      integer, intent(in) :: i
-      !! number of the drift
-      integer, intent(in) :: side
-      !! sign of the difference to the limit
+   !> Drifts are expected to stay within their limits on both sides.
+   pure function limits_of(n) result(watches)
+      integer, intent(in) :: n
+      !! number of drifts with a limit
+      type(watch_t) :: watches(2*n)
+      integer :: i
 
-      watch = watch_t(i, 0, level=-real(side, wp), side=real(side, wp))
-   end function watch_of
+      do i = 1, n
+         watches(2*i - 1) = watch_t(i, 0, level=-1.0_wp)
+         watches(2*i) = watch_t(i, 0, level=1.0_wp, side=-1.0_wp)
+      end do
+   end function limits_of
 
    !> Cut the last step of the integrator at the first end of a storey's branch, or where a drift
    !> passes its limit before.
@@ -119,8 +114,7 @@ contains
       type(drifts_t) :: drifts
       type(moment_t) :: a, b
       type(span_t) :: span
-      logical :: is_found
-      integer :: parts, i, k
+      integer :: parts, i, which
 
       drifts%step = step
       drifts%n = n
@@ -132,13 +126,9 @@ contains
             error)
          if (allocated(error)) return
          span = span_between(drifts, a, b)
-         ! each passage found shortens the span, so that the last one found is the first
-         do k = 1, 2*n
-            call stop_at_change(drifts, watch_of((k + 1)/2, 2*modulo(k, 2) - 1), span, is_found, &
-               error)
-            if (allocated(error)) return
-            if (is_found) ending = storey_end_t((k + 1)/2, span%b%t, collapses=.true.)
-         end do
+         call stop_at_first(drifts, limits_of(n), span, which, error)
+         if (allocated(error)) return
+         if (which > 0) ending = storey_end_t((which + 1)/2, span%b%t, collapses=.true.)
          if (ending%collapses) exit
       end do
       if (ending%collapses) call shorten(step, ending%t, error)

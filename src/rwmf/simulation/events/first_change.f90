@@ -16,8 +16,8 @@ module rwmf_simulation_events_first_change
    implicit none
    private
 
-   public :: functions_t, moment_t, samples_t, span_t, watch_t, changes_in, sample_functions, &
-      span_between, stop_at_change, stop_at_root, value_at
+   public :: functions_t, moment_t, samples_t, span_t, watch_t, are_quiet, changes_in, &
+      sample_functions, span_between, stop_at_change, stop_at_first, stop_at_root, value_at
 
    !> Functions at an instant.
    type :: moment_t
@@ -156,6 +156,19 @@ contains
       changes = changes_of(polygon_in(span, watch), noise_in(span, watch))
    end function changes_in
 
+   !> Do the ends of a span show that no watched function changes in it?
+   pure logical function are_quiet(span, watches)
+      type(span_t), intent(in) :: span
+      type(watch_t), intent(in) :: watches(:)
+      integer :: i
+
+      do i = 1, size(watches)
+         are_quiet = changes_in(span, watches(i)) == no_change
+         if (.not. are_quiet) return
+      end do
+      are_quiet = .true.
+   end function are_quiet
+
    !> Round-off of a watched function.
    !>
    !> Functions of a kind are differences of the same states. The polygon of a rate contains five
@@ -189,6 +202,27 @@ contains
          end if
       end associate
    end function polygon_in
+
+   !> Let a span end at the first change of several watched functions. Each change found shortens
+   !> the span, so that the last one found is the first.
+   subroutine stop_at_first(functions, watches, span, which, error)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watches(:)
+      type(span_t), intent(inout) :: span
+      integer, intent(out) :: which
+      !! number of the watch, 0 where no function changes
+      type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
+      logical :: is_found
+      integer :: i
+
+      which = 0
+      do i = 1, size(watches)
+         call stop_at_change(functions, watches(i), span, is_found, error)
+         if (allocated(error)) return
+         if (is_found) which = i
+      end do
+   end subroutine stop_at_first
 
    !> Let a span end at the first change of a watched function, where there is one: at the first
    !> moment beyond it.

@@ -8,14 +8,15 @@ module rwmf_simulation_events_step_events
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
    use rwmf_simulation_events_event_time, only: find_event_time
+   use rwmf_simulation_events_lift_off_events, only: search_lift_off
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, &
       sample_state, step_view_t, until
    use rwmf_simulation_events_turns, only: farthest_turn, keeps_direction, split_turns
-   use rwmf_simulation_hybrid_state, only: hybrid_t, mode_rocking
-   use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, &
-      observe_state, recorder_t
-   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
-      event_peak
+   use rwmf_simulation_hybrid_state, only: hybrid_t, mode_held, mode_rocking
+   use rwmf_simulation_recorder_recorder, only: observe_event, recorder_t
+   use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
+      event_passage, event_peak
+   use rwmf_simulation_transitions, only: observe_peak
    implicit none
    private
 
@@ -33,14 +34,20 @@ contains
       type(recorder_t), intent(inout) :: recorder
       integer, intent(out) :: event
       !! `event_impact`, `event_overturned`, `event_branch`, `event_peak` (only where a spring
-      !! unloads there), `event_passage`, or 0
+      !! unloads there), `event_passage`, of a held wall `event_lift_off`, or 0
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       real(wp), dimension(size(step%y_a)), target :: y_a, y_b
       type(step_view_t) :: part
-      integer :: i, n
+      integer :: i, n, side
 
       event = 0
+      if (hybrid%mode == mode_held) then
+         call search_lift_off(step, hybrid%t, hybrid%y, side, error)
+         if (side /= 0) event = event_lift_off
+         hybrid%is_rising = side > 0
+         return
+      end if
       if (is_quiet(hybrid, step)) then
          hybrid%t = step%t_b
          hybrid%y(:) = step%y_b
@@ -74,9 +81,7 @@ contains
                   .and. equation%state%side*b(1) > 0
             end if
          end if
-         if (is_quiet .and. equation%has_bilinear_springs) then
-            is_quiet = b(1) < equation%state%high .and. b(1) > equation%state%low
-         end if
+         if (is_quiet) is_quiet = b(1) < equation%state%high .and. b(1) > equation%state%low
          if (is_quiet .and. equation%has_loading_direction) is_quiet = .not. passes_zero( &
             equation, b)
       end associate
@@ -136,11 +141,7 @@ contains
       if (allocated(error)) return
       if (.not. is_plain) call search_piece(hybrid, until(span, t_peak, y_peak), event, error)
       if (allocated(error) .or. (event /= 0 .and. .not. is_plain)) return
-      if (hybrid%mode == mode_rocking .and. span%equation%state%side*span%y_a(2) < 0) then
-         call observe_grazing(recorder, hybrid%rtol, t_peak, abs(y_peak(1)))
-      end if
-      call observe_state(recorder, span%equation, t_peak, y_peak)
-      call observe_event(recorder, event_peak, t_peak, y_peak)
+      call observe_peak(hybrid, span%equation, recorder, span%y_a(2), t_peak, y_peak)
       if (is_plain) return
       if (span%equation%state%ends_at_peak) then
          event = event_peak
@@ -289,11 +290,9 @@ contains
       event = 0
       level = 0
       associate (equation => piece%equation, theta_a => piece%y_a(1), theta_b => piece%y_b(1))
-         if (equation%has_bilinear_springs) then
-            ! The limits of a spring without strength coincide: only the motion tells them apart.
-            hybrid%is_rising = theta_b > theta_a
-            if (leaves_window(hybrid, equation, theta_a, theta_b, level)) event = event_branch
-         end if
+         ! The limits of a spring without strength coincide: only the motion tells them apart.
+         hybrid%is_rising = theta_b > theta_a
+         if (leaves_window(hybrid, equation, theta_a, theta_b, level)) event = event_branch
          if (event == 0) then
             if (hybrid%mode == mode_rocking .and. equation%state%side*theta_b < 0) then
                event = event_impact

@@ -4,16 +4,15 @@
 module rwmf_simulation_events_storey_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_math_sign_changes, only: no_change
    use rwmf_model_assembly, only: rates_at
    use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, pass_storey_limit, side_beyond_zero, stands_still, stop_at_zero, &
       turn_storey
    use rwmf_model_equation, only: discrete_state_t, model_t
    use rwmf_model_floor_motion, only: storey_accelerations, storey_motion
-   use rwmf_simulation_events_first_change, only: changes_in, functions_t, moment_t, &
-      sample_functions, samples_t, span_between, span_t, stop_at_change, stop_at_root, value_at, &
-      watch_t
+   use rwmf_simulation_events_first_change, only: are_quiet, functions_t, moment_t, &
+      sample_functions, samples_t, span_between, span_t, stop_at_change, stop_at_first, &
+      stop_at_root, value_at, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, step_view_t
    implicit none
    private
@@ -161,7 +160,6 @@ contains
       integer, intent(in) :: i
       !! number of the storey, from the ground
       type(span_t), intent(in) :: span
-      type(watch_t) :: watch(2)
       integer :: direction
       real(wp) :: limit(2)
 
@@ -172,12 +170,9 @@ contains
          end if
          direction = loading_direction_of(equation, equation%state, i)
          if (direction == 0) then
-            watch = watches_of_limits(storeys, i, a)
-            stays = changes_in(span, watch(1)) == no_change
-            if (stays) stays = changes_in(span, watch(2)) == no_change
+            stays = are_quiet(span, watches_of_limits(storeys, i, a))
          else
-            watch(1) = watch_t(i, 1, side=real(direction, wp))
-            stays = changes_in(span, watch(1)) == no_change
+            stays = are_quiet(span, [watch_t(i, 1, side=real(direction, wp))])
             call branch_limits(equation, i, limit(1), limit(2))
             stays = stays .and. direction*b%f(i, 0) <= direction*limit((3 + direction)/2)
          end if
@@ -305,16 +300,11 @@ contains
       type(span_t), intent(inout) :: span
       type(storey_end_t), intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
-      type(watch_t) :: watch(2)
-      logical :: is_found
       integer :: k
 
-      watch = watches_of_limits(storeys, i, span%a)
-      do k = 1, 2
-         call stop_at_change(storeys, watch(k), span, is_found, error)
-         if (allocated(error)) return
-         if (is_found .and. span%b%t < found%t) found = storey_end_t(i, span%b%t, is_rising=k == 2)
-      end do
+      call stop_at_first(storeys, watches_of_limits(storeys, i, span%a), span, k, error)
+      if (allocated(error)) return
+      if (k > 0 .and. span%b%t < found%t) found = storey_end_t(i, span%b%t, is_rising=k == 2)
    end subroutine search_limits
 
    !> Find where the hysteretic force of a smooth storey passes zero. It is monotone before a turn.

@@ -23,24 +23,24 @@ module rwmf_simulation_lanes_loop
    use rwmf_model_lanes, only: power_count
    use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear
    use rwmf_simulation_events_drift_events, only: is_uncut
+   use rwmf_simulation_events_lift_off_events, only: stays_down
    use rwmf_simulation_events_step_events, only: list_turns
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cubic_of, first_event, &
       no_event, place_event, quartic_of, quartic_t, quintic_of
    use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
    use rwmf_simulation_free_vibration, only: long_rest
-   use rwmf_simulation_held_wall, only: begin_held_step, end_held_step, stays_down
-   use rwmf_simulation_hybrid_loop, only: apply_event, begin_step, check_work, end_step, &
-      has_ended, hybrid_t, leave_rest, may_stand_on_fuses, mode_rest, mode_rocking, &
-      stands_on_fuses, stay_at_rest
+   use rwmf_simulation_hybrid_loop, only: begin_step, check_work, end_step, &
+      may_stand_on_fuses, stands_on_fuses, stay_at_rest
+   use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, mode_held, mode_rest, mode_rocking
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
    use rwmf_simulation_lanes_team, only: create_team, find_steps_to_watch, &
       follow_curves, lane_t, line_row, longest_step, may_hide_turns, team_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
-   use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_piece, &
-      observe_state, recorder_t
+   use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
       event_peak
+   use rwmf_simulation_transitions, only: apply_event, observe_peak
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -127,37 +127,16 @@ contains
             call check_work(hybrid, lane%integrator, no_control, lane%error)
             if (allocated(lane%error)) return
             if (hybrid%mode == mode_rest) then
-               call follow_rest(lane, t_limit)
-               span = huge(span)
-               if (hybrid%mode == mode_rest .and. t_limit > hybrid%t) exit
+               call stay_at_rest(hybrid, equation, lane%recorder, t_end, lane%error)
                cycle
             end if
             call begin_step(hybrid, equation, lane%recorder, lane%integrator%steps, t_end, &
-               t_limit, span)
+               t_limit, span, lane%error)
             if (t_limit > hybrid%t) exit
          end do
       end associate
       call load_lane(lane, i, t_limit, span, team)
    end subroutine enter_team
-
-   !> A wall at rest: until it lifts off, or, where other states move, as far as they may step.
-   subroutine follow_rest(lane, t_limit)
-      type(lane_t), intent(inout), target :: lane
-      real(wp), intent(out) :: t_limit
-      !! not beyond the present time: there is nothing to step [s]
-      integer :: side
-
-      associate (hybrid => lane%hybrid, equation => lane%equation)
-         if (equation%moves_at_rest) then
-            call begin_held_step(hybrid, equation, lane%integrator%steps, lane%t_end, t_limit, side)
-            if (side /= 0) call leave_rest(hybrid, equation, lane%recorder, side, lane%error)
-         else
-            t_limit = hybrid%t
-            call stay_at_rest(hybrid, equation, lane%integrator, lane%recorder, lane%t_end, &
-               lane%error)
-         end if
-      end associate
-   end subroutine follow_rest
 
    !> Put a lane into the table of its team.
    subroutine load_lane(lane, i, t_limit, span, team)
@@ -192,7 +171,7 @@ contains
          if (equation%has_loading_direction) table(i, of_pace) = stable_pace(equation)
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest), &
             1/max(tiny(span), table(i, of_pace)*abs(hybrid%y(2))))
-         lane%is_held = hybrid%mode == mode_rest
+         lane%is_held = hybrid%mode == mode_held
          lane%has_limits = equation%floors%yields .or. hybrid%drifts > 0 .or. lane%is_held &
             .or. may_stand_on_fuses(equation)
          team%has_limits = team%has_limits .or. lane%has_limits
@@ -227,10 +206,8 @@ contains
          table(i, of_high) = -table(i, of_low)
          if (hybrid%mode == mode_rocking) table(i, merge(of_low, of_high, &
             equation%state%side > 0)) = 0
-         if (equation%has_bilinear_springs) then
-            table(i, of_low) = max(table(i, of_low), equation%state%low)
-            table(i, of_high) = min(table(i, of_high), equation%state%high)
-         end if
+         table(i, of_low) = max(table(i, of_low), equation%state%low)
+         table(i, of_high) = min(table(i, of_high), equation%state%high)
          table(i, of_bottom) = merge(huge(1.0_wp), recorder%theta_min, equation%state%ends_at_peak)
          table(i, of_top) = merge(-huge(1.0_wp), recorder%theta_max, equation%state%ends_at_peak)
          if (lane%is_held) then
@@ -820,11 +797,7 @@ contains
          end if
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) then
-            if (hybrid%mode == mode_rocking .and. equation%state%side*team%y(i, 2) < 0) then
-               call observe_grazing(lane%recorder, hybrid%rtol, hybrid%t, abs(hybrid%y(1)))
-            end if
-            call observe_state(lane%recorder, equation, hybrid%t, hybrid%y)
-            call observe_event(lane%recorder, event_peak, hybrid%t, hybrid%y)
+            call observe_peak(hybrid, equation, lane%recorder, (team%y(i, 2)), hybrid%t, hybrid%y)
          end if
          if (allocated(lane%error)) return
          if (event /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
@@ -841,7 +814,6 @@ contains
 
       event = event_overturned
       if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
-      if (.not. lane%equation%has_bilinear_springs) return
       if (abs(level - merge(lane%equation%state%high, lane%equation%state%low, &
          lane%goal == at_high)) <= 0) then
          event = event_branch
@@ -853,7 +825,6 @@ contains
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
       type(team_t), intent(inout) :: team
-      integer :: side
 
       call catch_up(lane, i, team)
       associate (step => lane%integrator)
@@ -869,14 +840,7 @@ contains
          if (allocated(team%work)) step%work = team%work(i, :)
          step%t_work = step%t1
       end associate
-      if (lane%is_held) then
-         call end_held_step(lane%hybrid, lane%equation, lane%integrator, lane%recorder, side, &
-            lane%error)
-         if (side /= 0 .and. .not. allocated(lane%error)) call leave_rest(lane%hybrid, &
-            lane%equation, lane%recorder, side, lane%error)
-      else
-         call end_step(lane%hybrid, lane%equation, lane%integrator, lane%recorder, lane%error)
-      end if
+      call end_step(lane%hybrid, lane%equation, lane%integrator, lane%recorder, lane%error)
       if (allocated(lane%error)) then
          team%table(i, of_length) = 0
       else

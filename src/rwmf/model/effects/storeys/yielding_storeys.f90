@@ -73,6 +73,7 @@ contains
       real(wp) :: d_dot(model%floors%n)
       integer :: i
 
+      if (.not. model%floors%yields) return
       if (allocated(state%storey_signs)) then
          state%storey_signs%loading_direction = 0
          return
@@ -102,6 +103,7 @@ contains
       !! storey that unloads
       integer :: i
 
+      if (.not. model%floors%yields) return
       highest = 0
       call storey_motion(model, state%side, y, d, d_dot)
       do i = 1, model%floors%n

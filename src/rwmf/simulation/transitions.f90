@@ -1,0 +1,408 @@
+!> Transitions of the hybrid system at its events: impact, rest, lift-off, ends of branches, turns,
+!> overturning and collapse. Every method, spectrum and host uses them.
+module rwmf_simulation_transitions
+   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_assembly, only: enter_side, equation_t, interval_of, rates_at, second_derivative
+   use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
+   use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
+   use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, tendon_is_broken, &
+      turn_back
+   use rwmf_model_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, pull_duration
+   use rwmf_model_rest, only: elastic_loss, hold_wall, may_rest, release_wall, will_settle
+   use rwmf_model_restitution, only: factor_at, largest_factor
+   use rwmf_motion_ground_motion, only: interval_end
+   use rwmf_simulation_elastic_chatter, only: drop_chatter
+   use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
+   use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_held, &
+      mode_overturned, mode_rest, mode_rocking
+   use rwmf_simulation_recorder_nearby_motion, only: meet_impact
+   use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
+      observe_state, observe_still, recorder_t
+   use rwmf_simulation_result, only: event_branch, event_collapsed, event_impact, event_lift_off, &
+      event_overturned, event_passage, event_peak, event_rest, event_rupture
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: apply_event, begin_piece, change_storey, enter_rest, lift_off, observe_peak, negligible
+
+   real(wp), parameter :: negligible = 0.01_wp
+   !! part of the tolerance below which a motion may be put to rest
+
+contains
+
+   !> Change the system by the event at the present time.
+   subroutine apply_event(hybrid, equation, recorder, event, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      integer, intent(in) :: event
+      !! one of the `event_` numbers, or 0
+      type(error_t), allocatable, intent(out) :: error
+      !! the wall jumps
+
+      select case (event)
+      case (event_impact)
+         call apply_impact(hybrid, equation, recorder)
+         call check_ground(hybrid, equation, error)
+      case (event_lift_off)
+         call lift_off(hybrid, equation, recorder, merge(1, -1, hybrid%is_rising), error)
+      case (event_branch)
+         call enter_branch(hybrid, equation, recorder)
+      case (event_peak)
+         hybrid%y(2) = 0
+         call turn_back(equation%model_t, equation%state, hybrid%y(1))
+         if (equation%has_loading_direction) then
+            equation%state%signs%loading_direction = -equation%state%signs%loading_direction
+         end if
+         hybrid%must_restart = .true.
+      case (event_passage)
+         hybrid%must_restart = .true.
+      case (event_overturned)
+         hybrid%mode = mode_overturned
+         call observe_event(recorder, event_overturned, hybrid%t, hybrid%y)
+      case default
+         ! nothing
+      end select
+   end subroutine apply_event
+
+   !> The resting wall lifts off on a side.
+   subroutine lift_off(hybrid, equation, recorder, side, error)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      integer, intent(in) :: side
+      !! +1 or -1
+      type(error_t), allocatable, intent(out) :: error
+      !! the wall jumps
+
+      call release_wall(equation%state)
+      call check_ground(hybrid, equation, error)
+      if (allocated(error)) return
+      call enter_side(equation%model_t, equation%state, side)
+      hybrid%mode = mode_rocking
+      hybrid%must_restart = .true.
+      hybrid%t_turn = -huge(hybrid%t)
+      recorder%lift_offs = recorder%lift_offs + 1_i8
+      call observe_event(recorder, event_lift_off, hybrid%t, hybrid%y)
+   end subroutine lift_off
+
+   !> A wall that stands on its base and would leave it on both sides at once jumps.
+   subroutine check_ground(hybrid, equation, error)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. equation%has_vertical) return
+      if (.not. jumps(equation, interval_of(equation), hybrid%t)) return
+      call fail(error, err_numerical, 'the wall jumps at t = '//trim(real_to_text(hybrid%t)) &
+         //' s: vertical motion or fuses take all of weight and cable force from the base, and a ' &
+         //'wall in the air is not in the model', 'wall_jumps')
+   end subroutine check_ground
+
+   !> Both corners of the wall are on the base from now on.
+   pure subroutine enter_rest(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+
+      hybrid%y(:2) = 0
+      hybrid%mode = mode_rest
+      if (.not. equation%moves_at_rest) return
+      hybrid%mode = mode_held
+      call hold_wall(equation%state)
+   end subroutine enter_rest
+
+   !> Prepare what a new piece of motion depends on: windows of the branches, directions of
+   !> loading, and the time within which it is expected to change its course.
+   subroutine begin_piece(hybrid, equation, span)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(out) :: span
+      !! [s]
+
+      call renew_window(equation%model_t, equation%state)
+      if (equation%has_loading_direction) call set_loading_direction(hybrid, equation)
+      call settle_storeys(equation%model_t, equation%state, hybrid%y, hybrid%t <= hybrid%t_turn)
+      span = hybrid%flight
+      if (.not. span > 0) span = flight_time(hybrid, equation)
+      hybrid%flight = 0
+   end subroutine begin_piece
+
+   !> The sign that theta' has in the piece of motion that begins, and what follows from it; after a
+   !> peak it is known already.
+   pure subroutine set_loading_direction(hybrid, equation)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(inout) :: equation
+
+      if (abs(hybrid%y(2)) > 0) then
+         equation%state%signs%loading_direction = int(sign(1.0_wp, hybrid%y(2)))
+      else if (hybrid%mode == mode_rocking .and. abs(hybrid%y(1)) <= 0) then
+         equation%state%signs%loading_direction = equation%state%side
+      end if
+      call follow_loading_direction(equation%model_t, equation%state, hybrid%y)
+   end subroutine set_loading_direction
+
+   !> Estimated duration of a flight that begins at theta = 0: a little more than 2 v/a against an
+   !> acceleration that pulls it back, or twice the time for which the motion pulls it off; else no
+   !> limit [s].
+   real(wp) function flight_time(hybrid, equation) result(time)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      real(wp) :: pull
+      !! towards the base [rad/s2]
+
+      time = huge(time)
+      if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0) return
+      pull = -equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
+      if (abs(hybrid%y(2)) < pull*sqrt(huge(time))) then
+         time = 2.2_wp*abs(hybrid%y(2))/max(pull, tiny(pull))
+      else if (pull <= 0) then
+         time = pull_duration(equation, hybrid%t)
+         if (time < huge(time)/4) time = max(2*time, 256*spacing(hybrid%t))
+      end if
+      if (time <= 0) time = huge(time)
+   end function flight_time
+
+   !> A spring enters another branch.
+   subroutine enter_branch(hybrid, equation, recorder)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      logical :: was_broken
+
+      was_broken = tendon_is_broken(equation)
+      call observe_state(recorder, equation, hybrid%t, hybrid%y)
+      call pass_window(equation%model_t, equation%state, is_rising=hybrid%is_rising)
+      hybrid%must_restart = .true.
+      if (tendon_is_broken(equation) .and. .not. was_broken) then
+         call observe_event(recorder, event_rupture, hybrid%t, hybrid%y)
+      else
+         call observe_event(recorder, event_branch, hybrid%t, hybrid%y)
+      end if
+   end subroutine enter_branch
+
+   !> The branch of a storey ends at the present state, or the scene collapses there.
+   subroutine change_storey(hybrid, equation, recorder, ending)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      type(storey_end_t), intent(in) :: ending
+
+      if (ending%collapses) then
+         hybrid%mode = mode_collapsed
+         call observe_event(recorder, event_collapsed, hybrid%t, hybrid%y)
+         return
+      end if
+      call observe_state(recorder, equation, hybrid%t, hybrid%y)
+      call end_branch(equation%model_t, equation%state, ending, hybrid%y)
+      if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &
+         hybrid%t, hybrid%y)
+      if (ending%turns) hybrid%t_turn = hybrid%t
+      hybrid%must_restart = .true.
+   end subroutine change_storey
+
+   !> A turn of the rotation for the record.
+   subroutine observe_peak(hybrid, equation, recorder, v, t, y)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      real(wp), intent(in) :: v
+      !! rate of the rotation before it [rad/s]
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      if (hybrid%mode == mode_rocking .and. equation%state%side*v < 0) then
+         call observe_grazing(recorder, hybrid%rtol, t, abs(y(1)))
+      end if
+      call observe_state(recorder, equation, t, y)
+      call observe_event(recorder, event_peak, t, y)
+   end subroutine observe_peak
+
+   !> At an impact the velocity falls by the factor e, the other side's equation takes over, or the
+   !> wall comes to rest.
+   !>
+   !> When one side is pressed hard and the other hardly at all, a flight can be over within a few
+   !> spacings of the time: the wall is then back with the velocity that it left with, at once.
+   subroutine apply_impact(hybrid, equation, recorder)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      real(wp), parameter :: followable = 64
+      !! least duration of a flight in spacings of the time [-]
+
+      hybrid%must_restart = .true.
+      do
+         call apply_one_impact(hybrid, equation, recorder)
+         if (is_at_rest(hybrid) .or. abs(hybrid%y(2)) <= 0) return
+         hybrid%flight = flight_time(hybrid, equation)
+         ! a spacing is at most epsilon*t, and costs a call
+         if (hybrid%flight > followable*epsilon(hybrid%t)*hybrid%t) return
+         if (hybrid%flight > followable*spacing(hybrid%t)) return
+         hybrid%y(2) = -hybrid%y(2)
+      end do
+   end subroutine apply_impact
+
+   !> One impact and what follows from it.
+   subroutine apply_one_impact(hybrid, equation, recorder)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      real(wp), parameter :: slow = 1000
+      !! impacts faster than that over the largest velocity, times sqrt(rtol), do not graze [-]
+      real(wp) :: after
+      logical :: stays
+
+      ! a warning that ordinates of peaks alone do not have
+      if (hybrid%settled_angle <= 0 &
+          .and. abs(hybrid%y(2)) < slow*sqrt(hybrid%rtol)*recorder%theta_dot_ends) then
+         call look_for_grazing(hybrid, equation, recorder)
+      end if
+      after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
+      call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
+      if (allocated(recorder%nearby)) call meet_impact(recorder%nearby, equation, hybrid%y, &
+         factor_at(hybrid%restitution, abs(hybrid%y(2))))
+      call land_effects(equation, hybrid%y, after, stays)
+      call observe_impact(recorder, equation, hybrid%y(2), after)
+      hybrid%y(:2) = [0.0_wp, after]
+      hybrid%t_turn = -huge(hybrid%t)
+      call turn_back(equation%model_t, equation%state, 0.0_wp, goes_on=abs(after) > 0)
+      call enter_side(equation%model_t, equation%state, -equation%state%side)
+      call find_uplift_acceleration(equation%model_t, equation%state, hybrid%y)
+      if (.not. stays) stays = settles(hybrid, equation, recorder)
+      if (stays) then
+         call end_chatter(hybrid, equation, recorder)
+      else if (abs(after) <= 0) then
+         ! Nothing bounces (e = 0) and the motion pulls: the drive says to which side.
+         call leave_without_velocity(hybrid, equation)
+      end if
+   end subroutine apply_one_impact
+
+   !> Let the effects that balance momentum on their own change their states at an impact.
+   subroutine land_effects(equation, y, after, stays)
+      type(equation_t), intent(in) :: equation
+      !! on the side that the wall comes from
+      real(wp), intent(inout) :: y(:)
+      !! (states) before the impact; the further ones change to those after it
+      real(wp), intent(inout) :: after
+      !! angular velocity after the impact [rad/s]
+      logical, intent(out) :: stays
+      !! an effect keeps both corners on the base
+      integer :: i
+
+      stays = .false.
+      if (.not. allocated(equation%effects)) return
+      do i = 1, size(equation%effects)
+         associate (effect => equation%effects(i))
+            if (associated(effect%land)) call effect%land(effect, equation, y, after, stays)
+         end associate
+      end do
+      if (stays) after = 0
+   end subroutine land_effects
+
+   !> Does the wall come to rest after an impact?
+   logical function settles(hybrid, equation, recorder)
+      type(hybrid_t), intent(inout) :: hybrid
+      !! after the impact
+      type(equation_t), intent(inout) :: equation
+      !! returns as it was
+      type(recorder_t), intent(inout) :: recorder
+      real(wp) :: v, e, small(2)
+      !! velocity, largest velocity factor of further impacts, negligible rotation and velocity
+
+      v = abs(hybrid%y(2))
+      e = largest_factor(hybrid%restitution, v)
+      associate (largest => max(recorder%theta_max, -recorder%theta_min))
+         small = negligible*hybrid%rtol*[largest, recorder%theta_dot_ends]
+         settles = may_rest(equation, hybrid%t, hybrid%y, v, e, small(1), small(2))
+         if (settles .and. equation%moves_at_rest .and. 1 - e <= elastic_loss &
+             .and. v > small(2)) then
+            call drop_chatter(equation, recorder, hybrid%t, hybrid%y(2))
+         end if
+         if (.not. settles .and. hybrid%settled_angle > 0) settles = will_settle(equation, &
+            hybrid%t, v, e, hybrid%settled_angle*largest, hybrid%t_pulled)
+      end associate
+   end function settles
+
+   !> The wall comes to rest after an impact.
+   subroutine end_chatter(hybrid, equation, recorder)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      type(recorder_t), intent(inout) :: recorder
+
+      if (allocated(recorder%forces) .or. allocated(recorder%demands)) then
+         call observe_end_of_chatter(hybrid, equation, recorder)
+      end if
+      call turn_back(equation%model_t, equation%state, 0.0_wp)
+      call find_uplift_acceleration(equation%model_t, equation%state, hybrid%y)
+      call enter_rest(hybrid, equation)
+      call observe_event(recorder, event_rest, hybrid%t, hybrid%y)
+   end subroutine end_chatter
+
+   !> Reactions at the end of the chatter that a wall at rest is spared: those of a wall that leaves
+   !> its base on either side without velocity, when the flights, of 2 v/a each, will have ended.
+   subroutine observe_end_of_chatter(hybrid, equation, recorder)
+      type(hybrid_t), intent(in) :: hybrid
+      !! after the impact
+      type(equation_t), intent(inout) :: equation
+      !! returns as it was
+      type(recorder_t), intent(inout) :: recorder
+      real(wp), dimension(equation%n) :: y, rates
+      real(wp) :: pull(2)
+      !! towards the base on the side that the wall leaves to, and on the other [rad/s2]
+      real(wp) :: t, e
+      integer :: i
+
+      if (abs(hybrid%y(2)) <= 0) return
+      y = hybrid%y
+      y(:2) = 0
+      do i = 1, 2
+         call rates_at(equation, hybrid%t, y, rates)
+         pull(i) = -equation%state%side*rates(2)
+         call enter_side(equation%model_t, equation%state, -equation%state%side)
+      end do
+      if (minval(pull) <= 0) return
+      e = largest_factor(hybrid%restitution, abs(hybrid%y(2)))
+      t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e/pull(2))/(1 - e**2)
+      t = min(t, interval_end(equation%motion, interval_of(equation)))
+      ! the floors go on meanwhile
+      y(3:) = y(3:) + (t - hybrid%t)*rates(3:)
+      do i = 1, 2
+         call observe_still(recorder, equation, t, y)
+         call enter_side(equation%model_t, equation%state, -equation%state%side)
+      end do
+   end subroutine observe_end_of_chatter
+
+   !> An impact so slow that the acceleration away from the base would have ended the way at once.
+   subroutine look_for_grazing(hybrid, equation, recorder)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      type(recorder_t), intent(inout) :: recorder
+      real(wp) :: away
+      !! from the base [rad/s2]
+
+      away = equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
+      if (away > 0) call observe_grazing(recorder, hybrid%rtol, hybrid%t, hybrid%y(2)**2/(2*away))
+   end subroutine look_for_grazing
+
+   !> The wall touches its base without velocity while one side is pulled.
+   subroutine leave_without_velocity(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      real(wp) :: t
+      integer :: interval
+      integer :: side
+
+      t = hybrid%t
+      interval = interval_of(equation)
+      call find_lift_off(equation, t, t, interval, side)
+      if (side /= 0) then
+         call enter_side(equation%model_t, equation%state, side)
+      else
+         call enter_rest(hybrid, equation)
+      end if
+   end subroutine leave_without_velocity
+
+end module rwmf_simulation_transitions
