@@ -45,36 +45,40 @@ contains
       call put_values(row, number, [value])
    end subroutine put_value
 
-   pure subroutine put_values(row, number, values)
+   pure subroutine put_values(row, number, values, below)
       type(history_row_t), intent(inout) :: row
       integer, intent(in) :: number
       real(wp), intent(in) :: values(:)
       !! (storeys) in the unit of the key
+      integer, intent(in), optional :: below
+      !! storeys without a value, the lowest ones; absent: none
       integer :: n
 
       n = size(values)
       if (allocated(row%names)) then
-         call add_columns(row, number, values)
+         call add_columns(row, number, values, below)
       else
          row%values(row%n + 1:row%n + n) = values
          row%n = row%n + n
       end if
    end subroutine put_values
 
-   pure subroutine add_columns(row, number, values)
+   pure subroutine add_columns(row, number, values, below)
       type(history_row_t), intent(inout) :: row
       integer, intent(in) :: number
       real(wp), intent(in) :: values(:)
+      integer, intent(in), optional :: below
       character(len(row%names)), allocatable :: more_names(:)
       character(40) :: key
-      integer :: i
-      integer :: n
+      integer :: i, n, first
 
+      first = 0
+      if (present(below)) first = below
       n = size(row%names)
       allocate (more_names(n + size(values)))
       more_names(:n) = row%names
       do i = 1, size(values)
-         key = numbered(trim(key_of(number)), i)
+         key = numbered(trim(key_of(number)), first + i)
          more_names(n + i) = key(:len(more_names))
       end do
       call move_alloc(more_names, row%names)

@@ -9,6 +9,7 @@ module rwmf_model_wall_sections
    private
 
    public :: links_t, section_extremes_t, link_places, find_section_extremes, section_forces
+   public :: find_forces_beside
 
    !> Forces of the links on the wall, from the lowest to that at the roof.
    type :: links_t
@@ -146,6 +147,49 @@ contains
       end do
       force = forces_at(loads, z)
    end function section_forces
+
+   !> Shear and bending moment just below and just above sections, as of `section_forces`.
+   subroutine find_forces_beside(equation, t, y, y_ddot, links, z, below, above)
+      type(equation_t), intent(in) :: equation
+      !! with a wall
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' [rad/s2]
+      type(links_t), intent(in) :: links
+      real(wp), intent(in) :: z(:)
+      !! (sections) ascending heights above the base, no two of them at one link [m]
+      real(wp), intent(out) :: below(:, :), above(:, :)
+      !! (2, sections) [m/s2], [m2/s2]
+      real(wp), parameter :: same = 1.0e-9_wp
+      !! distance of a link from a section at its height, over the height of the wall [-]
+      type(loads_t) :: loads
+      integer :: i, j
+
+      loads = loads_at_top(equation, t, y, y_ddot)
+      j = size(links%place, 2)
+      do i = size(z), 1, -1
+         call pass_links(z(i) + 2*same*loads%h)
+         above(:, i) = forces_at(loads, z(i))
+         call pass_links(z(i) - 2*same*loads%h)
+         below(:, i) = forces_at(loads, z(i))
+      end do
+
+   contains
+
+      !> Add the links down to a height.
+      subroutine pass_links(height)
+         real(wp), intent(in) :: height
+
+         do while (j > 0)
+            if (links%place(2, j) < height) return
+            call add_link(loads, links, j)
+            j = j - 1
+         end do
+      end subroutine pass_links
+   end subroutine find_forces_beside
 
    !> What acts on the top: the cable, which is anchored on the axis.
    type(loads_t) function loads_at_top(equation, t, y, y_ddot) result(loads)

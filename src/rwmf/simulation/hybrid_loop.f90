@@ -34,7 +34,8 @@ module rwmf_simulation_hybrid_loop
       mode_collapsed, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
    use rwmf_simulation_recorder_nearby_motion, only: meet_impact
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
-      observe_piece, observe_rest, observe_state, observe_still, recorder_t, sees_rest
+      observe_piece, observe_rest, observe_state, observe_still, recorder_t, sees_forces, &
+      sees_rest
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
       event_passage, event_peak, event_rest, event_rupture
    use rwmf_text_strings, only: real_to_text
@@ -538,9 +539,7 @@ contains
             hybrid%settled_angle*max(recorder%theta_max, -recorder%theta_min), hybrid%t_pulled)
       end if
       if (rests) then
-         if (allocated(recorder%forces) .or. allocated(recorder%demands)) then
-            call observe_end_of_chatter(hybrid, equation, recorder)
-         end if
+         if (sees_forces(recorder)) call observe_end_of_chatter(hybrid, equation, recorder)
          call turn_back(equation%model_t, equation%state, 0.0_wp)
          if (equation%has_bilinear_springs) call find_uplift_acceleration(equation%model_t, &
             equation%state, hybrid%y)

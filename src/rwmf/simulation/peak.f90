@@ -4,9 +4,10 @@ module rwmf_simulation_peak
    use rwmf_core_kinds, only: wp
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t, output_t
-   use rwmf_problem_quantity_table, only: all_quantities, asked_by, look_up, of_demands
+   use rwmf_problem_quantity_table, only: all_quantities, asked_by, look_up, of_demands, &
+      of_envelopes
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
+   use rwmf_simulation_scalars, only: is_present, scalars_of, storeys_of, value_of, values_t
    implicit none
    private
 
@@ -23,11 +24,14 @@ contains
       if (place == 0) return
       if (asked_by(all_quantities(place)) /= 'reactions') return
       if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
-      if (all_quantities(place)%observed == of_demands) then
+      select case (all_quantities(place)%observed)
+      case (of_demands)
          case%output%demands = .true.
-      else
+      case (of_envelopes)
+         case%output%envelopes = .true.
+      case default
          case%output%reactions = .true.
-      end if
+      end select
    end subroutine ask_for_peak
 
    !> Does a result report the peak that a case names?
@@ -76,18 +80,19 @@ contains
       !! (keys) with the number of a floor or storey in the place of '{i}'
       character(40), allocatable :: more(:)
       type(values_t) :: values
-      integer :: i, j, n, number
+      integer, allocatable :: storeys(:)
+      integer :: i, j, n
 
       allocate (keys(0))
       call scalars_of(case, result, values)
       do i = 1, size(all_quantities)
          if (.not. is_wanted(i)) cycle
-         number = values%count(all_quantities(i)%id)
+         storeys = storeys_of(values, all_quantities(i)%id)
          n = size(keys)
-         allocate (more(n + number))
+         allocate (more(n + size(storeys)))
          more(:n) = keys
-         do j = 1, number
-            more(n + j) = numbered(trim(all_quantities(i)%key), j)
+         do j = 1, size(storeys)
+            more(n + j) = numbered(trim(all_quantities(i)%key), storeys(j))
          end do
          call move_alloc(more, keys)
       end do
