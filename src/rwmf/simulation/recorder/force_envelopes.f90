@@ -119,8 +119,8 @@ contains
       allocate (recorder%below(2, size(recorder%z)), recorder%above(2, size(recorder%z)))
    end subroutine place_sections
 
-   !> Sections without a link have the same forces on both sides, and above the roof is nothing but
-   !> the anchor of the cable: search for each once.
+   !> Sections without a link have the same forces on both sides, and above the roof is no wall:
+   !> search for each once.
    subroutine mark_equal_sections(recorder, equation)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -130,21 +130,12 @@ contains
       associate (n => recorder%building%floors)
          do i = 1, n
             if (i < n .and. equation%floors%are_linked) cycle
-            if (i == n .and. has_lateral_anchor(equation)) cycle
             associate (first => n + of_sections + per_floor*(i - 1))
                recorder%is_led([first + 2, first + 4]) = .true.
             end associate
          end do
       end associate
    end subroutine mark_equal_sections
-
-   !> Does the cable push the top of the wall to a side? One in its duct does not.
-   pure logical function has_lateral_anchor(equation)
-      type(equation_t), intent(in) :: equation
-
-      has_lateral_anchor = .false.
-      if (equation%has_cable) has_lateral_anchor = equation%cable%is_straight
-   end function has_lateral_anchor
 
    !> Quantities at a state.
    subroutine find_envelopes(self, equation, t, y, y_dot, found)
@@ -191,9 +182,8 @@ contains
       call links_of(self%building, equation, kinematics_at(equation, y(1)), t, y, y_ddot, &
          self%links)
       call find_forces_beside(equation, t, y, y_ddot, self%links, self%z, self%below, self%above)
-      if (self%building%floors > 0 .and. .not. has_lateral_anchor(equation)) then
-         self%above(:, size(self%z)) = 0
-      end if
+      ! there is no wall above the roof
+      if (self%building%floors > 0) self%above(:, size(self%z)) = 0
    end subroutine find_forces
 
    !> Absolute velocities of the floors [m/s].
