@@ -18,6 +18,8 @@ module rwmf_model_history_row
       !! (columns); allocated only while they are gathered
       integer, allocatable :: numbers(:)
       !! (columns) likewise
+      integer, allocatable :: below(:)
+      !! (columns) storeys without a column below those of the same quantity; likewise
    end type history_row_t
 
    !> Put one column, or one for each storey from the ground up, into the row.
@@ -32,7 +34,7 @@ contains
    pure subroutine create_row(row)
       type(history_row_t), intent(out) :: row
 
-      allocate (row%values(0), row%names(0), row%numbers(0))
+      allocate (row%values(0), row%names(0), row%numbers(0), row%below(0))
    end subroutine create_row
 
    pure subroutine put_value(row, number, value)
@@ -84,6 +86,7 @@ contains
       call move_alloc(more_names, row%names)
       row%values = [row%values, values]
       row%numbers = [row%numbers, spread(number, 1, size(values))]
+      row%below = [row%below, spread(first, 1, size(values))]
    end subroutine add_columns
 
    !> A key with a number in the place of '{i}'; another key is left as it is.

@@ -8,7 +8,7 @@ module rwmf_model_wall_sections
    implicit none
    private
 
-   public :: links_t, section_extremes_t, link_places, find_section_extremes, section_forces
+   public :: links_t, section_extremes_t, link_places, find_section_extremes
    public :: find_forces_beside
 
    !> Forces of the links on the wall, from the lowest to that at the roof.
@@ -123,32 +123,8 @@ contains
       end subroutine look_at
    end subroutine find_section_extremes
 
-   !> Shear and bending moment that the part below a section exerts on that above it.
-   function section_forces(equation, t, y, y_ddot, links, z) result(force)
-      type(equation_t), intent(in) :: equation
-      !! with a wall
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
-      type(links_t), intent(in) :: links
-      real(wp), intent(in) :: z
-      !! height above the base, below any link there [m]
-      real(wp) :: force(2)
-      !! across the axis, positive as u_g'' [m/s2], and clockwise about it [m2/s2], over m_w
-      type(loads_t) :: loads
-      integer :: i
-
-      loads = loads_at_top(equation, t, y, y_ddot)
-      do i = size(links%place, 2), 1, -1
-         if (links%place(2, i) >= z) call add_link(loads, links, i)
-      end do
-      force = forces_at(loads, z)
-   end function section_forces
-
-   !> Shear and bending moment just below and just above sections, as of `section_forces`.
+   !> Shear and bending moment just below and just above sections: those that the part below exerts
+   !> on that above.
    subroutine find_forces_beside(equation, t, y, y_ddot, links, z, below, above)
       type(equation_t), intent(in) :: equation
       !! with a wall
@@ -162,7 +138,8 @@ contains
       real(wp), intent(in) :: z(:)
       !! (sections) ascending heights above the base, no two of them at one link [m]
       real(wp), intent(out) :: below(:, :), above(:, :)
-      !! (2, sections) [m/s2], [m2/s2]
+      !! (2, sections) across the axis, positive as u_g'' [m/s2], and clockwise about it [m2/s2], over
+      !! m_w
       real(wp), parameter :: same = 1.0e-9_wp
       !! distance of a link from a section at its height, over the height of the wall [-]
       type(loads_t) :: loads

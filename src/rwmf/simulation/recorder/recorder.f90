@@ -95,7 +95,8 @@ module rwmf_simulation_recorder_recorder
       real(wp), allocatable :: weights(:)
       !! (quantities) that the ratio of each in N or N m is over, 0 when the case gives no mass [N]
       integer, allocatable :: newtons(:, :)
-      !! (3, quantities in N) place of each in the table, first and last column of its ratio
+      !! (4, quantities in N) place of each in the table, first and last column of its ratio, storeys
+      !! below without a column
       integer :: next_row
       !! first row of the history that is still to be filled
       type(event_t), allocatable :: events(:)
@@ -538,7 +539,8 @@ contains
          if (allocated(row%names)) call list_newtons(recorder)
          do i = 1, size(recorder%newtons, 2)
             associate (n => recorder%newtons(:, i))
-               call put(row, all_quantities(n(1))%id, row%values(n(2):n(3))*recorder%weights(n(1)))
+               call put(row, all_quantities(n(1))%id, row%values(n(2):n(3))*recorder%weights(n(1)), &
+                  n(4))
             end associate
          end do
          if (recorder%keeps_energy) call put_energies(row, energy, equation, y)
@@ -551,7 +553,7 @@ contains
       !! with a row that gathers names
       integer :: i, first, place
 
-      allocate (recorder%newtons(3, 0))
+      allocate (recorder%newtons(4, 0))
       if (.not. any(recorder%weights > 0)) return
       first = 1
       associate (numbers => recorder%row%numbers)
@@ -563,8 +565,8 @@ contains
             place = findloc(all_quantities%ratio, numbers(i), dim=1)
             if (place == 0) cycle
             if (any(numbers == all_quantities(place)%id)) cycle
-            recorder%newtons = reshape([recorder%newtons, place, first, i], [3, &
-               size(recorder%newtons, 2) + 1])
+            recorder%newtons = reshape([recorder%newtons, place, first, i, &
+               recorder%row%below(i)], [4, size(recorder%newtons, 2) + 1])
          end do
       end associate
    end subroutine list_newtons
