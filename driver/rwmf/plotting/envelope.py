@@ -38,6 +38,7 @@ class _Section(NamedTuple):
     z: float
 
 
+@checked
 def envelope_quantities(case: CaseLike) -> list[str]:
     """Name the quantities that `envelope` draws, for a sweep or a spectrum.
 

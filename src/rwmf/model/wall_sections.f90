@@ -138,8 +138,8 @@ contains
       real(wp), intent(in) :: z(:)
       !! (sections) ascending heights above the base, no two of them at one link [m]
       real(wp), intent(out) :: below(:, :), above(:, :)
-      !! (2, sections) across the axis, positive as u_g'' [m/s2], and clockwise about it [m2/s2], over
-      !! m_w
+      !! (2, sections) across the axis, positive as u_g'' [m/s2], and clockwise about it [m2/s2],
+      !! over m_w
       real(wp), parameter :: same = 1.0e-9_wp
       !! distance of a link from a section at its height, over the height of the wall [-]
       type(loads_t) :: loads

@@ -7,7 +7,7 @@ module rwmf_simulation_peak
    use rwmf_problem_quantity_table, only: all_quantities, asked_by, look_up, of_demands, &
       of_envelopes
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_scalars, only: is_present, scalars_of, storeys_of, value_of, values_t
+   use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
    implicit none
    private
 
@@ -24,14 +24,13 @@ contains
       if (place == 0) return
       if (asked_by(all_quantities(place)) /= 'reactions') return
       if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
-      select case (all_quantities(place)%observed)
-      case (of_demands)
+      if (all_quantities(place)%observed == of_demands) then
          case%output%demands = .true.
-      case (of_envelopes)
+      else if (all_quantities(place)%observed == of_envelopes) then
          case%output%envelopes = .true.
-      case default
+      else
          case%output%reactions = .true.
-      end select
+      end if
    end subroutine ask_for_peak
 
    !> Does a result report the peak that a case names?
@@ -80,19 +79,19 @@ contains
       !! (keys) with the number of a floor or storey in the place of '{i}'
       character(40), allocatable :: more(:)
       type(values_t) :: values
-      integer, allocatable :: storeys(:)
+      integer, allocatable :: floors(:)
       integer :: i, j, n
 
       allocate (keys(0))
       call scalars_of(case, result, values)
       do i = 1, size(all_quantities)
          if (.not. is_wanted(i)) cycle
-         storeys = storeys_of(values, all_quantities(i)%id)
+         floors = floors_of(values, all_quantities(i)%id)
          n = size(keys)
-         allocate (more(n + size(storeys)))
+         allocate (more(n + size(floors)))
          more(:n) = keys
-         do j = 1, size(storeys)
-            more(n + j) = numbered(trim(all_quantities(i)%key), storeys(j))
+         do j = 1, size(floors)
+            more(n + j) = numbered(trim(all_quantities(i)%key), floors(j))
          end do
          call move_alloc(more, keys)
       end do

@@ -12,12 +12,13 @@ module rwmf_simulation_scalars
    implicit none
    private
 
-   public :: values_t, scalars_of, is_present, value_of, storeys_of
+   public :: values_t, scalars_of, is_present, value_of, floors_of
 
    !> Scalars by the numbers of the table.
    type :: values_t
       integer :: count(size(all_quantities)) = 0
-      !! number of the highest storey or floor for a list, 1 for one number, 0 where it does not apply
+      !! number of the highest storey or floor for a list, 1 for one number, 0 where it does not
+      !! apply
       integer, private :: below(size(all_quantities)) = 0
       !! storeys or floors without a number, the lowest ones
       integer, private :: first(size(all_quantities)) = 0
@@ -62,15 +63,15 @@ contains
    end function is_present
 
    !> Numbers of the storeys or floors that a quantity is known of; 1 for one number.
-   pure function storeys_of(values, number) result(storeys)
+   pure function floors_of(values, number) result(floors)
       type(values_t), intent(in) :: values
       integer, intent(in) :: number
       !! of the quantity
-      integer :: storeys(values%count(number) - values%below(number))
+      integer :: floors(values%count(number) - values%below(number))
       integer :: i
 
-      storeys = values%below(number) + [(i, i=1, size(storeys))]
-   end function storeys_of
+      floors = values%below(number) + [(i, i=1, size(floors))]
+   end function floors_of
 
    !> A scalar [unit of its key]: a count as it is, 1 for yes, 0 for no; NaN where it does not
    !> apply.
@@ -233,7 +234,7 @@ contains
             if (ratio == 0) cycle
             if (values%count(ratio) == 0) cycle
             first = values%first(ratio)
-            associate (below => values%below(ratio), n => size(storeys_of(values, ratio)))
+            associate (below => values%below(ratio), n => size(floors_of(values, ratio)))
                call keep_list(values, all_quantities(i)%id, values%numbers(first:first + n - 1) &
                   *weight_under(case, ratio), below)
             end associate

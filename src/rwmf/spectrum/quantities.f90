@@ -10,7 +10,8 @@ module rwmf_spectrum_quantities
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
    use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, of_demands, &
-      of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, of_velocity, of_verification
+      of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, of_velocity, &
+      of_verification
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    use rwmf_simulation_simulate, only: simulate_instant

@@ -165,7 +165,7 @@ contains
          optional_key('output', 'energy', 'logical', '', '.false.', '', &
             'energy ledger: its parts in the end, with dt in every row'), &
          optional_key('output', 'reactions', 'logical', '', '.false.', '', &
-            'reactions of the base, demands and forces of building and wall: extrema, with dt rows'), &
+            'reactions of the base, demands and member forces: extrema, with dt rows'), &
          usually('[0.05, 3]', optional_key('output', 'friction_limit', 'real', '-', '', positive, &
             'coefficient of friction: whether and when the friction demand exceeds it'))]
       group%check => check_output

@@ -95,8 +95,8 @@ module rwmf_simulation_recorder_recorder
       real(wp), allocatable :: weights(:)
       !! (quantities) that the ratio of each in N or N m is over, 0 when the case gives no mass [N]
       integer, allocatable :: newtons(:, :)
-      !! (4, quantities in N) place of each in the table, first and last column of its ratio, storeys
-      !! below without a column
+      !! (4, quantities in N) place of each in the table, first and last column of its ratio,
+      !! storeys below without a column
       integer :: next_row
       !! first row of the history that is still to be filled
       type(event_t), allocatable :: events(:)
@@ -539,8 +539,8 @@ contains
          if (allocated(row%names)) call list_newtons(recorder)
          do i = 1, size(recorder%newtons, 2)
             associate (n => recorder%newtons(:, i))
-               call put(row, all_quantities(n(1))%id, row%values(n(2):n(3))*recorder%weights(n(1)), &
-                  n(4))
+               call put(row, all_quantities(n(1))%id, row%values(n(2):n(3)) &
+                  *recorder%weights(n(1)), n(4))
             end associate
          end do
          if (recorder%keeps_energy) call put_energies(row, energy, equation, y)
