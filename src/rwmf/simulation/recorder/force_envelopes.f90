@@ -14,7 +14,8 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_reactions, only: reactions_at, reactions_t
    use rwmf_model_wall_sections, only: find_forces_beside, links_t
-   use rwmf_motion_ground_motion, only: turning_point, velocities_at_knots, velocity
+   use rwmf_motion_ground_motion, only: interval_at, turning_point, velocities_at_knots, &
+      velocity
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_first_change, only: moment_t, span_between, span_t, &
@@ -46,6 +47,8 @@ module rwmf_simulation_recorder_force_envelopes
       type(building_t) :: building
       real(wp), allocatable :: ground_velocity(:)
       !! of `velocities_at_knots` [m/s]
+      real(wp) :: velocity_before = 0
+      !! of a ground that moves before the run begins, which begins at rest [m/s]
       real(wp), allocatable :: z(:)
       !! (sections) heights: base, floors, and mid-height unless a floor is there [m]
       integer :: middle = 0
@@ -80,6 +83,8 @@ contains
       allocate (recorder)
       call building_of(case, equation, recorder%building)
       recorder%ground_velocity = velocities_at_knots(equation%motion)
+      recorder%velocity_before = velocity(equation%motion, recorder%ground_velocity, &
+         interval_at(equation%motion, 0.0_wp), 0.0_wp)
       recorder%has_fuses = allocated(case%fuse)
       associate (n => recorder%building%floors)
          least = spread(-1.0_wp, 1, n)
@@ -202,7 +207,8 @@ contains
          call frame_motion(equation, equation%state%side, y, roof(1), roof(2))
          v = self%building%share*roof(2)
       end if
-      v = v + velocity(equation%motion, self%ground_velocity, interval_of(equation), t)
+      v = v + velocity(equation%motion, self%ground_velocity, interval_of(equation), t) &
+         - self%velocity_before
    end function floor_velocities
 
    !> Smooth motion inside the last step of the integrator.
