@@ -96,6 +96,7 @@ contains
                + links)]
          end if
          call begin_search(recorder, equation, y, least)
+         recorder%has_middle = .true.
          if (equation%has_wall) call mark_equal_sections(recorder, equation)
       end associate
    end subroutine create_envelopes

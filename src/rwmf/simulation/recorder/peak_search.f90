@@ -31,6 +31,8 @@ module rwmf_simulation_recorder_peak_search
       !! (quantities) which tells how far they vary
       logical, allocatable :: is_led(:)
       !! (quantities) it is in a fixed proportion to one before it
+      logical :: has_middle = .false.
+      !! a sample in the middle of a step may show that nothing larger lies in it
       real(wp) :: frequency = 0
       !! of the fastest vibration, before anything yields [rad/s]
       real(wp) :: t_end = -1
@@ -165,6 +167,9 @@ contains
       angle = (piece%t_b - piece%t_a)*self%frequency
       if (may_interpolate(piece, self%frequency)) then
          if (is_plain(self, angle, max(self%at_ends(:, 1), self%at_ends(:, 2)))) return
+         if (self%has_middle) then
+            if (is_flat(self, piece)) return
+         end if
          allocate (states)
          call fit_states(piece, self%rates, states, error)
          if (allocated(error)) return
@@ -232,6 +237,40 @@ contains
       end do
       is_plain = .true.
    end function is_plain
+
+   !> Is it plain from both ends and the middle of a step of up to 1.5 rad that nothing larger lies
+   !> in it? By the bounds of lanes (`rwmf_integrator_lane_reactions`): a peak rises above the
+   !> samples by a quarter of their range at most, and what falls or grows along the parabola
+   !> through them has none inside.
+   logical function is_flat(self, piece)
+      class(peak_search_t), intent(inout) :: self
+      type(step_view_t), intent(in) :: piece
+      real(wp), parameter :: rise = 0.25_wp
+      !! of the range of the samples
+      real(wp), parameter :: slack = 0.01_wp
+      !! of the range so far
+      real(wp), dimension(size(piece%y_b)) :: y, y_dot
+      real(wp) :: middle(size(self%largest)), low, slope(2)
+      integer :: q
+
+      associate (h => piece%t_b - piece%t_a)
+         y = (piece%y_a + piece%y_b)/2 + h/8*(self%rates(:, 1) - self%rates(:, 2))
+         call rates_at(piece%equation, piece%t_a + h/2, y, y_dot)
+         call self%find(piece%equation, piece%t_a + h/2, y, y_dot, middle)
+      end associate
+      is_flat = .false.
+      do q = 1, size(middle)
+         if (self%is_led(q)) cycle
+         associate (a => self%at_ends(q, 1), b => middle(q), c => self%at_ends(q, 2))
+            low = rise*(max(a, b, c) - min(a, b, c))
+            if (max(a, b, c) + low + slack*(self%largest(q) - self%smallest(q)) &
+                <= self%largest(q)) cycle
+            slope = [4*b - 3*a - c, 3*c - 4*b + a]
+            if (.not. (minval(slope) > low .or. maxval(slope) < -low)) return
+         end associate
+      end do
+      is_flat = .true.
+   end function is_flat
 
    !> Extrema in a part in which nothing vibrates by more than a quarter of its period.
    subroutine search_part(self, piece, states, t, found, error)
