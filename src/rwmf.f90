@@ -29,9 +29,9 @@ module rwmf
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_simulation_simulate, only: simulate_with_motion
    ! one simulation: maxima, counts, history and events
-   use rwmf_simulation_result, only: demand_extremes_t, energy_t, event_collapsed, event_impact, &
-      event_lift_off, event_name, event_overturned, event_peak, event_rest, event_branch, &
-      event_rupture, event_t, history_t, reaction_extremes_t, result_t
+   use rwmf_simulation_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
+      event_collapsed, event_impact, event_lift_off, event_name, event_overturned, event_peak, &
+      event_rest, event_branch, event_rupture, event_t, history_t, reaction_extremes_t, result_t
    use rwmf_simulation_simulate, only: simulate
    ! maxima over frame period, mass ratio and wall width, in parallel
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum, spectrum_t, status_of
@@ -60,6 +60,7 @@ module rwmf
    public :: case_t, read_case_file, read_case_text, samples_t, samples_from_array
    public :: changes_t, find_changes, change_case, motion_t, motion_from_case, simulate_with_motion
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
+   public :: envelope_extremes_t
    public :: event_name, simulate
    public :: event_impact, event_lift_off, event_overturned, event_peak, event_rest, &
       event_branch, event_rupture, event_collapsed

@@ -1,10 +1,12 @@
 """Figures of what the package returns: axes in, axes out. Nothing here simulates.
 
-`history` and `profile` draw what `rwmf.simulate` returns, `spectrum` what `rwmf.spectrum` returns,
-`work_precision` what `rwmf.cost` returns, and the others what the studies of the same name return.
+`history`, `profile` and `envelope` draw what `rwmf.simulate` returns, `spectrum` what
+`rwmf.spectrum` returns, `work_precision` what `rwmf.cost` returns, and the others what the studies
+of the same name return.
 """
 
 from rwmf.plotting.cost_figure import work_precision
+from rwmf.plotting.envelope import envelope, envelope_quantities
 from rwmf.plotting.overturning_map import draw_overturning
 from rwmf.plotting.profile import profile
 from rwmf.plotting.response import PANELS, history, spectrum
@@ -27,6 +29,8 @@ __all__ = [
     "draw_overturning",
     "draw_suite",
     "draw_wall_effect",
+    "envelope",
+    "envelope_quantities",
     "history",
     "make_panels",
     "profile",

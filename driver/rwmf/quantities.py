@@ -140,8 +140,8 @@ def keys_of(names: Iterable[str]) -> list[str]:
     found = []
     for name in names:
         word = name.lower()
-        # the number of a floor or storey is behind the first underscore
-        numbered = re.match(r"[a-z]+_(\d{1,4})_", word)
+        # the number of a floor or storey is a part between underscores
+        numbered = re.match(r"[a-z_]+?_(\d{1,4})(?=_)", word)
         number = numbered[1] if numbered else "{i}"
         key = keys.get(word.replace(f"_{number}_", "_{i}_", 1), name)
         found.append(key.replace("{i}", number))

@@ -99,7 +99,7 @@ def _peak(run: xr.Dataset) -> float:
 
 _DEMANDS = re.compile(
     r"(storey_\d+_|floor_\d+_|roof_|base_shear|overturning_moment|pivot_normal|friction_demand"
-    r"|shear_key_force|wall_shear|wall_moment)(?!.*height).*_(max|min)"
+    r"|shear_key_force|wall_shear|wall_moment|link_\d+_|tendon_|fuse_stroke)(?!.*height).*_(max|min|sum)"
 )
 
 
@@ -286,6 +286,7 @@ def find_broken_promise(made: Combination, folder: Path) -> str | None:
 _LOCATED = {
     r"(storey_\d+_drift|wall_drift|frame_drift|friction_demand|u_s|theta_dot)": r"\1_max",
     r"(storey_\d+_shear|wall_shear|wall_moment)_over_m_w_g": r"\1_max_over_m_w_g",
+    r"(wall_shear_base|wall_moment_base|link_\d+_force)_over_m_w_g": r"\1_max_over_m_w_g",
     r"(floor_\d+_acceleration)_g": r"\1_max_g",
     r"(overturning_moment|base_shear)_over_weight": r"\1_max_over_weight",
     "pivot_horizontal_over_m_w_g": "shear_key_force_max_over_m_w_g",

@@ -24,7 +24,7 @@ import numpy as np
 from bounded_springs import Spring
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
-from scipy.optimize import OptimizeResult, minimize_scalar
+from scipy.optimize import OptimizeResult, brentq, minimize_scalar
 
 G = 9.81
 TIGHT = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
@@ -68,6 +68,16 @@ class Ground:
         i = max(0, bisect_right(self.knots, t) - 1)
         share = (t - self.knots[i]) / (self.knots[i + 1] - self.knots[i])
         return self.values[i] + share * (self.values[i + 1] - self.values[i])
+
+    def velocity(self, t: float) -> float:
+        """Return the velocity, from rest at the first knot [m/s]."""
+        t = min(t, self.knots[-1])
+        if self.omega:
+            return self.peak / self.omega * (1.0 - math.cos(self.omega * t))
+        ends = [*(x for x in self.knots if x < t), t]
+        at = [self.values[i] for i in range(len(ends) - 1)]
+        at.append(self(t) if t < self.knots[-1] else self.values[-1])
+        return float(np.trapezoid(at, ends)) if len(ends) > 1 else 0.0
 
 
 @dataclass
@@ -381,7 +391,61 @@ class Building:
             names += ["theta_max_over_alpha", "pivot_normal_min_over_m_w_g"]
             names += ["friction_demand_max", "wall_drift_max"]
             names += ["wall_shear_max_over_m_w_g", "wall_moment_max_over_m_w_g"]
-        return names
+        return names + self._force_keys()
+
+    def _force_keys(self) -> list[str]:
+        """Return the names of what `forces` returns."""
+        numbers = range(1, self.n + 1)
+        names = [f"floor_{i}_velocity_max" for i in numbers]
+        if not self.wall:
+            return names
+        places = ["base", "mid"]
+        for i in numbers:
+            places += [f"{i}", f"{i}_above"]
+        names += [
+            f"wall_{what}_{place}_max_over_m_w_g"
+            for place in places
+            for what in ("shear", "moment")
+        ]
+        lowest = 1 if self.scene.coupling == "every_floor" else self.n
+        names += [f"link_{i}_force_max_over_m_w_g" for i in range(lowest, self.n + 1)]
+        return [*names, "pivot_normal_max_over_m_w_g", "tendon_force_max_over_m_w_g"]
+
+    def forces(self, t: float, y: Array, side: int, now: Instant) -> list[float]:
+        """Return velocities of the floors and forces of wall, links, pivot and cable."""
+        found = [*np.abs(self.floors(y, side)[1] + self.scene.ground.velocity(t))]
+        if not self.wall:
+            return found
+        z = np.array([0.0, self.h, *(2 * self.h * self.z / self.z[-1])])
+        below, above = (
+            np.abs(self.sections(z, t, y, side, now, beside)) / G
+            for beside in (-1e-9 * self.h, 1e-9 * self.h)
+        )
+        above[:, -1] = 0.0  # there is no wall above the roof
+        found += [*above[:, 0], *np.maximum(below[:, 1], above[:, 1])]
+        for i in range(2, z.size):
+            found += [*below[:, i], *above[:, i]]
+        found += [*np.abs(now.links) / G, now.pivot[1] / G]
+        return [*found, float(np.hypot(*self.pull(y[0], side))) / G]
+
+    def travel(self, course: Course, t_end: float) -> tuple[float, float]:
+        """Return the largest stroke of a fuse, and the way there and back of the busier one."""
+        way, largest = np.zeros(2), 0.0
+        for piece in course.pieces:
+            begin, end = piece.t[0], min(piece.t[1], t_end)
+            if end <= begin or piece.rests:
+                continue
+            times = np.linspace(begin, end, 200)
+            rates = [piece.at(t)[1] for t in times]
+            turns = [
+                brentq(lambda t, p=piece: p.at(t)[1], a, b, xtol=1e-13)
+                for (a, b), (x, y) in zip(pairwise(times), pairwise(rates), strict=True)
+                if x * y < 0
+            ]
+            stroke = [4 * self.b * abs(math.sin(piece.at(t)[0] / 2)) for t in (begin, *turns, end)]
+            way[0 if piece.side > 0 else 1] += np.abs(np.diff(stroke)).sum()
+            largest = max(largest, *stroke)
+        return largest, float(way.max())
 
     def demands(self, t: float, piece: Piece) -> Array:
         """Return all demands as magnitudes, the normal force of the pivot with its sign turned."""
@@ -402,13 +466,13 @@ class Building:
         if self.wall or self.scene.height:
             found += [u / roof, moment / (G * total)]
         if not self.wall:
-            return np.abs(found)
+            return np.array([*np.abs(found), *self.forces(t, y, side, now)])
         found += [y[0] / math.atan2(self.b, self.h), 0.0]
         top = turned(y[0]) @ [-side * self.b, 2 * self.h] + [side * self.b, 0.0]
         found += [now.pivot[0] / now.pivot[1], top[0] / (2 * self.h)]
         found = [*np.abs(found), *(x / G for x in self.inside(t, y, side, now))]
         found[-5] = -now.pivot[1] / G
-        return np.array(found)
+        return np.array([*found, *self.forces(t, y, side, now)])
 
     def _own_inertia(self, t: float, y: Array, side: int, ddot: float) -> tuple[float, float]:
         """Return horizontal momentum of the wall per time, and its moment about the ground."""
@@ -433,8 +497,13 @@ class Building:
         )
         return arm, force, part
 
-    def sections(self, z: Array, t: float, y: Array, side: int, now: Instant) -> Array:
-        """Return the shears and the moments that the wall above heights needs from below."""
+    def sections(
+        self, z: Array, t: float, y: Array, side: int, now: Instant, beside: float = 0.0
+    ) -> Array:
+        """Return the shears and the moments that the wall above heights needs from below.
+
+        Links act from a distance `beside` above the heights on.
+        """
         arm, force, part = self._particles(t, y, side, now.ddot, z)
         force = force + np.array([0.0, self.weight(t)])[:, None, None, None]
         turn = turned(y[0])
@@ -447,7 +516,7 @@ class Building:
         pulls = [*(np.array([-x, 0.0]) for x in now.links), self.pull(y[0], side)]
         for point, pull in zip(points, pulls, strict=True):
             fx, fz = turn.T @ pull
-            acts = point[1] > z
+            acts = point[1] > z + beside
             shear -= acts * fx
             moment -= acts * ((point[1] - z) * fx - point[0] * fz)
         return np.array([shear, moment])

@@ -244,6 +244,11 @@ def differences(scene: Scene, folder: Path) -> dict[str, tuple[float, float]]:
     run = rwmf.simulate(case_of(scene, folder, t_end))
     until = t_end if course.collapse is None else course.collapse
     expected = building.largest(course, until)
+    if scene.wall and scene.wall.fuse:
+        stroke, way = building.travel(course, until)
+        expected |= {"fuse_stroke_max": stroke, "fuse_stroke_sum": way}
+    if scene.wall and not scene.wall.eta:
+        del expected["tendon_force_max_over_m_w_g"]
     if scene.yielding:
         expected |= building.left(course, until)
     expected["pivot_normal_min_over_m_w_g"] = -expected.get("pivot_normal_min_over_m_w_g", -1.0)

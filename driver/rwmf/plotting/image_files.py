@@ -14,6 +14,7 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.plotting import response as plot
+from rwmf.plotting.envelope import envelope, has_envelopes
 from rwmf.plotting.profile import demands_of, profile
 from rwmf.plotting.style import make_panels, new_figure
 from rwmf.quantities import names_by_key
@@ -107,7 +108,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
 def save_history(
     dataset: xr.Dataset, path: str | os.PathLike[str], case: Case | None = None
 ) -> None:
-    """Draw a history into a file, and below it the demands over the height where it has storeys.
+    """Draw a history into a file, and below it demands and forces over the height of storeys.
 
     Parameters
     ----------
@@ -116,7 +117,8 @@ def save_history(
     path : str or path
         File to write.
     case : Case, optional
-        The case that was simulated, for first yield and limits.
+        The case that was simulated: with it first yield and limits are drawn, and envelopes of
+        the forces in wall and links.
 
     Raises
     ------
@@ -124,14 +126,18 @@ def save_history(
         As `save`.
     """
     names, demands = plot.panels_of(dataset), demands_of(dataset)
-    height, below = 0.8 + 1.4 * len(names), _PROFILE if demands else 0.0
-    with new_figure(height + below) as figure:
+    heights = [0.8 + 1.4 * len(names)]
+    heights += [_PROFILE] * bool(demands)
+    forces = case if demands and has_envelopes(dataset) else None
+    heights += [_PROFILE] * (forces is not None)
+    with new_figure(sum(heights)) as figure:
         upper: FigureBase = figure
         if demands:
-            parts = figure.subfigures(2, 1, squeeze=False, height_ratios=(height, below))
-            upper, lower = parts[:, 0]
-            across = lower.subplots(1, len(demands), sharey=True)
-            profile(dataset, across, case=case)
+            parts = figure.subfigures(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
+            upper = parts[0]
+            profile(dataset, parts[1].subplots(1, len(demands), sharey=True), case=case)
+            if forces is not None:
+                envelope(dataset, forces, parts[2].subplots(1, 3, sharey=True))
         axes = upper.subplots(len(names), 1, sharex=True, squeeze=False)
         plot.history(dataset, axes[:, 0], names, case=case)
         upper.align_ylabels()

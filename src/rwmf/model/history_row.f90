@@ -18,6 +18,8 @@ module rwmf_model_history_row
       !! (columns); allocated only while they are gathered
       integer, allocatable :: numbers(:)
       !! (columns) likewise
+      integer, allocatable :: below(:)
+      !! (columns) storeys without a column below those of the same quantity; likewise
    end type history_row_t
 
    !> Put one column, or one for each storey from the ground up, into the row.
@@ -32,7 +34,7 @@ contains
    pure subroutine create_row(row)
       type(history_row_t), intent(out) :: row
 
-      allocate (row%values(0), row%names(0), row%numbers(0))
+      allocate (row%values(0), row%names(0), row%numbers(0), row%below(0))
    end subroutine create_row
 
    pure subroutine put_value(row, number, value)
@@ -45,41 +47,46 @@ contains
       call put_values(row, number, [value])
    end subroutine put_value
 
-   pure subroutine put_values(row, number, values)
+   pure subroutine put_values(row, number, values, below)
       type(history_row_t), intent(inout) :: row
       integer, intent(in) :: number
       real(wp), intent(in) :: values(:)
       !! (storeys) in the unit of the key
+      integer, intent(in), optional :: below
+      !! storeys without a value, the lowest ones; absent: none
       integer :: n
 
       n = size(values)
       if (allocated(row%names)) then
-         call add_columns(row, number, values)
+         call add_columns(row, number, values, below)
       else
          row%values(row%n + 1:row%n + n) = values
          row%n = row%n + n
       end if
    end subroutine put_values
 
-   pure subroutine add_columns(row, number, values)
+   pure subroutine add_columns(row, number, values, below)
       type(history_row_t), intent(inout) :: row
       integer, intent(in) :: number
       real(wp), intent(in) :: values(:)
+      integer, intent(in), optional :: below
       character(len(row%names)), allocatable :: more_names(:)
       character(40) :: key
-      integer :: i
-      integer :: n
+      integer :: i, n, first
 
+      first = 0
+      if (present(below)) first = below
       n = size(row%names)
       allocate (more_names(n + size(values)))
       more_names(:n) = row%names
       do i = 1, size(values)
-         key = numbered(trim(key_of(number)), i)
+         key = numbered(trim(key_of(number)), first + i)
          more_names(n + i) = key(:len(more_names))
       end do
       call move_alloc(more_names, row%names)
       row%values = [row%values, values]
       row%numbers = [row%numbers, spread(number, 1, size(values))]
+      row%below = [row%below, spread(first, 1, size(values))]
    end subroutine add_columns
 
    !> A key with a number in the place of '{i}'; another key is left as it is.

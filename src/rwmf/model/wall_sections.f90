@@ -8,7 +8,8 @@ module rwmf_model_wall_sections
    implicit none
    private
 
-   public :: links_t, section_extremes_t, link_places, find_section_extremes, section_forces
+   public :: links_t, section_extremes_t, link_places, find_section_extremes
+   public :: find_forces_beside
 
    !> Forces of the links on the wall, from the lowest to that at the roof.
    type :: links_t
@@ -122,8 +123,9 @@ contains
       end subroutine look_at
    end subroutine find_section_extremes
 
-   !> Shear and bending moment that the part below a section exerts on that above it.
-   function section_forces(equation, t, y, y_ddot, links, z) result(force)
+   !> Shear and bending moment just below and just above sections: those that the part below exerts
+   !> on that above.
+   subroutine find_forces_beside(equation, t, y, y_ddot, links, z, below, above)
       type(equation_t), intent(in) :: equation
       !! with a wall
       real(wp), intent(in) :: t
@@ -133,19 +135,38 @@ contains
       real(wp), intent(in) :: y_ddot
       !! theta'' [rad/s2]
       type(links_t), intent(in) :: links
-      real(wp), intent(in) :: z
-      !! height above the base, below any link there [m]
-      real(wp) :: force(2)
-      !! across the axis, positive as u_g'' [m/s2], and clockwise about it [m2/s2], over m_w
+      real(wp), intent(in) :: z(:)
+      !! (sections) ascending heights above the base, no two of them at one link [m]
+      real(wp), intent(out) :: below(:, :), above(:, :)
+      !! (2, sections) across the axis, positive as u_g'' [m/s2], and clockwise about it [m2/s2],
+      !! over m_w
+      real(wp), parameter :: same = 1.0e-9_wp
+      !! distance of a link from a section at its height, over the height of the wall [-]
       type(loads_t) :: loads
-      integer :: i
+      integer :: i, j
 
       loads = loads_at_top(equation, t, y, y_ddot)
-      do i = size(links%place, 2), 1, -1
-         if (links%place(2, i) >= z) call add_link(loads, links, i)
+      j = size(links%place, 2)
+      do i = size(z), 1, -1
+         call pass_links(z(i) + 2*same*loads%h)
+         above(:, i) = forces_at(loads, z(i))
+         call pass_links(z(i) - 2*same*loads%h)
+         below(:, i) = forces_at(loads, z(i))
       end do
-      force = forces_at(loads, z)
-   end function section_forces
+
+   contains
+
+      !> Add the links down to a height.
+      subroutine pass_links(height)
+         real(wp), intent(in) :: height
+
+         do while (j > 0)
+            if (links%place(2, j) < height) return
+            call add_link(loads, links, j)
+            j = j - 1
+         end do
+      end subroutine pass_links
+   end subroutine find_forces_beside
 
    !> What acts on the top: the cable, which is anchored on the axis.
    type(loads_t) function loads_at_top(equation, t, y, y_ddot) result(loads)

@@ -8,8 +8,8 @@ module rwmf_motion_ground_motion
    use rwmf_motion_host_motion, only: ground_t
    use rwmf_motion_polyline, only: last_until, line_t, lines_t, lines_through, merged_times, &
       next_eighth, on_knots
-   use rwmf_motion_pulse, only: build_curve, curve_rate, curve_t, curve_turn, curve_value, &
-      knots_with_bends, steep_time
+   use rwmf_motion_pulse, only: build_curve, curve_gain, curve_rate, curve_t, curve_turn, &
+      curve_value, knots_with_bends, steep_time
    use rwmf_problem_case, only: case_t
    use rwmf_problem_record, only: record_t
    implicit none
@@ -22,7 +22,7 @@ module rwmf_motion_ground_motion
    public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
    public :: is_curved
    public :: interval_at, interval_end, interval_last, turning_point, steep_point, fastest_rate
-   public :: is_piecewise_linear, motion_end
+   public :: is_piecewise_linear, motion_end, velocities_at_knots, velocity
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
@@ -357,6 +357,50 @@ contains
          acceleration = motion%a(interval)
       end if
    end function acceleration
+
+   !> Ground velocities at the knots of straight lines, from rest at the first one [m/s]; of a pulse
+   !> the velocity after it.
+   pure function velocities_at_knots(motion) result(v)
+      type(motion_t), intent(in) :: motion
+      real(wp), allocatable :: v(:)
+      !! (knots of straight lines, or 1)
+      real(wp) :: h
+      integer :: i
+
+      if (motion%shape == shape_pulse) then
+         v = [curve_gain(motion%curve, motion%knot(motion%curve%last))]
+         return
+      end if
+      allocate (v(size(motion%knot)), source=0.0_wp)
+      do i = 2, size(v)
+         h = motion%knot(i) - motion%knot(i - 1)
+         v(i) = v(i - 1) + h*(motion%a(i - 1) + h/2*motion%slope(i - 1))
+      end do
+   end function velocities_at_knots
+
+   !> Ground velocity in an interval [m/s]. The motion is no host's.
+   pure real(wp) function velocity(motion, at_knots, interval, t)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: at_knots(:)
+      !! of `velocities_at_knots` [m/s]
+      integer, intent(in) :: interval
+      !! as `interval_at` counts
+      real(wp), intent(in) :: t
+      !! [s], in the closed interval
+
+      velocity = 0
+      if (interval < 1) return
+      if (motion%shape == shape_pulse) then
+         if (interval >= motion%curve%last) velocity = at_knots(1)
+         if (is_curved(motion, interval)) velocity = curve_gain(motion%curve, t)
+      else
+         velocity = at_knots(min(interval, size(at_knots)))
+         if (interval >= size(motion%knot)) return
+         associate (h => t - motion%knot(interval))
+            velocity = velocity + h*(motion%a(interval) + h/2*motion%slope(interval))
+         end associate
+      end if
+   end function velocity
 
    !> Does a pulse act in an interval?
    pure logical function is_curved(motion, interval)

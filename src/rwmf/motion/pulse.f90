@@ -8,13 +8,13 @@ module rwmf_motion_pulse
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_motion_polyline, only: next_extremum
    use rwmf_motion_pulse_shape, only: amplitude_of, angular_frequency, build_pulse, cut_times, &
-      pulse_shape, pulse_slope, pulse_t, type_c_phase
+      pulse_gain, pulse_shape, pulse_slope, pulse_t, type_c_phase
    use rwmf_problem_case, only: motion_spec_t
    implicit none
    private
 
    public :: curve_t, build_curve, knots_with_bends, curve_value, curve_turn, curve_rate
-   public :: steep_time
+   public :: steep_time, curve_gain
 
    !> A pulse: amplitude*sin(omega*(t - t_0) + phase), or amplitude*pulse_shape(pulse, t).
    type :: curve_t
@@ -111,6 +111,22 @@ contains
          curve_slope = curve%amplitude*pulse_slope(curve%pulse, t)
       end if
    end function curve_slope
+
+   !> Gain in velocity from its beginning to a time before its end [m/s].
+   pure real(wp) function curve_gain(curve, t)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp) :: half
+      !! of the angle gone through [rad]
+
+      if (curve%is_harmonic) then
+         half = curve%omega*(t - curve%t_0)/2
+         curve_gain = 2*curve%amplitude/curve%omega*sin(half)*sin(half + curve%phase)
+      else
+         curve_gain = curve%amplitude*pulse_gain(curve%pulse, t)
+      end if
+   end function curve_gain
 
    !> How fast it varies: the fourth root of its largest fourth derivative over its peak [1/s].
    pure real(wp) function curve_rate(curve)

@@ -11,7 +11,7 @@ module rwmf_motion_pulse_shape
    private
 
    public :: amplitude_of, angular_frequency
-   public :: pulse_t, build_pulse, cut_times, pulse_shape, pulse_slope, type_c_phase
+   public :: pulse_t, build_pulse, cut_times, pulse_shape, pulse_slope, pulse_gain, type_c_phase
 
    integer, parameter :: shape_ricker = 1
    integer, parameter :: shape_ricker_antisymmetric = 2
@@ -153,6 +153,32 @@ contains
 
       pulse_slope = unit_slope(pulse, pulse%rate*(t - pulse%centre))*pulse%rate/pulse%peak
    end function pulse_slope
+
+   !> Gain in velocity from the beginning of the pulse to a time inside it, over its amplitude [s].
+   elemental real(wp) function pulse_gain(pulse, t)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: t
+      !! [s]
+
+      pulse_gain = (unit_velocity(pulse, pulse%rate*(t - pulse%centre)) - unit_velocity(pulse, &
+         -pulse%half))/(pulse%rate*pulse%peak)
+   end function pulse_gain
+
+   !> Antiderivative of the unit acceleration by the position.
+   elemental real(wp) function unit_velocity(pulse, x) result(v)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: x
+      !! [-]
+
+      select case (pulse%shape)
+      case (shape_ricker)
+         v = x*exp(-x**2/2)
+      case (shape_ricker_antisymmetric)
+         v = (1 - x**2)*exp(-x**2/2)
+      case default
+         v = (1 + cos(x/pulse%gamma))*cos(x + pulse%nu)
+      end select
+   end function unit_velocity
 
    !> Derivative of the unit acceleration by the position.
    elemental real(wp) function unit_slope(pulse, x) result(slope)

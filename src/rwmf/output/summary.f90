@@ -11,7 +11,7 @@ module rwmf_output_summary
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_quantity_table, only: all_quantities, id
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_scalars, only: scalars_of, value_of, values_t
+   use rwmf_simulation_scalars, only: floors_of, scalars_of, value_of, values_t
    use rwmf_text_text_buffer, only: append, clear, text_buffer_t
    implicit none
    private
@@ -81,12 +81,15 @@ contains
       integer, intent(in) :: place
       !! in the table
       type(values_t), intent(in) :: values
-      integer :: storey
+      integer :: i
 
       associate (number => all_quantities(place)%id)
-         do storey = 1, values%count(number)
-            call append_item(items, n, place, storey, value_of(values, number, storey), '')
-         end do
+         associate (floors => floors_of(values, number))
+            do i = 1, size(floors)
+               call append_item(items, n, place, floors(i), value_of(values, number, &
+                  floors(i)), '')
+            end do
+         end associate
       end associate
    end subroutine append_numbers
 

@@ -144,6 +144,8 @@ module rwmf_problem_case
       !! strain at which the tendon breaks, that of the prestress included [-]; absent: never
       real(wp), allocatable :: length
       !! that is strained [m]; absent: the height of the wall
+      real(wp), allocatable :: area
+      !! of its strands [m2]; absent: not known
    end type cable_t
 
    !> Energy loss at impact, `&impact`.
@@ -239,6 +241,8 @@ module rwmf_problem_case
       !! of the base: pivot, base shear, drifts
       logical :: demands = .false.
       !! drifts, accelerations and shears of floors, storeys and wall
+      logical :: envelopes = .false.
+      !! forces of wall, links and pivot, velocities of floors, travel of fuses
       real(wp), allocatable :: friction_limit
       !! coefficient of friction that the demand is compared with [-]
    end type output_t

@@ -9,7 +9,7 @@ module rwmf_problem_quantity_table
    public :: quantity_t, id, key_of, all_quantities, look_up, spelled, is_of_ordinate, is_peak
    public :: asked_by, quantities_text
    public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
-   public :: of_verification
+   public :: of_envelopes, of_verification
 
    ! The observer leaves out what no requested quantity needs: a quantity that needs more than its
    ! row says is wrong where it is requested alone.
@@ -27,6 +27,8 @@ module rwmf_problem_quantity_table
    !! reactions of the foundation, inside steps
    character(*), parameter :: of_demands = 'demands'
    !! drifts, accelerations, shears and moments, inside steps
+   character(*), parameter :: of_envelopes = 'envelopes'
+   !! forces along the wall and in the links, velocities of floors, travel of fuses, in all steps
    character(*), parameter :: of_energy = 'energy'
    !! work over each step
    character(*), parameter :: of_rows = 'rows'
@@ -84,6 +86,22 @@ module rwmf_problem_quantity_table
       integer :: relative_error = 130, theta_max_relative_error = 131, impact_time_error_s = 132
       integer :: end_state_relative_error = 133, error_estimate = 134, peak = 135
       integer :: good_enough = 136
+      integer :: wall_shear_base_over_m_w_g = 137, wall_moment_base_over_m_w_g_m = 138
+      integer :: link_i_force_over_m_w_g = 139, wall_shear_base_N = 140
+      integer :: wall_moment_base_N_m = 141, link_i_force_N = 142
+      integer :: tendon_force_max_over_m_w_g = 143, tendon_force_max_N = 144
+      integer :: tendon_stress_max_Pa = 145, wall_shear_base_max_over_m_w_g = 146
+      integer :: wall_moment_base_max_over_m_w_g_m = 147, wall_shear_mid_max_over_m_w_g = 148
+      integer :: wall_moment_mid_max_over_m_w_g_m = 149, wall_shear_i_max_over_m_w_g = 150
+      integer :: wall_shear_i_above_max_over_m_w_g = 151, wall_moment_i_max_over_m_w_g_m = 152
+      integer :: wall_moment_i_above_max_over_m_w_g_m = 153, link_i_force_max_over_m_w_g = 154
+      integer :: pivot_normal_max_over_m_w_g = 155, fuse_stroke_max_m = 156
+      integer :: fuse_stroke_sum_m = 157, floor_i_velocity_max_m_s = 158
+      integer :: wall_shear_base_max_N = 159, wall_moment_base_max_N_m = 160
+      integer :: wall_shear_mid_max_N = 161, wall_moment_mid_max_N_m = 162
+      integer :: wall_shear_i_max_N = 163, wall_shear_i_above_max_N = 164
+      integer :: wall_moment_i_max_N_m = 165, wall_moment_i_above_max_N_m = 166
+      integer :: link_i_force_max_N = 167, pivot_normal_max_N = 168
    end type ids_t
 
    type(ids_t), parameter :: id = ids_t()
@@ -194,6 +212,15 @@ module rwmf_problem_quantity_table
       quantity_t(id%wall_moment_over_m_w_g_m, 'wall_moment_over_m_w_g_m', &
       'wall_moment_over_m_w_g', 'm', 'real', 'row', 'history', 'wall', of_demands, '', &
       'largest bending moment along the wall over its weight'), &
+      quantity_t(id%wall_shear_base_over_m_w_g, 'wall_shear_base_over_m_w_g', &
+      'wall_shear_base_over_m_w_g', '1', 'real', 'row', 'history', 'wall', of_envelopes, '', &
+      'shear in the wall at its base over its weight'), &
+      quantity_t(id%wall_moment_base_over_m_w_g_m, 'wall_moment_base_over_m_w_g_m', &
+      'wall_moment_base_over_m_w_g', 'm', 'real', 'row', 'history', 'wall', of_envelopes, '', &
+      'bending moment in the wall at its base over its weight'), &
+      quantity_t(id%link_i_force_over_m_w_g, 'link_{i}_force_over_m_w_g', &
+      'link_{i}_force_over_m_w_g', '1', 'real', 'row', 'history', 'frame', of_envelopes, &
+      '`&wall`', 'axial force of the link at floor {i} over weight of wall'), &
       quantity_t(id%frame_force_N, 'frame_force_N', 'frame_force', 'N', 'real', 'row', 'history', &
       'yielding', of_rows, 'a mass; not with `storey_u_y` and `full`', &
       'force of the yielding frame', id%frame_force_over_m_s_g), &
@@ -215,7 +242,16 @@ module rwmf_problem_quantity_table
       'wall', of_demands, 'a mass', 'largest shear along the wall', id%wall_shear_over_m_w_g), &
       quantity_t(id%wall_moment_N_m, 'wall_moment_N_m', 'wall_moment', 'N m', 'real', 'row', &
       'history', 'wall', of_demands, 'a mass', 'largest bending moment along the wall', &
-      id%wall_moment_over_m_w_g_m)]
+      id%wall_moment_over_m_w_g_m), &
+      quantity_t(id%wall_shear_base_N, 'wall_shear_base_N', 'wall_shear_base', 'N', 'real', &
+      'row', 'history', 'wall', of_envelopes, 'a mass', 'shear in the wall at its base', &
+      id%wall_shear_base_over_m_w_g), &
+      quantity_t(id%wall_moment_base_N_m, 'wall_moment_base_N_m', 'wall_moment_base', 'N m', &
+      'real', 'row', 'history', 'wall', of_envelopes, 'a mass', &
+      'bending moment in the wall at its base', id%wall_moment_base_over_m_w_g_m), &
+      quantity_t(id%link_i_force_N, 'link_{i}_force_N', 'link_{i}_force', 'N', 'real', 'row', &
+      'history', 'frame', of_envelopes, 'a mass; `&wall`', &
+      'axial force of the link at floor {i}', id%link_i_force_over_m_w_g)]
 
    !> Scalars of a run.
    type(quantity_t), parameter :: scalars(*) = [ &
@@ -341,6 +377,15 @@ module rwmf_problem_quantity_table
       quantity_t(id%shear_key_force_max_N, 'shear_key_force_max_N', 'shear_key_force_max', 'N', &
       'real', 'peak', 'run ordinate', 'wall', of_reactions, 'a mass; `shear_key`', &
       'largest force of the shear key', id%shear_key_force_max_over_m_w_g), &
+      quantity_t(id%tendon_force_max_over_m_w_g, 'tendon_force_max_over_m_w_g', &
+      'tendon_force_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'cable', of_reactions, &
+      '', 'largest force of the cable over weight of wall'), &
+      quantity_t(id%tendon_force_max_N, 'tendon_force_max_N', 'tendon_force_max', 'N', 'real', &
+      'peak', 'run ordinate', 'cable', of_reactions, 'a mass', 'largest force of the cable', &
+      id%tendon_force_max_over_m_w_g), &
+      quantity_t(id%tendon_stress_max_Pa, 'tendon_stress_max_Pa', 'tendon_stress_max', 'Pa', &
+      'real', 'peak', 'run ordinate', 'cable', of_reactions, '`strands`', &
+      'largest stress of the strands of the cable'), &
       quantity_t(id%steps, 'steps', '', '1', 'int', 'work', 'run cost', '', of_nothing, '', &
       'accepted steps of the integrator'), &
       quantity_t(id%rhs_evaluations, 'rhs_evaluations', '', '1', 'int', 'work', &
@@ -440,6 +485,81 @@ module rwmf_problem_quantity_table
       'peak', 'run ordinate', 'wall', of_demands, 'a mass', &
       'largest bending moment inside the wall', id%wall_moment_max_over_m_w_g_m)]
 
+   !> Envelopes of a run: forces that members are designed for, and what comes with them.
+   type(quantity_t), parameter :: envelopes(*) = [ &
+      quantity_t(id%wall_shear_base_max_over_m_w_g, 'wall_shear_base_max_over_m_w_g', &
+      'wall_shear_base_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', &
+      of_envelopes, '', 'largest shear in the wall at its base over its weight'), &
+      quantity_t(id%wall_moment_base_max_over_m_w_g_m, 'wall_moment_base_max_over_m_w_g_m', &
+      'wall_moment_base_max_over_m_w_g', 'm', 'real', 'peak', 'run ordinate', 'wall', &
+      of_envelopes, '', 'largest bending moment in the wall at its base over its weight'), &
+      quantity_t(id%wall_shear_mid_max_over_m_w_g, 'wall_shear_mid_max_over_m_w_g', &
+      'wall_shear_mid_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_envelopes, &
+      '', 'largest shear in the wall at mid-height over its weight'), &
+      quantity_t(id%wall_moment_mid_max_over_m_w_g_m, 'wall_moment_mid_max_over_m_w_g_m', &
+      'wall_moment_mid_max_over_m_w_g', 'm', 'real', 'peak', 'run ordinate', 'wall', &
+      of_envelopes, '', 'largest bending moment in the wall at mid-height over its weight'), &
+      quantity_t(id%wall_shear_i_max_over_m_w_g, 'wall_shear_{i}_max_over_m_w_g', &
+      'wall_shear_{i}_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'frame', &
+      of_envelopes, '`&wall`', 'largest shear in the wall just below floor {i} over its weight'), &
+      quantity_t(id%wall_shear_i_above_max_over_m_w_g, 'wall_shear_{i}_above_max_over_m_w_g', &
+      'wall_shear_{i}_above_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'frame', &
+      of_envelopes, '`&wall`', 'largest shear in the wall just above floor {i} over its weight'), &
+      quantity_t(id%wall_moment_i_max_over_m_w_g_m, 'wall_moment_{i}_max_over_m_w_g_m', &
+      'wall_moment_{i}_max_over_m_w_g', 'm', 'real', 'peak', 'run ordinate', 'frame', &
+      of_envelopes, '`&wall`', 'largest moment in the wall just below floor {i} over its weight'), &
+      quantity_t(id%wall_moment_i_above_max_over_m_w_g_m, &
+      'wall_moment_{i}_above_max_over_m_w_g_m', 'wall_moment_{i}_above_max_over_m_w_g', 'm', &
+      'real', 'peak', 'run ordinate', 'frame', of_envelopes, '`&wall`', &
+      'largest moment in the wall just above floor {i} over its weight'), &
+      quantity_t(id%link_i_force_max_over_m_w_g, 'link_{i}_force_max_over_m_w_g', &
+      'link_{i}_force_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'frame', &
+      of_envelopes, '`&wall`', &
+      'largest axial force of the link at floor {i} over weight of wall'), &
+      quantity_t(id%pivot_normal_max_over_m_w_g, 'pivot_normal_max_over_m_w_g', &
+      'pivot_normal_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_envelopes, &
+      '', 'largest pivot reaction over weight of wall'), &
+      quantity_t(id%fuse_stroke_max_m, 'fuse_stroke_max_m', 'fuse_stroke_max', 'm', 'real', &
+      'peak', 'run ordinate', 'fuse', of_envelopes, '', 'largest stroke of a fuse'), &
+      quantity_t(id%fuse_stroke_sum_m, 'fuse_stroke_sum_m', 'fuse_stroke_sum', 'm', 'real', &
+      'peak', 'run ordinate', 'fuse', of_envelopes, '', &
+      'travel of a fuse there and back, of both the longer one'), &
+      quantity_t(id%floor_i_velocity_max_m_s, 'floor_{i}_velocity_max_m_s', &
+      'floor_{i}_velocity_max', 'm/s', 'real', 'peak', 'run ordinate', 'frame', of_envelopes, '', &
+      'largest absolute velocity of floor {i}'), &
+      quantity_t(id%wall_shear_base_max_N, 'wall_shear_base_max_N', 'wall_shear_base_max', 'N', &
+      'real', 'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', &
+      'largest shear in the wall at its base', id%wall_shear_base_max_over_m_w_g), &
+      quantity_t(id%wall_moment_base_max_N_m, 'wall_moment_base_max_N_m', 'wall_moment_base_max', &
+      'N m', 'real', 'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', &
+      'largest bending moment in the wall at its base', id%wall_moment_base_max_over_m_w_g_m), &
+      quantity_t(id%wall_shear_mid_max_N, 'wall_shear_mid_max_N', 'wall_shear_mid_max', 'N', &
+      'real', 'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', &
+      'largest shear in the wall at mid-height', id%wall_shear_mid_max_over_m_w_g), &
+      quantity_t(id%wall_moment_mid_max_N_m, 'wall_moment_mid_max_N_m', 'wall_moment_mid_max', &
+      'N m', 'real', 'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', &
+      'largest bending moment in the wall at mid-height', id%wall_moment_mid_max_over_m_w_g_m), &
+      quantity_t(id%wall_shear_i_max_N, 'wall_shear_{i}_max_N', 'wall_shear_{i}_max', 'N', &
+      'real', 'peak', 'run ordinate', 'frame', of_envelopes, 'a mass; `&wall`', &
+      'largest shear in the wall just below floor {i}', id%wall_shear_i_max_over_m_w_g), &
+      quantity_t(id%wall_shear_i_above_max_N, 'wall_shear_{i}_above_max_N', &
+      'wall_shear_{i}_above_max', 'N', 'real', 'peak', 'run ordinate', 'frame', of_envelopes, &
+      'a mass; `&wall`', 'largest shear in the wall just above floor {i}', &
+      id%wall_shear_i_above_max_over_m_w_g), &
+      quantity_t(id%wall_moment_i_max_N_m, 'wall_moment_{i}_max_N_m', 'wall_moment_{i}_max', &
+      'N m', 'real', 'peak', 'run ordinate', 'frame', of_envelopes, 'a mass; `&wall`', &
+      'largest moment in the wall just below floor {i}', id%wall_moment_i_max_over_m_w_g_m), &
+      quantity_t(id%wall_moment_i_above_max_N_m, 'wall_moment_{i}_above_max_N_m', &
+      'wall_moment_{i}_above_max', 'N m', 'real', 'peak', 'run ordinate', 'frame', of_envelopes, &
+      'a mass; `&wall`', 'largest moment in the wall just above floor {i}', &
+      id%wall_moment_i_above_max_over_m_w_g_m), &
+      quantity_t(id%link_i_force_max_N, 'link_{i}_force_max_N', 'link_{i}_force_max', 'N', &
+      'real', 'peak', 'run ordinate', 'frame', of_envelopes, 'a mass; `&wall`', &
+      'largest axial force of the link at floor {i}', id%link_i_force_max_over_m_w_g), &
+      quantity_t(id%pivot_normal_max_N, 'pivot_normal_max_N', 'pivot_normal_max', 'N', 'real', &
+      'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', 'largest pivot reaction', &
+      id%pivot_normal_max_over_m_w_g)]
+
    !> Parts of the energy ledger, and its residual. They err by at most 100 rtol of the largest part
    !> times their sensitivity to the motion (1 at least).
    type(quantity_t), parameter :: energies(*) = [ &
@@ -510,8 +630,8 @@ module rwmf_problem_quantity_table
       of_nothing, '', 'whether the reference is two digits better than the best method')]
 
    !> All of them. A summary and the columns of a history have this order.
-   type(quantity_t), parameter :: all_quantities(*) = [columns, scalars, demands, energies, &
-      others]
+   type(quantity_t), parameter :: all_quantities(*) = [columns, scalars, demands, envelopes, &
+      energies, others]
 
 
 contains
@@ -579,15 +699,25 @@ contains
       if (place == 0) place = findloc(to_lower(all_quantities%name) == key, .true., dim=1)
    end function place_of
 
-   !> Where a key has the number of a floor or storey: behind its first underscore.
+   !> Where a key has the number of a floor or storey: the first part between underscores that is
+   !> one.
    pure subroutine find_number(key, first, behind)
       character(*), intent(in) :: key
       integer, intent(out) :: first
       integer, intent(out) :: behind
       !! the same as `first` where there is none
 
-      first = index(key, '_') + 1
-      behind = first + verify(key(first:)//' ', '0123456789') - 1
+      integer :: place
+
+      first = 1
+      do
+         place = index(key(first:), '_')
+         first = first + place
+         behind = first
+         if (place == 0) return
+         behind = first + verify(key(first:)//' ', '0123456789') - 1
+         if (behind > first .and. scan(key(behind:min(behind, len(key)))//'_', '_ ') == 1) return
+      end do
    end subroutine find_number
 
    !> May a spectrum be asked for it?
@@ -611,7 +741,7 @@ contains
       type(quantity_t), intent(in) :: quantity
 
       asked_by = ''
-      if (quantity%observed == of_reactions .or. quantity%observed == of_demands) then
+      if (any(quantity%observed == [character(12) :: of_reactions, of_demands, of_envelopes])) then
          asked_by = 'reactions'
       else if (quantity%observed == of_energy) then
          asked_by = 'energy'

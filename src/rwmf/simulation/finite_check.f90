@@ -6,7 +6,7 @@ module rwmf_simulation_finite_check
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: all_quantities, id
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_scalars, only: scalars_of, value_of, values_t
+   use rwmf_simulation_scalars, only: floors_of, scalars_of, value_of, values_t
    implicit none
    private
 
@@ -52,7 +52,8 @@ contains
       !! of a run of the case
       type(error_t), allocatable, intent(out) :: error
       type(values_t) :: values
-      integer :: i, storey
+      integer, allocatable :: floors(:)
+      integer :: i, j
 
       if (allocated(result%final_state)) call check_numbers('the state at the end', &
          result%final_state, error)
@@ -60,10 +61,11 @@ contains
       do i = 1, size(all_quantities)
          if (allocated(error)) return
          if (all_quantities(i)%kind /= 'real' .or. all_quantities(i)%found == 'work') cycle
-         do storey = 1, values%count(all_quantities(i)%id)
-            associate (value => value_of(values, all_quantities(i)%id, storey))
+         floors = floors_of(values, all_quantities(i)%id)
+         do j = 1, size(floors)
+            associate (value => value_of(values, all_quantities(i)%id, floors(j)))
                if (.not. may_report(all_quantities(i)%id, value)) call check_numbers(trim( &
-                  numbered(trim(all_quantities(i)%key), storey)), [value], error)
+                  numbered(trim(all_quantities(i)%key), floors(j))), [value], error)
             end associate
          end do
       end do

@@ -6,7 +6,7 @@ module rwmf_simulation_free_vibration
    use rwmf_model_scene, only: frame_term
    use rwmf_motion_ground_motion, only: interval_last, is_known_until
    use rwmf_simulation_hybrid_state, only: hybrid_t
-   use rwmf_simulation_recorder_recorder, only: recorder_t
+   use rwmf_simulation_recorder_recorder, only: recorder_t, sees_forces
    implicit none
    private
 
@@ -36,10 +36,7 @@ contains
          interval_of(equation), t_target)) return
       ! energy that grows is an error of the integration
       share = 1 + hybrid%rtol
-      if (recorder%keeps_energy .or. allocated(recorder%forces) &
-          .or. allocated(recorder%demands)) then
-         share = died_out
-      end if
+      if (recorder%keeps_energy .or. sees_forces(recorder)) share = died_out
       associate (omega => equation%p%omega_s)
          if (hybrid%y(1)**2 + (hybrid%y(2)/omega)**2 <= (share*recorder%u_max)**2) then
             hybrid%y(:2) = vibrated(equation, hybrid%y(:2), t_target - hybrid%t)

@@ -4,9 +4,10 @@ module rwmf_simulation_peak
    use rwmf_core_kinds, only: wp
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t, output_t
-   use rwmf_problem_quantity_table, only: all_quantities, asked_by, look_up, of_demands
+   use rwmf_problem_quantity_table, only: all_quantities, asked_by, look_up, of_demands, &
+      of_envelopes
    use rwmf_simulation_result, only: result_t
-   use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
+   use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
    implicit none
    private
 
@@ -25,6 +26,8 @@ contains
       if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
       if (all_quantities(place)%observed == of_demands) then
          case%output%demands = .true.
+      else if (all_quantities(place)%observed == of_envelopes) then
+         case%output%envelopes = .true.
       else
          case%output%reactions = .true.
       end if
@@ -76,18 +79,19 @@ contains
       !! (keys) with the number of a floor or storey in the place of '{i}'
       character(40), allocatable :: more(:)
       type(values_t) :: values
-      integer :: i, j, n, number
+      integer, allocatable :: floors(:)
+      integer :: i, j, n
 
       allocate (keys(0))
       call scalars_of(case, result, values)
       do i = 1, size(all_quantities)
          if (.not. is_wanted(i)) cycle
-         number = values%count(all_quantities(i)%id)
+         floors = floors_of(values, all_quantities(i)%id)
          n = size(keys)
-         allocate (more(n + number))
+         allocate (more(n + size(floors)))
          more(:n) = keys
-         do j = 1, number
-            more(n + j) = numbered(trim(all_quantities(i)%key), j)
+         do j = 1, size(floors)
+            more(n + j) = numbered(trim(all_quantities(i)%key), floors(j))
          end do
          call move_alloc(more, keys)
       end do

@@ -46,7 +46,7 @@ module rwmf_simulation_quantity_words
       word_t('u', 'u_s_max_m'), &
       word_t('rotation', 'theta_max_over_alpha'), &
       word_t('uplift', 'theta_max_over_alpha'), &
-      word_t('tendon_force', 'cable_force_increment_max_over_m_w_g'), &
+      word_t('tendon_force', 'tendon_force_max_over_m_w_g'), &
       word_t('cable_force', 'cable_force_increment_max_over_m_w_g'), &
       word_t('ductility_demand', 'ductility'), &
       word_t('friction', 'friction_demand_max')]

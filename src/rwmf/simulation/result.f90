@@ -5,6 +5,7 @@ module rwmf_simulation_result
    private
 
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
+   public :: envelope_extremes_t
    public :: append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture, event_passage, event_collapsed, ending_name
@@ -98,6 +99,10 @@ module rwmf_simulation_result
       !! displacement of the middle of the wall's top over its height [-]
       real(wp), allocatable :: frame_drift_max
       !! displacement of the frame over the same height [-]
+      real(wp), allocatable :: tendon_force_max
+      !! largest force of the cable over m_w g [-]; absent without a cable
+      real(wp), allocatable :: tendon_stress_max
+      !! the same over the area of its strands [Pa]; absent without strands
    end type reaction_extremes_t
 
    !> The largest demands. A component that is not allocated does not apply.
@@ -137,6 +142,26 @@ module rwmf_simulation_result
       real(wp), allocatable :: wall_moment_height
       !! where, above the base [m]
    end type demand_extremes_t
+
+   !> Envelopes of forces, all over m_w g. A component that is not allocated does not apply.
+   type :: envelope_extremes_t
+      real(wp), allocatable :: velocity_max(:)
+      !! (floors) absolute [m/s]; absent without a frame
+      real(wp), allocatable :: fuse_stroke_max
+      !! [m]; absent without fuses, as the next
+      real(wp), allocatable :: fuse_stroke_sum
+      !! travel of the fuse that has the longer one [m]
+      real(wp), allocatable :: normal_max
+      !! largest pivot reaction [-]; absent without a wall, as the following
+      real(wp), allocatable :: base(:), middle(:)
+      !! shear [-] and moment [m] at the base and at mid-height of the wall
+      real(wp), allocatable :: shear_below(:), shear_above(:)
+      !! (floors) just below and just above each [-]; absent without a frame, as the following
+      real(wp), allocatable :: moment_below(:), moment_above(:)
+      !! (floors) likewise [m]
+      real(wp), allocatable :: link_max(:)
+      !! (links) axial forces, that of the roof is the last [-]
+   end type envelope_extremes_t
 
    !> Result of one simulation. A component that is not allocated does not apply to the scene.
    type :: result_t
@@ -216,6 +241,8 @@ module rwmf_simulation_result
       type(reaction_extremes_t), allocatable :: reactions
       !! only when they were asked for, as the energy
       type(demand_extremes_t), allocatable :: demands
+      !! likewise
+      type(envelope_extremes_t), allocatable :: envelopes
       !! likewise
       type(history_t), allocatable :: history
       type(event_t), allocatable :: events(:)

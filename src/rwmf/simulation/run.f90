@@ -28,6 +28,7 @@ module rwmf_simulation_run
    use rwmf_simulation_lanes_team, only: team_t
    use rwmf_problem_quantity_table, only: all_quantities
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
+   use rwmf_simulation_recorder_force_envelopes, only: envelope_extremes
    use rwmf_simulation_recorder_nearby_motion, only: begin_nearby
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, &
@@ -320,6 +321,7 @@ contains
       if (allocated(recorder%forces)) then
          result%reactions = force_extremes(recorder%forces, equation, recorder%theta_min, &
             recorder%theta_max, recorder%u_max)
+         if (equation%has_cable) call fill_tendon(case, equation, result)
       end if
       if (allocated(recorder%demands)) then
          if (.not. allocated(result%demands)) allocate (result%demands)
@@ -327,12 +329,32 @@ contains
             result%demands)
          if (allocated(case%yielding)) call fill_residuals(recorder%demands%building, result)
       end if
+      if (allocated(recorder%envelopes)) then
+         if (.not. allocated(result%envelopes)) allocate (result%envelopes)
+         call envelope_extremes(recorder%envelopes, equation, max(recorder%theta_max, &
+            -recorder%theta_min), result%envelopes)
+      end if
       if (equation%has_frame) call fill_rest(case, equation, hybrid, recorder, result)
       if (recorder%keeps_history) then
          call move_alloc(recorder%events, result%events)
          call move_alloc(recorder%history, result%history)
       end if
    end subroutine fill_result
+
+   !> Largest force of the cable, and stress of its strands.
+   subroutine fill_tendon(case, equation, result)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      !! with a cable
+      type(result_t), intent(inout) :: result
+      !! with the reactions
+
+      associate (force => equation%cable%eta_0 + result%cable_increment_max)
+         result%reactions%tendon_force_max = force
+         if (allocated(case%cable%area)) result%reactions%tendon_stress_max = force &
+            *case%unit_mass*equation%p%g/case%cable%area
+      end associate
+   end subroutine fill_tendon
 
    !> What yielding and rupture leave behind.
    subroutine fill_hysteresis(case, equation, hybrid, result)

@@ -7,16 +7,20 @@ module rwmf_simulation_scalars
    use rwmf_problem_quantity_table, only: all_quantities, id
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
    use rwmf_simulation_newtons, only: weight_under
-   use rwmf_simulation_result, only: demand_extremes_t, energy_t, reaction_extremes_t, result_t
+   use rwmf_simulation_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
+      reaction_extremes_t, result_t
    implicit none
    private
 
-   public :: values_t, scalars_of, is_present, value_of
+   public :: values_t, scalars_of, is_present, value_of, floors_of
 
    !> Scalars by the numbers of the table.
    type :: values_t
       integer :: count(size(all_quantities)) = 0
-      !! how many numbers each has: storeys or floors for a list, 0 where it does not apply
+      !! number of the highest storey or floor for a list, 1 for one number, 0 where it does not
+      !! apply
+      integer, private :: below(size(all_quantities)) = 0
+      !! storeys or floors without a number, the lowest ones
       integer, private :: first(size(all_quantities)) = 0
       !! place of the first of them
       integer, private :: n = 0
@@ -37,6 +41,7 @@ contains
       call keep_response(result, values)
       if (allocated(result%reactions)) call keep_reactions(result%reactions, values)
       if (allocated(result%demands)) call keep_demands(result%demands, values)
+      if (allocated(result%envelopes)) call keep_envelopes(result%envelopes, values)
       if (allocated(result%energy)) call keep_energies(result%energy, values)
       if (allocated(case%storeys)) then
          call keep_storeys(case%storeys, values)
@@ -53,8 +58,20 @@ contains
       integer, intent(in) :: storey
       !! its number from the ground up, for a list; else any up to 1
 
-      is_present = values%count(number) >= max(1, storey)
+      is_present = values%count(number) >= max(1, storey) .and. max(1, storey) &
+         > values%below(number)
    end function is_present
+
+   !> Numbers of the storeys or floors that a quantity is known of; 1 for one number.
+   pure function floors_of(values, number) result(floors)
+      type(values_t), intent(in) :: values
+      integer, intent(in) :: number
+      !! of the quantity
+      integer :: floors(values%count(number) - values%below(number))
+      integer :: i
+
+      floors = values%below(number) + [(i, i=1, size(floors))]
+   end function floors_of
 
    !> A scalar [unit of its key]: a count as it is, 1 for yes, 0 for no; NaN where it does not
    !> apply.
@@ -65,7 +82,7 @@ contains
 
       value = ieee_value(1.0_wp, ieee_quiet_nan)
       if (is_present(values, number, storey)) value = values%numbers(values%first(number) &
-         + max(1, storey) - 1)
+         + max(1, storey) - 1 - values%below(number))
    end function value_of
 
    !> Suprema of the response and their times, the end of the run, and its effort.
@@ -121,6 +138,8 @@ contains
       call keep(values, id%t_friction_exceeded_s, reactions%t_exceeded)
       call keep(values, id%wall_drift_max, reactions%wall_drift_max)
       call keep(values, id%frame_drift_max, reactions%frame_drift_max)
+      call keep(values, id%tendon_force_max_over_m_w_g, reactions%tendon_force_max)
+      call keep(values, id%tendon_stress_max_Pa, reactions%tendon_stress_max)
    end subroutine keep_reactions
 
    !> What the building is designed for.
@@ -147,6 +166,31 @@ contains
       call keep(values, id%wall_moment_max_over_m_w_g_m, demands%wall_moment_max)
       call keep(values, id%wall_moment_max_height_m, demands%wall_moment_height)
    end subroutine keep_demands
+
+   !> What the members are designed for.
+   pure subroutine keep_envelopes(envelopes, values)
+      type(envelope_extremes_t), intent(in) :: envelopes
+      type(values_t), intent(inout) :: values
+      integer :: links
+
+      call keep_list(values, id%floor_i_velocity_max_m_s, envelopes%velocity_max)
+      call keep(values, id%fuse_stroke_max_m, envelopes%fuse_stroke_max)
+      call keep(values, id%fuse_stroke_sum_m, envelopes%fuse_stroke_sum)
+      if (.not. allocated(envelopes%base)) return
+      call keep(values, id%pivot_normal_max_over_m_w_g, envelopes%normal_max)
+      call keep(values, id%wall_shear_base_max_over_m_w_g, envelopes%base(1))
+      call keep(values, id%wall_moment_base_max_over_m_w_g_m, envelopes%base(2))
+      call keep(values, id%wall_shear_mid_max_over_m_w_g, envelopes%middle(1))
+      call keep(values, id%wall_moment_mid_max_over_m_w_g_m, envelopes%middle(2))
+      call keep_list(values, id%wall_shear_i_max_over_m_w_g, envelopes%shear_below)
+      call keep_list(values, id%wall_shear_i_above_max_over_m_w_g, envelopes%shear_above)
+      call keep_list(values, id%wall_moment_i_max_over_m_w_g_m, envelopes%moment_below)
+      call keep_list(values, id%wall_moment_i_above_max_over_m_w_g_m, envelopes%moment_above)
+      if (.not. allocated(envelopes%link_max)) return
+      links = size(envelopes%link_max)
+      call keep_list(values, id%link_i_force_max_over_m_w_g, envelopes%link_max, &
+         size(envelopes%velocity_max) - links)
+   end subroutine keep_envelopes
 
    !> The ledger: its parts in the end, and the residual over initial plus largest input energy.
    pure subroutine keep_energies(energy, values)
@@ -188,20 +232,25 @@ contains
       do i = 1, size(all_quantities)
          associate (ratio => all_quantities(i)%ratio)
             if (ratio == 0) cycle
+            if (values%count(ratio) == 0) cycle
             first = values%first(ratio)
-            if (values%count(ratio) > 0) call keep_list(values, all_quantities(i)%id, &
-               values%numbers(first:first + values%count(ratio) - 1)*weight_under(case, ratio))
+            associate (below => values%below(ratio), n => size(floors_of(values, ratio)))
+               call keep_list(values, all_quantities(i)%id, values%numbers(first:first + n - 1) &
+                  *weight_under(case, ratio), below)
+            end associate
          end associate
       end do
    end subroutine keep_newtons
 
    !> Keep a list. A component that is not allocated does not apply: it is an absent argument.
-   pure subroutine keep_list(values, number, list)
+   pure subroutine keep_list(values, number, list, below)
       type(values_t), intent(inout) :: values
       integer, intent(in) :: number
       !! of the quantity
       real(wp), intent(in), optional :: list(:)
       !! (storeys or floors)
+      integer, intent(in), optional :: below
+      !! storeys or floors without a number, the lowest ones; absent: none
       real(wp), allocatable :: longer(:)
 
       if (.not. present(list)) return
@@ -210,7 +259,8 @@ contains
          longer(:values%n) = values%numbers(:values%n)
          call move_alloc(longer, values%numbers)
       end if
-      values%count(number) = size(list)
+      if (present(below)) values%below(number) = below
+      values%count(number) = values%below(number) + size(list)
       values%first(number) = values%n + 1
       values%numbers(values%n + 1:values%n + size(list)) = list
       values%n = values%n + size(list)

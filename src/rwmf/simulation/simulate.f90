@@ -91,7 +91,8 @@ contains
       asking%structure_t = case%structure_t
       asking%solver = case%solver
       asking%solver%method = 'dop853'
-      asking%output = output_t(energy=.false., reactions=.true., demands=.true.)
+      asking%output = output_t(energy=.false., reactions=.true., demands=.true., &
+         envelopes=.true.)
       call begin_instant(asking, instant)
       call run_once(instant, motion, no_control, result, error)
       if (allocated(error)) return

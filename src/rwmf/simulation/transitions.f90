@@ -18,7 +18,7 @@ module rwmf_simulation_transitions
       mode_overturned, mode_rest, mode_rocking
    use rwmf_simulation_recorder_nearby_motion, only: meet_impact
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
-      observe_state, observe_still, recorder_t
+      observe_state, observe_still, recorder_t, sees_forces
    use rwmf_simulation_result, only: event_branch, event_collapsed, event_impact, event_lift_off, &
       event_overturned, event_passage, event_peak, event_rest, event_rupture
    use rwmf_text_strings, only: real_to_text
@@ -332,9 +332,7 @@ contains
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
 
-      if (allocated(recorder%forces) .or. allocated(recorder%demands)) then
-         call observe_end_of_chatter(hybrid, equation, recorder)
-      end if
+      if (sees_forces(recorder)) call observe_end_of_chatter(hybrid, equation, recorder)
       call turn_back(equation%model_t, equation%state, 0.0_wp)
       call find_uplift_acceleration(equation%model_t, equation%state, hybrid%y)
       call enter_rest(hybrid, equation)

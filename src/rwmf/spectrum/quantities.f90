@@ -10,7 +10,8 @@ module rwmf_spectrum_quantities
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
    use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, of_demands, &
-      of_displacement, of_energy, of_reactions, of_storeys, of_velocity, of_verification
+      of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, of_velocity, &
+      of_verification
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    use rwmf_simulation_simulate, only: simulate_instant
@@ -88,13 +89,15 @@ contains
       observed = all_quantities([asked%place, pack([place], asked%has_peak)])%observed
       output%reactions = any(observed == of_reactions)
       output%demands = any(observed == of_demands)
+      output%envelopes = any(observed == of_envelopes)
       output%energy = any(observed == of_energy)
-      asked%is_watched = output%reactions .or. output%demands &
+      asked%is_watched = output%reactions .or. output%demands .or. output%envelopes &
          .or. any(observed == of_velocity .or. observed == of_storeys)
       asked%is_displacement = all(asked%keys == displacement) .and. .not. asked%has_peak
       asked%has_only_peaks = all(observed == of_displacement)
       asked%has_sensitivity = case%solver%verify .and. any(observed == of_verification)
-      if (.not. (output%reactions .or. output%demands .or. output%energy)) return
+      if (.not. (output%reactions .or. output%demands .or. output%envelopes &
+         .or. output%energy)) return
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) output%friction_limit = &
             case%output%friction_limit
@@ -162,7 +165,8 @@ contains
       asking%solver%accuracy_of = ''
       ! the cheapest to begin with
       asking%solver%method = 'dop853'
-      asking%output = output_t(energy=.true., reactions=.true., demands=.true.)
+      asking%output = output_t(energy=.true., reactions=.true., demands=.true., &
+         envelopes=.true.)
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) asking%output%friction_limit = &
             case%output%friction_limit

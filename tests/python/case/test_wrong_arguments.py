@@ -81,6 +81,7 @@ def _found() -> dict[str, Any]:
     limit = float(analysis["u_s_max"].median())
     return {
         "run": rwmf.simulate(case),
+        "forces": rwmf.simulate(case.replace(output={"reactions": True})),
         "spectrum": rwmf.spectrum(case, **grid),
         "analysis": analysis,
         "fragility": rwmf.studies.fragility(analysis, limit),
@@ -124,6 +125,8 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "plot.draw_overturning": {"dataset": found["map"], "ax": ax},
         "plot.draw_suite": {"dataset": found["suite"], "ax": ax},
         "plot.draw_wall_effect": {"dataset": found["wall"], "ax": ax},
+        "plot.envelope": {"dataset": found["forces"], "case": case, "axes": None},
+        "plot.envelope_quantities": {"case": case},
         "plot.history": {"dataset": found["run"], "axes": ax, "variables": ["u_s"], "case": case},
         "plot.make_panels": {"axes": ax, "n": 1, "across": False},
         "plot.profile": {"dataset": found["run"], "axes": ax, "case": case},

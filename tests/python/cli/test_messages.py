@@ -30,7 +30,7 @@ from scenes import coupled
         ("peak floor acceleration", "floor_acceleration_max_g"),
         ("RIDR", "storey_residual_drift_max"),
         ("roof displacement", "u_s_max_m"),
-        ("tendon force", "cable_force_increment_max_over_m_w_g"),
+        ("tendon force", "tendon_force_max_over_m_w_g"),
         ("base shear", "base_shear_max_over_weight"),
         ("theta_max", "theta_max_over_alpha"),
         ("ductilty", "ductility"),

@@ -20,12 +20,13 @@ program test_balance
       link_force, reactions_at, reactions_t
    use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
       reaction_count, shear_of_base => shear
-   use rwmf_model_wall_sections, only: links_t, section_forces
+   use rwmf_model_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_shear_frame, only: damping_matrix
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
-      observe_demands_at, put_constants
+      put_constants
+   use rwmf_simulation_recorder_peak_search, only: search_state
    implicit none
 
    real(wp), parameter :: t = 0.3_wp
@@ -131,13 +132,14 @@ contains
       character(*), intent(in) :: name
       type(building_t) :: building
       type(links_t) :: links
-      real(wp) :: base(2), arm(2), inside(2), outside(2), y_ddot
+      real(wp) :: base(2), arm(2), inside(2), outside(2), below(2, 1), above(2, 1), y_ddot
       character(:), allocatable :: words
 
       y_ddot = second_derivative(equation, t, y)
       call building_of(case, equation, building)
       call links_of(building, equation, kinematics_at(equation, y(1)), t, y, y_ddot, links)
-      inside = section_forces(equation, t, y, y_ddot, links, 0.0_wp)
+      call find_forces_beside(equation, t, y, y_ddot, links, [0.0_wp], below, above)
+      inside = above(:, 1)
       base = place(equation, y(1), [0.0_wp, -case%wall%h])
       outside(1) = dot_product([cos(y(1)), -sin(y(1))], [reactions%horizontal, reactions%normal] &
          + damper)
@@ -193,7 +195,7 @@ contains
          if (.not. equation%parts%is_complete) return
          if (storeys > 0 .and. equation%floors%n == 0) return
          call rates_at(equation, t, y, y_dot)
-         call observe_demands_at(recorder, equation, t, y, y_dot)
+         call search_state(recorder, equation, t, y, y_dot)
          acceleration(1, :) = [ground(equation, t), 0.0_wp]
          if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
          allocate (found(1, reaction_count + size(recorder%largest)))

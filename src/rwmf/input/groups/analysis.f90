@@ -165,7 +165,7 @@ contains
          optional_key('output', 'energy', 'logical', '', '.false.', '', &
             'energy ledger: its parts in the end, with dt in every row'), &
          optional_key('output', 'reactions', 'logical', '', '.false.', '', &
-            'reactions of the base, demands of building and wall: extrema, with dt rows'), &
+            'reactions of the base, demands and member forces: extrema, with dt rows'), &
          usually('[0.05, 3]', optional_key('output', 'friction_limit', 'real', '-', '', positive, &
             'coefficient of friction: whether and when the friction demand exceeds it'))]
       group%check => check_output
@@ -196,7 +196,8 @@ contains
 
       case%output = output_t(energy=logical_of(case%values, 'output', 'energy'), &
          reactions=logical_of(case%values, 'output', 'reactions'), &
-         demands=logical_of(case%values, 'output', 'reactions'))
+         demands=logical_of(case%values, 'output', 'reactions'), &
+         envelopes=logical_of(case%values, 'output', 'reactions'))
       call get_real(case%values, 'output', 'friction_limit', case%output%friction_limit)
       call get_real(case%values, 'output', 'dt', case%output%dt)
    end subroutine fill_output

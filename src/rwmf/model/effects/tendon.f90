@@ -196,6 +196,8 @@ contains
       call get_real(case%values, 'cable', 'eta_y', case%cable%eta_y)
       call get_real(case%values, 'cable', 'rupture_strain', case%cable%rupture_strain)
       call get_real(case%values, 'cable', 'length', case%cable%length)
+      if (has_key(case%values, 'cable', 'strands')) case%cable%area = real_of(case%values, &
+         'cable', 'strands')*real_of(case%values, 'cable', 'strand_area')
    end subroutine fill_tendon
 
    !> Can the cable of a case yield or break?

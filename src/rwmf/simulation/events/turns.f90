@@ -11,7 +11,7 @@ module rwmf_simulation_events_turns
    implicit none
    private
 
-   public :: velocity_t, keeps_direction, fastest_in, farthest_turn, split_turns
+   public :: rotation_t, velocity_t, keeps_direction, fastest_in, farthest_turn, split_turns
 
    !> Rotation, velocity and acceleration.
    type, extends(functions_t) :: rotation_t

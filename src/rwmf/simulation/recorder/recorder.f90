@@ -26,10 +26,12 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_events_turns, only: fastest_in, velocity_t
    use rwmf_simulation_newtons, only: weight_under
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
-      observe_demands, observe_demands_at, observe_demands_at_rest, put_demands, &
-      put_storeys
+      observe_demands_at_rest, put_demands, put_storeys
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
+   use rwmf_simulation_recorder_force_envelopes, only: create_envelopes, envelope_recorder_t, &
+      observe_envelopes, observe_envelopes_at_rest, put_envelopes
    use rwmf_simulation_recorder_nearby_motion, only: follow_nearby, nearby_t
+   use rwmf_simulation_recorder_peak_search, only: search_piece, search_state
    use rwmf_simulation_recorder_reaction_columns, only: put_reactions
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
       observe_instant, observe_last, observe_moving, observe_resting, reaction_extremes_recorder_t
@@ -39,7 +41,7 @@ module rwmf_simulation_recorder_recorder
    private
 
    public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece
-   public :: needs_all_steps, sees_rest
+   public :: needs_all_steps, sees_forces, sees_rest
    public :: observe_rest, observe_still
    public :: observe_impact, observe_event, observe_grazing, finish_recorder
    public :: observe_chatter
@@ -78,6 +80,8 @@ module rwmf_simulation_recorder_recorder
       !! only when reactions were asked for
       type(demand_recorder_t), allocatable :: demands
       !! only when demands were asked for
+      type(envelope_recorder_t), allocatable :: envelopes
+      !! only when envelopes were asked for
       logical :: keeps_history
       logical :: keeps_events
       !! with a history, or for a host that steps
@@ -91,7 +95,8 @@ module rwmf_simulation_recorder_recorder
       real(wp), allocatable :: weights(:)
       !! (quantities) that the ratio of each in N or N m is over, 0 when the case gives no mass [N]
       integer, allocatable :: newtons(:, :)
-      !! (3, quantities in N) place of each in the table, first and last column of its ratio
+      !! (4, quantities in N) place of each in the table, first and last column of its ratio,
+      !! storeys below without a column
       integer :: next_row
       !! first row of the history that is still to be filled
       type(event_t), allocatable :: events(:)
@@ -134,6 +139,7 @@ contains
       recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
       call create_reaction_extremes(recorder%forces, case)
       call create_demands(recorder%demands, case, equation, y)
+      call create_envelopes(recorder%envelopes, case, equation, y)
       if (allocated(case%output%dt)) then
          call create_history(recorder, case, equation, t_end, y, error)
       end if
@@ -214,16 +220,24 @@ contains
       type(recorder_t), intent(in) :: recorder
 
       needs_all = recorder%keeps_history .or. recorder%keeps_events &
-         .or. allocated(recorder%drifts) .or. allocated(recorder%nearby)
+         .or. allocated(recorder%drifts) .or. allocated(recorder%nearby) &
+         .or. allocated(recorder%envelopes)
    end function needs_all_steps
 
    !> Does what is asked for show the ground motion while the wall rests?
    pure logical function sees_rest(recorder)
       type(recorder_t), intent(in) :: recorder
 
-      sees_rest = recorder%keeps_history .or. allocated(recorder%forces) &
-         .or. allocated(recorder%demands)
+      sees_rest = recorder%keeps_history .or. sees_forces(recorder)
    end function sees_rest
+
+   !> Are forces, accelerations or velocities asked for?
+   pure logical function sees_forces(recorder)
+      type(recorder_t), intent(in) :: recorder
+
+      sees_forces = allocated(recorder%forces) .or. allocated(recorder%demands) &
+         .or. allocated(recorder%envelopes)
+   end function sees_forces
 
    !> A piece of smooth motion inside the last step of the integrator.
    subroutine observe_piece(recorder, piece, error, has_plain_reactions, has_calm_demands)
@@ -249,7 +263,9 @@ contains
       if (allocated(error)) return
       is_left = allocated(recorder%demands)
       if (present(has_calm_demands)) is_left = is_left .and. .not. has_calm_demands
-      if (is_left) call observe_demands(recorder%demands, piece, error)
+      if (is_left) call search_piece(recorder%demands, piece, error)
+      if (allocated(error)) return
+      if (allocated(recorder%envelopes)) call observe_envelopes(recorder%envelopes, piece, error)
       if (allocated(error)) return
       if (recorder%keeps_history) call sample_piece(recorder, piece, error)
       if (allocated(error)) return
@@ -407,6 +423,8 @@ contains
       if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, y, t_a, t_b)
       if (allocated(recorder%demands)) call observe_demands_at_rest(recorder%demands, equation, y, &
          t_a, t_b)
+      if (allocated(recorder%envelopes)) call observe_envelopes_at_rest(recorder%envelopes, &
+         equation, y, t_a, t_b)
       if (.not. recorder%keeps_history) return
       do while (recorder%next_row <= size(recorder%history%values, 1))
          t = (recorder%next_row - 1)*recorder%dt
@@ -428,7 +446,8 @@ contains
       call rates_at(equation, t, y, y_dot)
       if (allocated(recorder%forces)) call observe_instant(recorder%forces, equation, t, y, &
          y_dot(2))
-      if (allocated(recorder%demands)) call observe_demands_at(recorder%demands, equation, t, y, &
+      if (allocated(recorder%demands)) call search_state(recorder%demands, equation, t, y, y_dot)
+      if (allocated(recorder%envelopes)) call search_state(recorder%envelopes, equation, t, y, &
          y_dot)
    end subroutine observe_still
 
@@ -515,10 +534,13 @@ contains
             call put_reactions(row, equation, m_w_g, t, y, y_ddot, u_s)
          end if
          if (allocated(recorder%demands)) call put_demands(row, recorder%demands, equation)
+         if (allocated(recorder%envelopes)) call put_envelopes(row, recorder%envelopes, equation, &
+            t, y, y_ddot)
          if (allocated(row%names)) call list_newtons(recorder)
          do i = 1, size(recorder%newtons, 2)
             associate (n => recorder%newtons(:, i))
-               call put(row, all_quantities(n(1))%id, row%values(n(2):n(3))*recorder%weights(n(1)))
+               call put(row, all_quantities(n(1))%id, row%values(n(2):n(3)) &
+                  *recorder%weights(n(1)), n(4))
             end associate
          end do
          if (recorder%keeps_energy) call put_energies(row, energy, equation, y)
@@ -531,7 +553,7 @@ contains
       !! with a row that gathers names
       integer :: i, first, place
 
-      allocate (recorder%newtons(3, 0))
+      allocate (recorder%newtons(4, 0))
       if (.not. any(recorder%weights > 0)) return
       first = 1
       associate (numbers => recorder%row%numbers)
@@ -543,8 +565,8 @@ contains
             place = findloc(all_quantities%ratio, numbers(i), dim=1)
             if (place == 0) cycle
             if (any(numbers == all_quantities(place)%id)) cycle
-            recorder%newtons = reshape([recorder%newtons, place, first, i], [3, &
-               size(recorder%newtons, 2) + 1])
+            recorder%newtons = reshape([recorder%newtons, place, first, i, &
+               recorder%row%below(i)], [4, size(recorder%newtons, 2) + 1])
          end do
       end associate
    end subroutine list_newtons
@@ -636,10 +658,10 @@ contains
       y_ddot = 0
       if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
       if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_ddot)
-      if (allocated(recorder%demands)) then
-         call complete_rates(equation, t, y, y_ddot, y_dot)
-         call observe_demands_at(recorder%demands, equation, t, y, y_dot)
-      end if
+      if (sees_forces(recorder)) call complete_rates(equation, t, y, y_ddot, y_dot)
+      if (allocated(recorder%demands)) call search_state(recorder%demands, equation, t, y, y_dot)
+      if (allocated(recorder%envelopes)) call search_state(recorder%envelopes, equation, t, y, &
+         y_dot)
       if (recorder%keeps_energy) then
          recorder%energy%final = mechanical_energy(equation, y)
          recorder%energy%hysteretic = recorder%energy%flow + yielding_loss(equation, y)

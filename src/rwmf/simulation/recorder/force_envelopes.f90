@@ -1,0 +1,378 @@
+!> Envelopes of the forces that members are designed for: shear and moment in the wall beside every
+!> floor, at its base and at mid-height, forces of the links, the pivot's normal force; and with
+!> them velocities of the floors and the travel of the fuses.
+!>
+!> Peaks are found as `rwmf_simulation_recorder_peak_search` finds them.
+module rwmf_simulation_recorder_force_envelopes
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_math_roots, only: close_in, secant_between, secant_t
+   use rwmf_model_assembly, only: equation_t, interval_of
+   use rwmf_model_demands, only: building_of, building_t, links_of
+   use rwmf_model_equation, only: corner_share, frame_motion, ground, kinematics_at
+   use rwmf_model_floor_motion, only: floor_motion
+   use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_model_reactions, only: reactions_at, reactions_t
+   use rwmf_model_wall_sections, only: find_forces_beside, links_t
+   use rwmf_motion_ground_motion, only: interval_at, turning_point, velocities_at_knots, &
+      velocity
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: id
+   use rwmf_simulation_events_first_change, only: moment_t, span_between, span_t, &
+      stop_at_change, watch_t
+   use rwmf_simulation_events_step_view, only: step_view_t
+   use rwmf_simulation_events_turns, only: keeps_direction, rotation_t
+   use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece, &
+      search_state
+   use rwmf_simulation_result, only: envelope_extremes_t
+   implicit none
+   private
+
+   public :: envelope_recorder_t, create_envelopes, observe_envelopes, observe_envelopes_at_rest
+   public :: put_envelopes, envelope_extremes
+
+   integer, parameter :: of_normal = 1
+   !! places of the quantities behind the velocities of the floors; normal force of the pivot
+   integer, parameter :: of_base = 2
+   !! and one more: shear and moment at the base
+   integer, parameter :: of_middle = 4
+   !! and one more: at mid-height
+   integer, parameter :: of_sections = 5
+   !! before four of each floor: shear below and above it, moment below and above it
+   integer, parameter :: per_floor = 4
+
+   !> Running maxima: magnitudes of velocities [m/s], shears [m/s2] and moments [m2/s2] over m_w and
+   !> forces of links [m/s2], the normal force with its sign [m/s2].
+   type, extends(peak_search_t) :: envelope_recorder_t
+      type(building_t) :: building
+      real(wp), allocatable :: ground_velocity(:)
+      !! of `velocities_at_knots` [m/s]
+      real(wp) :: velocity_before = 0
+      !! of a ground that moves before the run begins, which begins at rest [m/s]
+      real(wp), allocatable :: z(:)
+      !! (sections) heights: base, floors, and mid-height unless a floor is there [m]
+      integer :: middle = 0
+      !! section at mid-height
+      integer, allocatable :: of_floor(:)
+      !! (floors) section of each
+      type(links_t) :: links
+      !! at the last instant
+      real(wp), allocatable :: below(:, :), above(:, :)
+      !! (2, sections) forces then [m/s2], [m2/s2]
+      real(wp) :: travel(2) = 0
+      !! of the left and the right fuse [m]
+      logical :: has_fuses = .false.
+   contains
+      procedure :: find => find_envelopes
+   end type envelope_recorder_t
+
+contains
+
+   !> Begin, when the case asks for envelopes.
+   subroutine create_envelopes(recorder, case, equation, y)
+      type(envelope_recorder_t), allocatable, intent(out) :: recorder
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states) at the beginning
+      real(wp), allocatable :: least(:)
+      integer :: links
+
+      if (.not. allocated(case%output)) return
+      if (.not. case%output%envelopes) return
+      allocate (recorder)
+      call building_of(case, equation, recorder%building)
+      recorder%ground_velocity = velocities_at_knots(equation%motion)
+      recorder%velocity_before = velocity(equation%motion, recorder%ground_velocity, &
+         interval_at(equation%motion, 0.0_wp), 0.0_wp)
+      recorder%has_fuses = allocated(case%fuse)
+      associate (n => recorder%building%floors)
+         least = spread(-1.0_wp, 1, n)
+         if (equation%has_wall) then
+            call place_sections(recorder, equation)
+            links = min(1, n)
+            if (equation%floors%are_linked) links = n
+            least = [least, -huge(1.0_wp), spread(-1.0_wp, 1, of_sections - 1 + per_floor*n &
+               + links)]
+         end if
+         call begin_search(recorder, equation, y, least)
+         recorder%has_middle = .true.
+         if (equation%has_wall) call mark_equal_sections(recorder, equation)
+      end associate
+   end subroutine create_envelopes
+
+   !> Heights of the sections, ascending.
+   subroutine place_sections(recorder, equation)
+      type(envelope_recorder_t), intent(inout) :: recorder
+      type(equation_t), intent(in) :: equation
+      !! with a wall
+      real(wp), parameter :: same = 1.0e-9_wp
+      !! distance of a floor from mid-height, over the height [-]
+      real(wp), allocatable :: share(:)
+      integer :: i, n
+
+      n = recorder%building%floors
+      allocate (share(n))
+      if (n > 0) share = recorder%building%z/recorder%building%z(n)
+      recorder%of_floor = [(i + 1, i=1, n)]
+      i = count(share < 0.5_wp - same) + 1
+      recorder%middle = i + 1
+      if (count(abs(share - 0.5_wp) <= same) == 0) then
+         share = [share(:i - 1), 0.5_wp, share(i:)]
+         recorder%of_floor(i:) = recorder%of_floor(i:) + 1
+      end if
+      recorder%z = 2*equation%p%R*equation%p%cos_alpha*[0.0_wp, share]
+      allocate (recorder%below(2, size(recorder%z)), recorder%above(2, size(recorder%z)))
+   end subroutine place_sections
+
+   !> Sections without a link have the same forces on both sides, and above the roof is no wall:
+   !> search for each once.
+   subroutine mark_equal_sections(recorder, equation)
+      type(envelope_recorder_t), intent(inout) :: recorder
+      type(equation_t), intent(in) :: equation
+      !! with a wall
+      integer :: i
+
+      associate (n => recorder%building%floors)
+         do i = 1, n
+            if (i < n .and. equation%floors%are_linked) cycle
+            associate (first => n + of_sections + per_floor*(i - 1))
+               recorder%is_led([first + 2, first + 4]) = .true.
+            end associate
+         end do
+      end associate
+   end subroutine mark_equal_sections
+
+   !> Quantities at a state.
+   subroutine find_envelopes(self, equation, t, y, y_dot, found)
+      class(envelope_recorder_t), intent(inout) :: self
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_dot(:)
+      real(wp), intent(out) :: found(:)
+      !! (quantities)
+      type(reactions_t) :: reactions
+      integer :: i, n
+
+      n = self%building%floors
+      found(:n) = abs(floor_velocities(self, equation, t, y))
+      if (.not. equation%has_wall) return
+      call find_forces(self, equation, t, y, y_dot(2))
+      reactions = reactions_at(equation, t, y, y_dot(2))
+      associate (forces => found(n + 1:), below => self%below, above => self%above)
+         forces(of_normal) = reactions%normal
+         forces(of_base:of_base + 1) = abs(above(:, 1))
+         forces(of_middle:of_middle + 1) = max(abs(below(:, self%middle)), &
+            abs(above(:, self%middle)))
+         do i = 1, n
+            associate (first => of_sections + per_floor*(i - 1), section => self%of_floor(i))
+               forces(first + 1:first + 3:2) = abs(below(:, section))
+               forces(first + 2:first + 4:2) = abs(above(:, section))
+            end associate
+         end do
+         forces(of_sections + per_floor*n + 1:) = norm2(self%links%force, 1)
+      end associate
+   end subroutine find_envelopes
+
+   !> Forces of the links and at the sections, with their signs.
+   subroutine find_forces(self, equation, t, y, y_ddot)
+      class(envelope_recorder_t), intent(inout) :: self
+      type(equation_t), intent(in) :: equation
+      !! with a wall
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' [rad/s2]
+
+      call links_of(self%building, equation, kinematics_at(equation, y(1)), t, y, y_ddot, &
+         self%links)
+      call find_forces_beside(equation, t, y, y_ddot, self%links, self%z, self%below, self%above)
+      ! there is no wall above the roof
+      if (self%building%floors > 0) self%above(:, size(self%z)) = 0
+   end subroutine find_forces
+
+   !> Absolute velocities of the floors [m/s].
+   function floor_velocities(self, equation, t, y) result(v)
+      class(envelope_recorder_t), intent(in) :: self
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp) :: v(self%building%floors)
+      real(wp) :: u(0:self%building%floors), roof(2)
+
+      if (size(v) == 0) return
+      if (equation%floors%n > 0) then
+         call floor_motion(equation, equation%state%side, y, u, v)
+      else
+         call frame_motion(equation, equation%state%side, y, roof(1), roof(2))
+         v = self%building%share*roof(2)
+      end if
+      v = v + velocity(equation%motion, self%ground_velocity, interval_of(equation), t) &
+         - self%velocity_before
+   end function floor_velocities
+
+   !> Smooth motion inside the last step of the integrator.
+   subroutine observe_envelopes(recorder, piece, error)
+      type(envelope_recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
+
+      call search_piece(recorder, piece, error)
+      if (.not. allocated(error) .and. recorder%has_fuses) call follow_fuses(recorder, piece, error)
+   end subroutine observe_envelopes
+
+   !> Travel of the fuses over a piece, there and back at every turn of the rotation.
+   subroutine follow_fuses(recorder, piece, error)
+      type(envelope_recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: most_turns = 20
+      !! more of them in a piece are round-off
+      type(rotation_t) :: rotation
+      type(moment_t) :: b
+      type(span_t) :: span
+      type(watch_t) :: watch
+      logical :: turns
+      integer :: i
+
+      if (keeps_direction(piece)) then
+         call add_travel(recorder, piece%equation, piece%y_a(1), piece%y_b(1))
+         return
+      end if
+      rotation%step = piece
+      span%a%t = piece%t_a
+      b%t = piece%t_b
+      call rotation%evaluate(piece%t_a, piece%y_a, span%a%f)
+      call rotation%evaluate(piece%t_b, piece%y_b, b%f)
+      span = span_between(rotation, span%a, b)
+      watch = watch_t(1, 1, side=sign(1.0_wp, span%a%f(1, 1)))
+      if (abs(span%a%f(1, 1)) <= 0) watch%side = sign(1.0_wp, span%a%f(1, 2))
+      do i = 1, most_turns
+         call stop_at_change(rotation, watch, span, turns, error)
+         if (allocated(error)) return
+         call add_travel(recorder, piece%equation, span%a%f(1, 0), span%b%f(1, 0))
+         if (.not. turns) return
+         watch%side = -watch%side
+         span = span_between(rotation, span%b, b)
+      end do
+      call add_travel(recorder, piece%equation, span%a%f(1, 0), b%f(1, 0))
+   end subroutine follow_fuses
+
+   !> The rotation goes from one value to another: the fuse under the corner that lifts is drawn,
+   !> under a hinged wall both.
+   pure subroutine add_travel(recorder, equation, theta_a, theta_b)
+      type(envelope_recorder_t), intent(inout) :: recorder
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta_a, theta_b
+      !! [rad]
+      real(wp) :: way
+
+      way = abs(fuse_stroke(equation, theta_b) - fuse_stroke(equation, theta_a))
+      if (.not. equation%has_impacts) then
+         recorder%travel = recorder%travel + way
+      else
+         associate (drawn => recorder%travel(merge(1, 2, equation%state%side > 0)))
+            drawn = drawn + way
+         end associate
+      end if
+   end subroutine add_travel
+
+   !> Stroke of the fuse under a corner, its chord; of a hinged wall it has half the arm [m].
+   pure real(wp) function fuse_stroke(equation, theta) result(stroke)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+
+      stroke = corner_share(equation)*4*equation%p%R*equation%p%sin_alpha*sin(theta/2)
+   end function fuse_stroke
+
+   !> The wall stays at rest while the motion goes through the interval in force: forces are
+   !> straight lines over the ground's acceleration, and velocities turn where that is zero.
+   subroutine observe_envelopes_at_rest(recorder, equation, y, t_a, t_b)
+      type(envelope_recorder_t), intent(inout) :: recorder
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: t_a
+      !! [s]
+      real(wp), intent(in) :: t_b
+      !! [s]
+      type(secant_t) :: search
+      real(wp) :: t, next, still(size(y))
+
+      still = 0
+      t = t_a
+      call search_state(recorder, equation, t, y, still)
+      do while (t < t_b)
+         next = min(turning_point(equation%motion, interval_of(equation), t), t_b)
+         if (ground(equation, t)*ground(equation, next) < 0) then
+            search = secant_between([t, next], [ground(equation, t), ground(equation, next)])
+            do while (search%is_open)
+               t = search%next
+               call close_in(search, ground(equation, t))
+            end do
+            call search_state(recorder, equation, t, y, still)
+         end if
+         t = next
+         call search_state(recorder, equation, t, y, still)
+      end do
+   end subroutine observe_envelopes_at_rest
+
+   !> Columns of the history at one instant.
+   subroutine put_envelopes(row, recorder, equation, t, y, y_ddot)
+      type(history_row_t), intent(inout) :: row
+      type(envelope_recorder_t), intent(inout) :: recorder
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_ddot
+      !! theta'' [rad/s2]
+
+      if (.not. equation%has_wall) return
+      call find_forces(recorder, equation, t, y, y_ddot)
+      associate (base => recorder%above(:, 1)/equation%p%g, force => recorder%links%force, &
+                 n => recorder%building%floors)
+         call put(row, id%wall_shear_base_over_m_w_g, base(1))
+         call put(row, id%wall_moment_base_over_m_w_g_m, base(2))
+         if (n > 0) call put(row, id%link_i_force_over_m_w_g, sign(norm2(force, 1), force(1, :)) &
+            /equation%p%g, n - size(force, 2))
+      end associate
+   end subroutine put_envelopes
+
+   !> What the run has seen.
+   subroutine envelope_extremes(recorder, equation, theta_max, extremes)
+      type(envelope_recorder_t), intent(in) :: recorder
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta_max
+      !! largest |theta| [rad]
+      type(envelope_extremes_t), intent(out) :: extremes
+      integer :: n
+
+      n = recorder%building%floors
+      if (n > 0) extremes%velocity_max = recorder%largest(:n)
+      if (recorder%has_fuses) then
+         extremes%fuse_stroke_max = fuse_stroke(equation, theta_max)
+         extremes%fuse_stroke_sum = maxval(recorder%travel)
+      end if
+      if (.not. equation%has_wall) return
+      associate (forces => recorder%largest(n + 1:)/equation%p%g)
+         extremes%normal_max = forces(of_normal)
+         extremes%base = forces(of_base:of_base + 1)
+         extremes%middle = forces(of_middle:of_middle + 1)
+         if (n == 0) return
+         associate (sections => reshape(forces(of_sections + 1:of_sections + per_floor*n), &
+                    [per_floor, n]))
+            extremes%shear_below = sections(1, :)
+            extremes%shear_above = sections(2, :)
+            extremes%moment_below = sections(3, :)
+            extremes%moment_above = sections(4, :)
+         end associate
+         extremes%link_max = forces(of_sections + per_floor*n + 1:)
+      end associate
+   end subroutine envelope_extremes
+
+end module rwmf_simulation_recorder_force_envelopes

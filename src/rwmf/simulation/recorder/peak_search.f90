@@ -1,0 +1,360 @@
+!> Search for the largest values of quantities of a run, found while the observer passes by.
+!>
+!> The quantities are smooth between two events or knots. Both ends of a piece of motion count with
+!> their one-sided values, so that those on both sides of an impact do. A step that is short, and
+!> whose ends stay below the largest so far by what a vibration can rise between them, is left
+!> alone. Any other is searched at five places, in parts of a quarter of the shortest period at
+!> most. A maximum that can be the largest so far is closed in on until nothing but round-off is to
+!> be gained: in a short step by polynomials of the states, then with the integrator's own state.
+module rwmf_simulation_recorder_peak_search
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: pi, wp
+   use rwmf_math_roots, only: climb, maximum_between, maximum_t, vertex_of_parabola
+   use rwmf_model_assembly, only: equation_t, rates_at
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, step_view_t
+   use rwmf_simulation_recorder_reaction_estimates, only: fastest_of, inside, n_nodes, node, &
+      place_of_peak
+   use rwmf_simulation_recorder_step_states, only: fit_states, may_interpolate, state_inside, &
+      step_states_t
+   implicit none
+   private
+
+   public :: peak_search_t, begin_search, search_piece, search_state
+
+   !> Running maxima of quantities, each in its unit.
+   type, abstract :: peak_search_t
+      real(wp), allocatable :: largest(:)
+      !! (quantities)
+      real(wp), allocatable :: t_largest(:)
+      !! (quantities) [s]
+      real(wp), allocatable :: smallest(:)
+      !! (quantities) which tells how far they vary
+      logical, allocatable :: is_led(:)
+      !! (quantities) it is in a fixed proportion to one before it
+      logical :: has_middle = .false.
+      !! a sample in the middle of a step may show that nothing larger lies in it
+      real(wp) :: frequency = 0
+      !! of the fastest vibration, before anything yields [rad/s]
+      real(wp) :: t_end = -1
+      !! where the last piece ended [s]
+      real(wp), allocatable :: y_end(:)
+      !! (states) there
+      real(wp), allocatable :: rates(:, :)
+      !! (states, 2) of the states at both ends of the last piece
+      real(wp), allocatable :: at_ends(:, :)
+      !! (quantities, 2)
+   contains
+      procedure(find_i), deferred :: find
+      procedure :: note_places
+   end type peak_search_t
+
+   abstract interface
+      !> The quantities at a state.
+      subroutine find_i(self, equation, t, y, y_dot, found)
+         import :: equation_t, peak_search_t, wp
+         implicit none
+         class(peak_search_t), intent(inout) :: self
+         type(equation_t), intent(in) :: equation
+         real(wp), intent(in) :: t
+         !! [s]
+         real(wp), intent(in) :: y(:)
+         !! (states)
+         real(wp), intent(in) :: y_dot(:)
+         !! (states) their rates
+         real(wp), intent(out) :: found(:)
+         !! (quantities)
+      end subroutine find_i
+   end interface
+
+contains
+
+   !> Begin, with the state at t = 0.
+   subroutine begin_search(self, equation, y, least)
+      class(peak_search_t), intent(inout) :: self
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: least(:)
+      !! (quantities) which all values exceed
+
+      self%frequency = max(fastest_of(equation), wall_frequency(equation, y))
+      self%largest = least
+      associate (n => size(least))
+         allocate (self%t_largest(n), source=0.0_wp)
+         allocate (self%smallest(n), source=huge(1.0_wp))
+         allocate (self%is_led(n), source=.false.)
+         allocate (self%y_end(equation%n), self%rates(equation%n, 2))
+         allocate (self%at_ends(n, 2))
+      end associate
+   end subroutine begin_search
+
+   !> Quantities that have been found last may become the largest: note where along the wall.
+   subroutine note_places(self, found)
+      class(peak_search_t), intent(inout) :: self
+      real(wp), intent(in) :: found(:)
+      !! (quantities)
+
+      associate (unused => self, also => found)
+      end associate
+   end subroutine note_places
+
+   !> Frequency of the wall on its springs and cable, which may vibrate faster than the frame
+   !> [rad/s].
+   real(wp) function wall_frequency(equation, y) result(frequency)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), parameter :: small = 1.0e-6_wp
+      !! [rad]
+      real(wp), dimension(size(y)) :: beside, rates, rates_beside
+
+      frequency = 0
+      if (.not. equation%has_wall) return
+      beside = y
+      beside(1) = y(1) + sign(small, y(1))
+      call rates_at(equation, 0.0_wp, y, rates)
+      call rates_at(equation, 0.0_wp, beside, rates_beside)
+      frequency = sqrt(max(0.0_wp, (rates(2) - rates_beside(2))/(beside(1) - y(1))))
+   end function wall_frequency
+
+   !> One state of motion, or of a wall at rest with zeros for its rates.
+   subroutine search_state(self, equation, t, y, y_dot)
+      class(peak_search_t), intent(inout) :: self
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
+      real(wp) :: found(size(self%largest))
+
+      call self%find(equation, t, y, y_dot, found)
+      call keep_largest(self, t, found)
+   end subroutine search_state
+
+   !> Let the quantities that have been found last take part.
+   subroutine keep_largest(self, t, found)
+      class(peak_search_t), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: found(:)
+      !! (quantities)
+      integer :: q
+
+      call self%note_places(found)
+      do q = 1, size(found)
+         self%smallest(q) = min(self%smallest(q), found(q))
+         if (.not. found(q) > self%largest(q)) cycle
+         self%largest(q) = found(q)
+         self%t_largest(q) = t
+      end do
+   end subroutine keep_largest
+
+   !> Smooth motion inside the last step of the integrator.
+   subroutine search_piece(self, piece, error)
+      class(peak_search_t), intent(inout) :: self
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
+      type(step_states_t), allocatable :: states
+      real(wp) :: found(size(self%largest), n_nodes)
+      real(wp), parameter :: most_parts = 1000
+      real(wp) :: t(2), angle
+      integer :: i, n
+
+      call look_at_ends(self, piece)
+      n = 1
+      angle = (piece%t_b - piece%t_a)*self%frequency
+      if (may_interpolate(piece, self%frequency)) then
+         if (is_plain(self, angle, max(self%at_ends(:, 1), self%at_ends(:, 2)))) return
+         if (self%has_middle) then
+            if (is_flat(self, piece)) return
+         end if
+         allocate (states)
+         call fit_states(piece, self%rates, states, error)
+         if (allocated(error)) return
+      else
+         n = max(count_parts(piece), ceiling(min(2*angle/pi, most_parts)))
+      end if
+      found(:, n_nodes) = self%at_ends(:, 1)
+      t(2) = piece%t_a
+      do i = 1, n
+         found(:, 1) = found(:, n_nodes)
+         t = [t(2), end_of_part(piece, i, n)]
+         call search_part(self, piece, states, t, found, error)
+         if (allocated(error)) return
+      end do
+   end subroutine search_piece
+
+   !> Let both ends of a piece take part. It begins where the one before has ended, unless something
+   !> jumped there.
+   subroutine look_at_ends(self, piece)
+      class(peak_search_t), intent(inout) :: self
+      type(step_view_t), intent(in) :: piece
+      real(wp), parameter :: slack = 1.0e-12_wp
+      logical :: goes_on
+
+      associate (found => self%at_ends, rates => self%rates)
+         goes_on = abs(self%t_end - piece%t_a) <= 0
+         if (goes_on) goes_on = all(abs(self%y_end - piece%y_a) <= 0)
+         call rates_at(piece%equation, piece%t_a, piece%y_a, rates(:, 1))
+         if (goes_on) goes_on = all(abs(rates(:, 1) - rates(:, 2)) <= slack*abs(rates(:, 1)))
+         if (goes_on) then
+            found(:, 1) = found(:, 2)
+         else
+            call self%find(piece%equation, piece%t_a, piece%y_a, rates(:, 1), &
+               found(:, 1))
+            call keep_largest(self, piece%t_a, found(:, 1))
+         end if
+         call rates_at(piece%equation, piece%t_b, piece%y_b, rates(:, 2))
+         call self%find(piece%equation, piece%t_b, piece%y_b, rates(:, 2), found(:, 2))
+         call keep_largest(self, piece%t_b, found(:, 2))
+      end associate
+      self%t_end = piece%t_b
+      self%y_end(:) = piece%y_b
+   end subroutine look_at_ends
+
+   !> Is it plain from samples of a short step that nothing larger lies between them?
+   pure logical function is_plain(self, angle, highest)
+      class(peak_search_t), intent(in) :: self
+      real(wp), intent(in) :: angle
+      !! of the fastest vibration between two samples [rad]
+      real(wp), intent(in) :: highest(:)
+      !! (quantities) the largest of the samples
+      real(wp), parameter :: rise = 0.5_wp
+      !! of the range so far over the angle squared: by so much a second harmonic rises above both
+      !! ends, a vibration by a quarter of it [-]
+      real(wp), parameter :: least_rise = 0.02_wp, stiff_rise = 100
+      !! the same where a stiff cable, which is not asked, vibrates faster
+      real(wp) :: margin
+      integer :: q
+
+      margin = max(min(least_rise, stiff_rise*angle**2), rise*angle**2)
+      is_plain = .false.
+      do q = 1, size(self%largest)
+         if (.not. highest(q) + margin*(self%largest(q) - self%smallest(q)) &
+             <= self%largest(q) .and. .not. self%is_led(q)) return
+      end do
+      is_plain = .true.
+   end function is_plain
+
+   !> Is it plain from both ends and the middle of a step of up to 1.5 rad that nothing larger lies
+   !> in it? By the bounds of lanes (`rwmf_integrator_lane_reactions`): a peak rises above the
+   !> samples by a quarter of their range at most, and what falls or grows along the parabola
+   !> through them has none inside.
+   logical function is_flat(self, piece)
+      class(peak_search_t), intent(inout) :: self
+      type(step_view_t), intent(in) :: piece
+      real(wp), parameter :: rise = 0.25_wp
+      !! of the range of the samples
+      real(wp), parameter :: slack = 0.01_wp
+      !! of the range so far
+      real(wp), dimension(size(piece%y_b)) :: y, y_dot
+      real(wp) :: middle(size(self%largest)), low, slope(2)
+      integer :: q
+
+      associate (h => piece%t_b - piece%t_a)
+         y = (piece%y_a + piece%y_b)/2 + h/8*(self%rates(:, 1) - self%rates(:, 2))
+         call rates_at(piece%equation, piece%t_a + h/2, y, y_dot)
+         call self%find(piece%equation, piece%t_a + h/2, y, y_dot, middle)
+      end associate
+      is_flat = .false.
+      do q = 1, size(middle)
+         if (self%is_led(q)) cycle
+         associate (a => self%at_ends(q, 1), b => middle(q), c => self%at_ends(q, 2))
+            low = rise*(max(a, b, c) - min(a, b, c))
+            if (max(a, b, c) + low + slack*(self%largest(q) - self%smallest(q)) &
+                <= self%largest(q)) cycle
+            slope = [4*b - 3*a - c, 3*c - 4*b + a]
+            if (.not. (minval(slope) > low .or. maxval(slope) < -low)) return
+         end associate
+      end do
+      is_flat = .true.
+   end function is_flat
+
+   !> Extrema in a part in which nothing vibrates by more than a quarter of its period.
+   subroutine search_part(self, piece, states, t, found, error)
+      class(peak_search_t), intent(inout) :: self
+      type(step_view_t), intent(in) :: piece
+      type(step_states_t), intent(in), allocatable :: states
+      real(wp), intent(in) :: t(2)
+      !! its ends [s]
+      real(wp), intent(inout) :: found(:, :)
+      !! (quantities, nodes) the first is known
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: times(n_nodes)
+      integer :: i, q
+
+      times = t(1) + (t(2) - t(1))*node
+      times(n_nodes) = t(2)
+      do i = 2, n_nodes
+         if (times(i) >= piece%t_b) then
+            found(:, i) = self%at_ends(:, 2)
+         else
+            call sample(self, piece, times(i), found(:, i), error, states)
+         end if
+         if (allocated(error)) return
+      end do
+      do q = 1, size(found, 1)
+         if (self%is_led(q)) cycle
+         if (place_of_peak(found(q, :), self%largest(q)) /= inside) cycle
+         call close_in(self, piece, states, q, times, found(q, :), error)
+         if (allocated(error)) return
+      end do
+   end subroutine search_part
+
+   !> The maximum of a quantity between the nodes.
+   subroutine close_in(self, piece, states, q, times, found, error)
+      class(peak_search_t), intent(inout) :: self
+      type(step_view_t), intent(in) :: piece
+      type(step_states_t), intent(in), allocatable :: states
+      integer, intent(in) :: q
+      !! which quantity
+      real(wp), intent(in) :: times(n_nodes)
+      !! [s]
+      real(wp), intent(in) :: found(n_nodes)
+      !! the quantity there, nearly
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: miss = 0.1_wp
+      !! of the range in the part, by which the first point may miss the maximum
+      type(maximum_t) :: search
+      real(wp) :: at_point(size(self%largest))
+      real(wp) :: vertex
+      integer :: k
+
+      k = min(max(maxloc(found, dim=1), 2), n_nodes - 1)
+      vertex = vertex_of_parabola(times(k - 1:k + 1), found(k - 1:k + 1))
+      if (.not. (vertex > times(k - 1) .and. vertex < times(k + 1))) vertex = times(k)
+      search = maximum_between(times(k - 1), times(k + 1), vertex, is_near=.true.)
+      do while (search%is_open)
+         call sample(self, piece, search%next, at_point, error, states)
+         if (allocated(error)) return
+         if (at_point(q) + miss*(maxval(found) - minval(found)) < self%largest(q)) return
+         call climb(search, at_point(q))
+      end do
+      if (allocated(states)) call sample(self, piece, search%x(1), at_point, error)
+   end subroutine close_in
+
+   !> Quantities inside a piece. Those of the integrator's own state take part.
+   subroutine sample(self, piece, t, found, error, states)
+      class(peak_search_t), intent(inout) :: self
+      type(step_view_t), intent(in) :: piece
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: found(:)
+      type(error_t), allocatable, intent(out) :: error
+      type(step_states_t), intent(in), optional :: states
+      !! which tell the state nearly
+      real(wp), dimension(size(piece%y_b)) :: y, y_dot
+
+      if (present(states)) then
+         call state_inside(states, t, y)
+      else
+         call sample_state(piece, t, y, error)
+         if (allocated(error)) return
+      end if
+      call rates_at(piece%equation, t, y, y_dot)
+      call self%find(piece%equation, t, y, y_dot, found)
+      if (.not. present(states)) call keep_largest(self, t, found)
+   end subroutine sample
+
+end module rwmf_simulation_recorder_peak_search
