@@ -737,6 +737,8 @@ class BentWall:
         u, u_t, frame = flow.u[0], flow.u_t[0], self.frame
         kinetic = v[0, :k] @ self.inertia(x, side)[0] @ v[0, :k] + frame.m @ u_t**2
         rise = side * self.b * math.sin(theta) - 2 * self.h * math.sin(theta / 2) ** 2
+        spun = 4 * self.inerter * self.b**2 * math.cos(theta / 2) ** 2 * v[0, 0] ** 2
+        kinetic -= spun
         gap = flow.linked[0] - x[0, k:] if frame.link_k.size else np.zeros(0)
         q = x[0, 1:k]
         found = {
@@ -745,7 +747,7 @@ class BentWall:
             "gravity": self.g * (rise - math.sin(theta) * (q @ self.area)),
             "bending": self.mass * self.omega**2 @ q**2 / 2,
             "cable": float(self.cable_force(side * x[:, 0])[2][0]),
-            "effects": -u @ frame.lean @ u / 2,
+            "effects": (spun - u @ frame.lean @ u) / 2,
         }
         for s, fuse in zip((1, -1), piece.fuses, strict=False):
             found["effects"] += fuse.stored(max(0.0, 4 * self.b * s * math.sin(theta / 2)))
@@ -990,8 +992,6 @@ class _Run:
         """Go on to a time without a knot before it, or to an event."""
         begin, wall = self.t, self.wall
         count = max(1, math.ceil((stop - begin) * self.fastest / ANGLE))
-        if not self.held and self.power > 0:
-            count = max(count, 1)
         h, i = (stop - begin) / count, 0
         a_g, a_v = self._motion(begin, stop)
         while i < count:
@@ -1115,7 +1115,6 @@ class _Run:
 
     def _cut(self, piece: Piece, name: str, share: float) -> None:
         """Integrate up to an event, and let it happen."""
-        power = self.power
         for _ in range(3):
             piece.h *= share
             if not self.wall.step(piece):
@@ -1127,12 +1126,11 @@ class _Run:
             if abs(share - 1) < 1e-13 or not 0.5 < share < 2:
                 break
         self._accept(piece)
-        self.power = power
         self._happen(name)
 
     def _happen(self, name: str) -> None:
         """Change the state at an event."""
-        course, wall = self.course, self.wall
+        course = self.course
         self.power = 0
         if name == "impact":
             self._impact()
@@ -1145,7 +1143,6 @@ class _Run:
             self._fuse().turn(self._drawn())
         else:
             self._fuse().on = int(name.split()[1])
-        del wall
 
     def _fuse(self) -> Fuse:
         return self.wall.lifting(self.wall.fuses, self.side)
