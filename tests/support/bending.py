@@ -658,11 +658,11 @@ class BentWall:
                                    piece.side, piece.fuses, held=piece.held)  # fmt: skip
             change = (inverse @ (flow.a - a).ravel()).reshape(a.shape)
             a = a + change
-            scale = np.abs(a).max(axis=0) + _TINY + 1e-13 * np.abs(a).max()
+            scale = np.abs(a).max(axis=0) + 1e-5 * np.abs(a).max() + _TINY
             size = float((np.abs(change) / scale).max())
             if not math.isfinite(size):
                 return False
-            if size < 1e-15 or (size < 3e-12 and size > 0.2 * last):
+            if size < 1e-15 or (last < 1e-6 and size > 0.2 * last):
                 piece.coefficients = _TO_LEGENDRE @ a
                 return True
             last = size
