@@ -16,320 +16,35 @@ import argparse
 import copy
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev, legendre
-from scipy.linalg import eigh
+from bending_demands import Demands
+from bending_parts import (
+    ANGLE,
+    AT_END,
+    AT_FINE,
+    AT_POINTS,
+    Array,
+    FINE,
+    Frame,
+    Fuse,
+    Ground,
+    Groups,
+    NODES,
+    ONCE,
+    POINTS,
+    Shapes,
+    TINY,
+    TO_LEGENDRE,
+    TWICE,
+    WEIGHTS,
+    basis_at,
+)
+from numpy.polynomial import legendre
 from scipy.optimize import brentq, minimize_scalar
-
-Array = np.ndarray
-Groups = dict[str, dict[str, Any]]
-NODES = 20  # of a step
-ANGLE = 5.0  # of the fastest vibration in a step [rad]
-_TINY = 1e-300
-
-
-# polynomials of a step
-
-
-def _basis(t: Array) -> tuple[Array, Array, Array]:
-    """Return Legendre polynomials of [0, 1], their integrals from 0, and those of the integrals."""
-    x = 2 * np.asarray(t, float) - 1
-    p = legendre.legvander(x, NODES + 1)
-    n = np.arange(1, NODES + 1)
-    first = np.empty_like(p[:, : NODES + 1])
-    first[:, 0] = t
-    first[:, 1:] = (p[:, 2:] - p[:, :NODES]) / (2 * (2 * n + 1))
-    second = np.empty_like(p[:, :NODES])
-    second[:, 0] = t**2 / 2
-    # the first integral is t = (1 + x)/2, a sum of two polynomials
-    second[:, 1] = (first[:, 2] - t) / 6
-    for k in range(2, NODES):
-        second[:, k] = (first[:, k + 1] - first[:, k - 1]) / (2 * (2 * k + 1))
-    return p[:, :NODES], first[:, :NODES], second
-
-
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(NODES)
-_POINTS, _WEIGHTS = (_POINTS + 1) / 2, _WEIGHTS / 2
-_ODD = 2 * np.arange(NODES) + 1
-_TO_LEGENDRE = (legendre.legvander(2 * _POINTS - 1, NODES - 1) * _WEIGHTS[:, None]).T * _ODD[:, None]
-_P, _P1, _P2 = _basis(_POINTS)
-_ONCE, _TWICE = _P1 @ _TO_LEGENDRE, _P2 @ _TO_LEGENDRE
-_END = _basis(np.array([1.0]))
-# Lobatto points of a step, at which demands are sampled, and a fine grid on it
-_LOBATTO = (1 - np.cos(np.pi * np.arange(NODES + 6) / (NODES + 5))) / 2
-_AT_LOBATTO = _basis(_LOBATTO)
-_FINE = np.concatenate([[1e-9, 1e-6, 1e-4], (1 - np.cos(np.pi * np.arange(1, 61) / 60)) / 2])
-_AT_FINE = _basis(_FINE)
-_TO_CHEBYSHEV = np.linalg.inv(chebyshev.chebvander(2 * _LOBATTO - 1, NODES + 5))
-_DENSE = chebyshev.chebvander(2 * _FINE[2:] - 1, NODES + 5) @ _TO_CHEBYSHEV
-_CLENSHAW = 13  # nodes of a piece of the wall
-_UP = (1 - np.cos(np.pi * np.arange(_CLENSHAW) / (_CLENSHAW - 1))) / 2
-_UP_CHEBYSHEV = np.linalg.inv(chebyshev.chebvander(2 * _UP - 1, _CLENSHAW - 1))
-
-
-def _integrals_above() -> Array:
-    """Return the matrix from values at the nodes of a piece to integrals up to its upper end."""
-    columns = []
-    for c in _UP_CHEBYSHEV.T:
-        whole = chebyshev.chebint(c)
-        columns.append(chebyshev.chebval(1.0, whole) - chebyshev.chebval(2 * _UP - 1, whole))
-    return np.array(columns).T / 2
-
-
-_ABOVE = _integrals_above()
-
-
-# shapes of the cantilever
-
-
-def cantilever_roots(n: int, shear: float = 0.0) -> Array:
-    """Return x = mu L of the first modes of a cantilever that bends and shears.
-
-    With the shear flexibility s = EI/(k G A L^2), the deflection obeys
-    w'''' + s K w''/L^2 - K w/L^4 = 0, K = m omega^2 L^4/EI, whose characteristic roots are +-y/L
-    and +-i x/L: x^2 y^2 = K, x^2 - y^2 = s K, therefore y^2 = x^2/(1 + s x^2). The clamped end
-    without rotation and the free end without moment and shear give
-
-        2 + (r^2 + 1/r^2) cosh y cos x - (r - 1/r) sinh y sin x = 0,  r = x/y.
-    """
-
-    def frequency(x: float) -> float:
-        y = x / math.sqrt(1 + shear * x * x)
-        r, small = x / y, math.exp(-y)
-        low, high = (1 - small**2) / 2, (1 + small**2) / 2
-        return (2 * small + (r * r + 1 / r**2) * high * math.cos(x)
-                - (r - 1 / r) * low * math.sin(x))  # fmt: skip
-
-    roots: list[float] = []
-    x, step = 0.3, 0.02
-    while len(roots) < n:
-        if frequency(x) * frequency(x + step) < 0:
-            roots.append(float(brentq(frequency, x, x + step, xtol=1e-15, rtol=1e-15)))
-        x += step
-    return np.array(roots)
-
-
-class Shapes:
-    """Modes of the cantilever of length L, 1 at the tip, with scaled exponentials."""
-
-    def __init__(self, n: int, length: float, shear: float = 0.0) -> None:
-        self.n, self.length = n, length
-        self.x = cantilever_roots(n, shear)
-        self.y = self.x / np.sqrt(1 + shear * self.x**2)
-        self.squares = self.x**2 * self.y**2  # over EI/(m L^4)
-        self.tip = np.ones(n)
-        self.tip = self(np.array([length]))[0]
-        z, weight = self.rule()
-        phi = self(z)
-        self.mass = weight @ phi**2 / length  # m_i over m_w
-        self.area = weight @ phi / length  # A_i
-        self.arm = (weight * z) @ phi / length  # S_i
-
-    def __call__(self, z: Array) -> Array:
-        """Return the deflections at heights, a column per mode.
-
-        The rotation of the section is c_1 (cosh y - cos x) + c_2 (sinh y + (y/x)^3 sin x) of the
-        height over L. Its third derivative is the deflection, up to a factor; c_1 and c_2 follow
-        from the moment at the tip. The growing exponential has its own small coefficient.
-        """
-        x, y, share = self.x, self.y, np.asarray(z)[:, None] / self.length
-        small, ratio = np.exp(-y), y / x
-        # moments of both parts at the tip, over exp(y)/2: one = y sinh + x sin, two is alike
-        one = y * (1 - small**2) + 2 * small * x * np.sin(x)
-        two = y * (1 + small**2) + 2 * small * y * ratio**2 * np.cos(x)
-        # (two - one), without the cancellation of sinh and cosh
-        left = small * (2 * y * small + 2 * y * ratio**2 * np.cos(x) - 2 * x * np.sin(x))
-        grows = left / two * np.exp(y * share) / 2
-        falls = -(one + two) / two * np.exp(-y * share) / 2
-        wave = -np.sin(x * share) * (x / y) ** 3 + one / two * np.cos(x * share)
-        return (grows + falls + wave) / self.tip
-
-    def rule(self) -> tuple[Array, Array]:
-        """Return nodes and weights that integrate products of shapes over the height."""
-        points, weights = np.polynomial.legendre.leggauss(20)
-        ends = np.linspace(0, self.length, 2 + int(self.x[-1]))
-        width = np.diff(ends)
-        z = ends[:-1, None] + width[:, None] * (points + 1) / 2
-        return z.ravel(), (width[:, None] / 2 * weights).ravel()
-
-
-# ground motion
-
-
-@dataclass
-class Ground:
-    """Ground acceleration: smooth between its knots, with one-sided values at them.
-
-    Attributes
-    ----------
-    knots : list of float
-        Times between which the motion is smooth [s].
-    pieces : list of callable
-        Acceleration between a knot and the next [m/s2]; zero outside all knots.
-    period : float
-        Shortest period of a piece [s].
-    """
-
-    knots: list[float]
-    pieces: list[Callable[[Array], Array]]
-    period: float = math.inf
-
-    @classmethod
-    def lines(cls, times: Sequence[float], values: Sequence[float]) -> Ground:
-        """Return straight lines between samples [s], [m/s2]."""
-
-        def line(i: int) -> Callable[[Array], Array]:
-            slope = (values[i + 1] - values[i]) / (times[i + 1] - times[i])
-            return lambda t: values[i] + slope * (t - times[i])
-
-        return cls(list(times), [line(i) for i in range(len(times) - 1)])
-
-    @classmethod
-    def pulse(cls, motion: dict[str, Any], g: float) -> Ground:
-        """Return the pulse of `&motion`: one_sine, one_cosine, sine or ricker."""
-        kind, begin = motion["kind"], motion.get("t_0", 0.0)
-        if kind == "none":
-            return cls([], [])
-        period = motion.get("T_p") or 2 * math.pi / motion["omega_p"]
-        omega = 2 * math.pi / period
-        if "v_p" in motion:
-            peak = motion["v_p"] * omega * (1.0 if kind == "one_cosine" else 0.5)
-        else:
-            peak = motion["a_max_g"] * g
-        peak *= motion.get("scale", 1.0)
-        if kind == "ricker":
-            middle = begin + 2.1 * period
-            knots = [begin + 2.1 * period * i / 8 for i in range(17)]
-
-            def ricker(t: Array) -> Array:
-                x = (np.pi * (t - middle) / period) ** 2
-                return peak * (1 - 2 * x) * np.exp(-x)
-
-            return cls(knots, [ricker] * 16, period / 4)
-        wave = np.cos if kind == "one_cosine" else np.sin
-        end = begin + period * (motion.get("cycles", 1.0) if kind == "sine" else 1.0)
-        return cls([begin, end], [lambda t: peak * wave(omega * (t - begin))], period)
-
-    def between(self, t: float, later: float) -> Callable[[Array], Array]:
-        """Return the motion in an interval without a knot."""
-        middle = (t + later) / 2
-        i = int(np.searchsorted(self.knots, middle)) - 1
-        if 0 <= i < len(self.pieces):
-            return self.pieces[i]
-        return lambda t: 0.0 * np.asarray(t, float)
-
-
-# the wall and its frame
-
-
-@dataclass
-class Fuse:
-    """A bilinear spring under a corner: force over m_w."""
-
-    k: float
-    force_y: float
-    ratio: float
-    p: float = 0.0
-    on: int = 0  # direction in which it yields
-
-    def force(self, x: Array) -> Array:
-        """Return the force at an elongation."""
-        if self.on:
-            return self.on * self.force_y * (1 - self.ratio) + self.ratio * self.k * x
-        return self.k * (x - self.p)
-
-    def turn(self, x: float) -> None:
-        """Unload elastically from an elongation."""
-        self.p, self.on = x - float(self.force(np.array(x))) / self.k, 0
-
-    def limit(self, way: int) -> float:
-        """Return the elongation at which it yields."""
-        # k (x - p) = way F_y (1 - a) + a k x
-        return (self.k * self.p + way * self.force_y * (1 - self.ratio)) / (self.k * (1 - self.ratio))
-
-    def stored(self, x: float) -> float:
-        """Return the elastic energy, that of hardening included."""
-        force = float(self.force(np.array(x)))
-        p = x - force / self.k
-        return force**2 / (2 * self.k) + self.ratio * self.k / (1 - self.ratio) * p**2 / 2
-
-
-class Frame:
-    """The frame of a case: its masses, stiffnesses, and the points of the wall it is linked to.
-
-    `u`, the displacements of its coordinates, are the free floors followed by the linked ones.
-    """
-
-    def __init__(self, groups: Groups, height: float, g: float) -> None:
-        frame, storeys = groups.get("frame"), groups.get("storeys")
-        self.coupling = storeys.get("coupling", "reduced") if storeys else "single"
-        self.z, self.link_k = np.zeros(0), np.zeros(0)
-        self.m = self.push = self.k = np.zeros(0)
-        self.stiff = self.damping = self.lean = np.zeros((0, 0))
-        self.free, self.storey_z, self.share = 0, np.zeros(0), np.zeros(0)
-        self.heights = np.zeros(0)
-        if not frame or (not storeys and not frame.get("gamma")):
-            self.coupling = "none"
-            return
-        gravity = groups.get("p_delta")
-        lean = gravity.get("m_g_over_m_s", 1.0) * g if gravity else 0.0
-        if not storeys:
-            omega, m = 2 * math.pi / frame["T_s"], frame["gamma"]
-            self.m = self.push = np.array([m])
-            self.stiff = np.array([[m * omega**2]])
-            self.damping = np.array([[2 * frame["xi_s"] * omega * m]])
-            self.heights = np.array([(gravity or {}).get("h_f") or height])
-            self.lean = np.array([[m * lean / self.heights[0]]])
-            self.z, self.k, self.share = np.array([height]), self.stiff[0], np.ones(1)
-            return
-        self._storeys(storeys, frame["xi_s"], lean)
-
-    def _storeys(self, storeys: dict[str, Any], xi: float, lean: float) -> None:
-        m = np.array(storeys["m_over_m_w"], float)
-        self.k, heights = (np.array(storeys[x], float) for x in ("k_over_m_w", "height"))
-        n = m.size
-        drift = np.eye(n) - np.eye(n, k=-1)
-        stiff = drift.T @ np.diag(self.k) @ drift
-        weights = lean * np.cumsum(m[::-1])[::-1] / heights
-        leaning = drift.T @ np.diag(weights) @ drift
-        squares, modes = eigh(stiff, np.diag(m))
-        momentum = m[:, None] * modes
-        damping = momentum @ np.diag(2 * xi * np.sqrt(squares)) @ momentum.T
-        self.heights, z = heights, np.cumsum(heights)
-        self.share = np.ones(n)
-        self.m, self.push, self.z = m, m, z[-1:]
-        self.stiff, self.damping, self.lean = stiff, damping, leaning
-        if self.coupling == "reduced":
-            self.share = modes[:, 0] / modes[-1, 0]
-            mass = m @ self.share**2
-            self.m, self.push = np.array([mass]), np.array([m @ self.share])
-            self.stiff = np.array([[mass * squares[0]]])
-            self.damping = np.array([[2 * xi * math.sqrt(squares[0]) * mass]])
-            self.lean = np.array([[self.share @ leaning @ self.share]])
-        elif self.coupling == "every_floor":
-            line = z / z[-1]
-            omega = math.sqrt(line @ stiff @ line / (m @ line**2))
-            self.z, self.damping = z, 2 * xi / omega * stiff
-        else:
-            self.free = n - 1 if self.coupling == "full" else n
-        if self.coupling == "springs":
-            self.z = z
-            given = np.atleast_1d(np.array(storeys["k_link_over_m_w"], float))
-            self.link_k = np.broadcast_to(given, z.shape)
-
-    @property
-    def linked(self) -> int:
-        """Number of links."""
-        return int(self.z.size)
-
-    def floors(self, u: Array) -> Array:
-        """Return the displacements of all floors from those of the coordinates."""
-        return u * self.share if self.coupling == "reduced" else u
 
 
 @dataclass
@@ -399,7 +114,6 @@ class BentWall:
         self.cable = groups.get("cable")
         self.fuses = self._fuses(groups.get("fuse"))
         self.size = 1 + self.n + self.frame.free
-        self._sections()
         self._inverses: dict[tuple[Any, ...], Array] = {}
         self._slopes: dict[tuple[int, bool], tuple[Array, Array]] = {}
 
@@ -641,29 +355,29 @@ class BentWall:
                 self._inverses.clear()
             by_x, by_v = self._slopes[side, held, state]
             matrix = np.eye(NODES * self.size)
-            matrix -= np.kron(h**2 * _TWICE, by_x) + np.kron(h * _ONCE, by_v)
+            matrix -= np.kron(h**2 * TWICE, by_x) + np.kron(h * ONCE, by_v)
             self._inverses[key] = np.linalg.inv(matrix)
         return self._inverses[key]
 
     def step(self, piece: Piece, guess: Array | None = None) -> bool:
         """Solve for the accelerations of a piece; return whether the iteration converges."""
-        t, h = piece.t + piece.h * _POINTS, piece.h
+        t, h = piece.t + piece.h * POINTS, piece.h
         a_g, a_v = piece.a_g(t), piece.a_v(t)
-        shift = piece.x + h * _POINTS[:, None] * piece.v
+        shift = piece.x + h * POINTS[:, None] * piece.v
         a = np.zeros((NODES, self.size)) if guess is None else guess
         last, fresh = math.inf, False
         inverse = self._inverse(piece.x, piece.side, h, held=piece.held, fresh=False)
         for count in range(60):
-            flow = self.accelerate(shift + h**2 * _TWICE @ a, piece.v + h * _ONCE @ a, a_g, a_v,
+            flow = self.accelerate(shift + h**2 * TWICE @ a, piece.v + h * ONCE @ a, a_g, a_v,
                                    piece.side, piece.fuses, held=piece.held)  # fmt: skip
             change = (inverse @ (flow.a - a).ravel()).reshape(a.shape)
             a = a + change
-            scale = np.abs(a).max(axis=0) + 1e-5 * np.abs(a).max() + _TINY
+            scale = np.abs(a).max(axis=0) + 1e-5 * np.abs(a).max() + TINY
             size = float((np.abs(change) / scale).max())
             if not math.isfinite(size):
                 return False
             if size < 1e-15 or (last < 1e-6 and size > 0.2 * last):
-                piece.coefficients = _TO_LEGENDRE @ a
+                piece.coefficients = TO_LEGENDRE @ a
                 return True
             last = size
             if count == 14 and not fresh:
@@ -672,7 +386,7 @@ class BentWall:
         return False
 
     def _end(self, piece: Piece) -> tuple[Array, Array]:
-        x, v = piece.at(_END, np.ones(1))
+        x, v = piece.at(AT_END, np.ones(1))
         return x[0], v[0]
 
     def follow(self, t_end: float | None = None) -> Course:
@@ -704,7 +418,7 @@ class BentWall:
     def powers(self, piece: Piece, t: Array, basis: tuple[Array, Array, Array]) -> dict[str, Array]:
         """Return the powers of the ground and of what dissipates."""
         x, v = piece.at(basis, t)
-        flow = self._flow(piece, t, x, v)
+        flow = self.flow(piece, t, x, v)
         time, n = piece.t + piece.h * t, self.n
         theta, rate, side = x[:, 0], v[:, 0], piece.side
         s, c = np.sin(theta), np.cos(theta)
@@ -723,7 +437,7 @@ class BentWall:
         bending = v[:, 1 : 1 + n] ** 2 @ self.decay
         return dict(zip(POWERS, (given, viscous, bending, plastic), strict=True))
 
-    def _flow(self, piece: Piece, t: Array, x: Array, v: Array) -> Flow:
+    def flow(self, piece: Piece, t: Array, x: Array, v: Array) -> Flow:
         time = piece.t + piece.h * t
         return self.accelerate(x, v, piece.a_g(time), piece.a_v(time), piece.side, piece.fuses,
                                held=piece.held)  # fmt: skip
@@ -731,8 +445,8 @@ class BentWall:
     def energies(self, course: Course, piece: Piece, share: float = 1.0) -> dict[str, float]:
         """Return what is stored and dissipated at a share of a piece [J/kg]."""
         at = np.array([share])
-        x, v = piece.at(_basis(at), at)
-        flow, n, side = self._flow(piece, at, x, v), self.n, piece.side
+        x, v = piece.at(basis_at(at), at)
+        flow, n, side = self.flow(piece, at, x, v), self.n, piece.side
         theta, k = float(x[0, 0]), 1 + n
         u, u_t, frame = flow.u[0], flow.u_t[0], self.frame
         kinetic = v[0, :k] @ self.inertia(x, side)[0] @ v[0, :k] + frame.m @ u_t**2
@@ -751,10 +465,10 @@ class BentWall:
         }
         for s, fuse in zip((1, -1), piece.fuses, strict=False):
             found["effects"] += fuse.stored(max(0.0, 4 * self.b * s * math.sin(theta / 2)))
-        nodes = share * _POINTS
-        powers = self.powers(piece, nodes, _basis(nodes))
+        nodes = share * POINTS
+        powers = self.powers(piece, nodes, basis_at(nodes))
         for name in POWERS:
-            found[name] = piece.stored[name] + share * piece.h * float(_WEIGHTS @ powers[name])
+            found[name] = piece.stored[name] + share * piece.h * float(WEIGHTS @ powers[name])
         losses = zip(course.impacts, course.losses, strict=True)
         found["impact"] = sum(loss for t, loss in losses if t < piece.t + share * piece.h)
         return {name: float(value) for name, value in found.items()}
@@ -767,167 +481,9 @@ class BentWall:
         kept = ("kinetic", "strain", "gravity", "bending", "cable", "effects")
         return sum(now[x] - first[x] for x in (*gone, *kept)) - now["input"]
 
-    # sections of the wall
-
-    def _sections(self) -> None:
-        """Lay pieces of the wall between floors, with a boundary at mid-height."""
-        z = {0.0, self.h, self.length, *self.frame.z, *np.cumsum(self.frame.heights)}
-        if self.frame.coupling in ("single", "none"):
-            z = {0.0, self.h, self.length}
-        ends = [0.0]
-        longest = self.length * 4 / (math.pi * max(1, self.n))
-        for high in sorted(z)[1:]:
-            if high - ends[-1] < 1e-9 * self.length:
-                ends[-1] = high
-                continue
-            count = math.ceil((high - ends[-1]) / longest)
-            ends += [float(x) for x in np.linspace(ends[-1], high, count + 1)[1:]]
-        self.ends = np.array(ends)
-        self.width = np.diff(self.ends)
-        self.nodes = self.ends[:-1, None] + self.width[:, None] * _UP
-        self.bent = self.shape(self.nodes.ravel())
-
-    def forces(
-        self, piece: Piece, t: Array, x: Array, v: Array, flow: Flow
-    ) -> tuple[Array, Array, Array]:
-        """Return shear, moment [time, piece, node], and the axial force at the base."""
-        n, side, time = self.n, piece.side, piece.t + piece.h * t
-        shape = (len(t), *self.nodes.shape)
-        theta, rate, turn = (y[:, 0][:, None, None] for y in (x, v, flow.a))
-        s, c = np.sin(theta), np.cos(theta)
-        w, w_t, w_tt = ((y[:, 1 : 1 + n] @ self.bent.T).reshape(shape) for y in (x, v, flow.a))
-        a_g, weight = piece.a_g(time)[:, None, None], self.g + piece.a_v(time)[:, None, None]
-        z, b = self.nodes, self.b
-        across = w_tt + z * turn - (w - side * b) * rate**2 + a_g * c - weight * s
-        along = -(2 * w_t * rate + z * rate**2 + (w - side * b) * turn) + a_g * s + weight * c
-        one, arm, axial, lever = (self._above(y) for y in (across, z * across, along, w * along))
-        shear = one
-        moment = arm - z * one - (lever - w * axial)
-        moment = moment + b**2 / 3 * turn * (1 - z / self.length)
-        base = axial[:, 0, 0].copy()
-        s, c = s[..., 0], c[..., 0]
-        for j, height in enumerate(self.frame.z):
-            below = self.ends[:-1] < height * (1 - 1e-9)
-            pull = np.zeros(shape[:2])
-            pull[:, below] = flow.links[:, j : j + 1]
-            place = side * b - self.line[j] * b * (1 + side)
-            place = place + (x[:, 1 : 1 + n] @ self.p[j])[:, None]
-            shear = shear + (pull * c)[..., None]
-            lever = (height - z) * c[..., None] - (place[..., None] - w) * s[..., None]
-            moment = moment + pull[..., None] * lever
-            base += flow.links[:, j] * s[:, 0]
-        if self.cable:
-            across_top, along_top = self._anchor(x[:, 0], side)
-            shear = shear - across_top[:, None, None]
-            moment = moment - (self.length - z) * across_top[:, None, None]
-            base -= along_top
-        return shear, moment, base
-
-    def _above(self, values: Array) -> Array:
-        """Return integrals from each node to the top, over the mass per length."""
-        inside = np.einsum("ij,tpj->tpi", _ABOVE, values) * (self.width / self.length)[:, None]
-        whole = inside[..., 0]
-        above = np.cumsum(whole[:, ::-1], axis=1)[:, ::-1] - whole
-        return inside + above[..., None]
-
-    def _anchor(self, theta: Array, side: int) -> tuple[Array, Array]:
-        """Return the force of the cable at the top, across and along the wall."""
-        size = self.cable_force(side * theta)[0]
-        if not self.cable or self.cable.get("law", "linear") == "linear":
-            return 0 * size, -size
-        across = 2 * side * self.b * np.sin(theta / 2) ** 2
-        along = self.length + side * self.b * np.sin(theta)
-        length = np.hypot(across, along)
-        return size * across / length, -size * along / length
-
-    def columns(self, piece: Piece, t: Array, basis: tuple[Array, Array, Array]
-                ) -> tuple[dict[str, Array], Array, Array]:  # fmt: skip
-        """Return signed demands at shares of a piece, and shear and moment of all sections."""
-        x, v = piece.at(basis, t)
-        flow, g, side = self._flow(piece, t, x, v), self.g, piece.side
-        theta, n, time = x[:, 0], self.n, piece.t + piece.h * t
-        shear, moment, axial = self.forces(piece, t, x, v, flow)
-        force = self.cable_force(side * theta)[0]
-        found = {"theta_max_over_alpha": theta / self.alpha, "theta_dot_max_rad_s": v[:, 0]}
-        found |= {f"q_{i + 1}_max_m": x[:, 1 + i] for i in range(n)}
-        tip = x[:, 1 : 1 + n].sum(axis=1)
-        if n:
-            found["tip_deflection_max_m"] = tip
-        found["wall_drift_max"] = (
-            np.sin(theta) + 2 * side * self.b / self.length * np.sin(theta / 2) ** 2
-            + tip * np.cos(theta) / self.length
-        )  # fmt: skip
-        found["tendon_force_max_over_m_w_g"] = force / g
-        s, c = np.sin(theta), np.cos(theta)
-        pivot = np.array([c * shear[:, 0, 0] + s * axial, c * axial - s * shear[:, 0, 0]])
-        pivot = pivot + self.corner(piece, x, v, flow)
-        found["pivot_horizontal_max_over_m_w_g"] = pivot[0] / g
-        found["pivot_normal_over_m_w_g"] = pivot[1] / g
-        found |= self._frame_columns(piece, time, flow)
-        at = {0.0: "base", self.h: "mid"} | self._names()
-        for i, (low, high) in enumerate(pairwise(self.ends)):
-            for end, node, place in ((low, 0, "above"), (high, -1, "below")):
-                for z, name in at.items():
-                    if abs(end - z) < 1e-9 * self.length:
-                        key = name if name == "base" else f"{name}_{place}"
-                        found[f"wall_shear_{key}"] = shear[:, i, node] / g
-                        found[f"wall_moment_{key}"] = moment[:, i, node] / g
-        return found, shear / g, moment / g
-
-    def _names(self) -> dict[float, str]:
-        if self.frame.coupling == "none":
-            return {}
-        if self.frame.coupling == "single":
-            return {self.length: "1"}
-        return {float(z): str(i + 1) for i, z in enumerate(np.cumsum(self.frame.heights))}
-
-    def corner(self, piece: Piece, x: Array, v: Array, flow: Flow) -> Array:
-        """Return what devices under the corners add to the reaction of the pivot."""
-        half, side = x[:, 0] / 2, piece.side
-        rate, turn = side * v[:, 0], side * flow.a[:, 0]
-        opens = 2 * self.b * np.cos(half)
-        size = self.damper * opens * rate
-        size = size + self.inerter * (opens * turn - self.b * np.abs(np.sin(half)) * rate**2)
-        standing = 0.0
-        if piece.fuses:
-            size = size + self.lifting(piece.fuses, side).force(4 * self.b * side * np.sin(half))
-            standing = float(self.lifting(piece.fuses, -side).force(np.zeros(1))[0])
-        return np.array([size * np.sin(half), size * np.cos(half) + standing])
-
-    def _frame_columns(self, piece: Piece, time: Array, flow: Flow) -> dict[str, Array]:
-        """Return demands of floors, storeys and links."""
-        frame, a_g = self.frame, piece.a_g(time)
-        if frame.coupling == "none":
-            return {}
-        found: dict[str, Array] = {}
-        u, u_tt = frame.floors(flow.u), frame.floors(flow.u_tt)
-        drift = np.diff(u, prepend=0.0)
-        u_roof = flow.linked[:, -1]
-        found["u_s_max_m"], found["roof_drift_max"] = u_roof, u_roof / self.length
-        for i in range(u.shape[1]):
-            found[f"floor_{i + 1}_max_m"] = u[:, i]
-            found[f"floor_{i + 1}_acceleration_max_g"] = (u_tt[:, i] + a_g) / self.g
-            if frame.coupling != "single":
-                found[f"storey_{i + 1}_drift_max"] = drift[:, i] / frame.heights[i]
-                found[f"storey_{i + 1}_shear_max_over_m_w_g"] = frame.k[i] * drift[:, i] / self.g
-        first = 1 + u.shape[1] - frame.linked
-        for j in range(frame.linked):
-            found[f"link_{first + j}_force_max_over_m_w_g"] = flow.links[:, j] / self.g
-        return found
-
     def largest(self, course: Course) -> dict[str, float]:
         """Return the largest demands, over time and height."""
-        return _Peaks(self, course).find()
-
-    def history(self, course: Course, times: Array) -> dict[str, Array]:
-        """Return demands at times, after an event if a time meets one."""
-        begins = np.array([p.t for p in course.pieces])
-        rows = []
-        for t in times:
-            piece = course.pieces[max(0, int(np.searchsorted(begins, t, side="right")) - 1)]
-            share = np.array([min(1.0, (t - piece.t) / piece.h)])
-            rows.append(self.columns(piece, share, _basis(share))[0])
-        return {name: np.array([row[name][0] for row in rows]) for name in rows[0]}
+        return Demands(self).largest(course)
 
 
 @dataclass
@@ -1012,9 +568,9 @@ class _Run:
 
     def _accept(self, piece: Piece) -> None:
         piece.stored = dict(self.ledger)
-        powers = self.wall.powers(piece, _POINTS, (_P, _P1, _P2))
+        powers = self.wall.powers(piece, POINTS, AT_POINTS)
         for name, power in powers.items():
-            self.ledger[name] += piece.h * float(_WEIGHTS @ power)
+            self.ledger[name] += piece.h * float(WEIGHTS @ power)
         self.course.pieces.append(piece)
         self.x, self.v = self.wall._end(piece)
         self.t, self.power = piece.t + piece.h, 0
@@ -1056,24 +612,24 @@ class _Run:
     def _rotation(self, piece: Piece, t: Array) -> Array:
         """Return the rotation over time or its square, for a start at zero."""
         # the mean of (1 - r) theta''(r t) over r, twice the integral of theta'' over t^2
-        at = legendre.legvander(2 * np.outer(t, _POINTS) - 1, NODES - 1)
-        lifted = piece.h**2 * ((at @ piece.coefficients[:, 0]) @ (_WEIGHTS * (1 - _POINTS)))
+        at = legendre.legvander(2 * np.outer(t, POINTS) - 1, NODES - 1)
+        lifted = piece.h**2 * ((at @ piece.coefficients[:, 0]) @ (WEIGHTS * (1 - POINTS)))
         return piece.h * piece.v[0] + lifted * t if self.power == 1 else lifted
 
     def _first(self, piece: Piece) -> tuple[str, float] | None:
         """Return the first event in a piece and its share of it."""
-        x, v = piece.at(_AT_FINE, _FINE)
+        x, v = piece.at(AT_FINE, FINE)
         found: list[tuple[float, str]] = []
         for name, function in self._watched(piece):
-            values = function(_FINE, x, v)
+            values = function(FINE, x, v)
             begin = 0
             if name == "impact" and self.power == 2:
                 # round-off of the acceleration, which is zero at lift-off
-                values[:3] = min(values[3], -_TINY)
+                values[:3] = min(values[3], -TINY)
             if values[0] >= 0:  # an event that has just happened, or round-off at the start
                 later = np.flatnonzero(values < 0)
                 if name in ("over", "collapse") or not later.size:
-                    found.append((float(_FINE[0]), name))
+                    found.append((float(FINE[0]), name))
                     continue
                 begin = int(later[0])
             up = np.flatnonzero(values[begin:] >= 0) + begin
@@ -1091,7 +647,7 @@ class _Run:
         i = int(values.argmax())
         if i < 4:
             return np.zeros(0, int)
-        low, high = _FINE[i - 1], _FINE[min(i + 1, _FINE.size - 1)]
+        low, high = FINE[i - 1], FINE[min(i + 1, FINE.size - 1)]
         best = minimize_scalar(lambda t: -self._value(piece, function, t), bounds=(low, high),
                                method="bounded", options={"xatol": 1e-12})  # fmt: skip
         if -best.fun < 0:
@@ -1101,13 +657,13 @@ class _Run:
 
     def _value(self, piece: Piece, function: Callable[..., Array], t: float) -> float:
         at = np.array([t])
-        return float(function(at, *piece.at(_basis(at), at))[0])
+        return float(function(at, *piece.at(basis_at(at), at))[0])
 
     def _root(self, piece: Piece, function: Callable[..., Array], i: int) -> float:
-        high = self._peak if i < 0 else _FINE[i]
-        low = 0.0 if i < 0 else _FINE[i - 1]
+        high = self._peak if i < 0 else FINE[i]
+        low = 0.0 if i < 0 else FINE[i - 1]
         if i < 0:
-            before = _FINE[_FINE < high]
+            before = FINE[FINE < high]
             low = float(before[-1]) if before.size else 0.0
         if i == 0 or self._value(piece, function, low) >= 0:
             return float(high)
@@ -1209,98 +765,3 @@ class _Run:
         a = self.wall.accelerate(x[None], v[None], a_g(t), a_v(t), side, self.wall.fuses,
                                  held=False).a[0, 0] * side  # fmt: skip
         return a < 0 and 2 * abs(v[0]) / -a < 3e-8
-
-
-class _Peaks:
-    """Search of the largest demands: samples first, then the pieces that can hold the largest."""
-
-    def __init__(self, wall: BentWall, course: Course) -> None:
-        self.wall, self.pieces = wall, course.pieces
-        self.course = course
-        bounds, whole = [], []
-        for piece in self.pieces:
-            columns, shear, moment = wall.columns(piece, _LOBATTO, _AT_LOBATTO)
-            dense = _DENSE @ np.array(list(columns.values())).T
-            size = np.abs(dense)
-            reach = 0.01 * np.ptp(dense, axis=0)
-            i = list(columns).index("pivot_normal_over_m_w_g")
-            normal = [dense[:, i].max() + reach[i], -dense[:, i].min() + reach[i]]
-            bounds.append([*(size.max(axis=0) + reach), *normal])
-            inside = [_DENSE @ y.reshape(len(_LOBATTO), -1) for y in (shear, moment)]
-            whole.append([np.abs(y).max() + 0.01 * np.ptp(y, axis=0).max() for y in inside])
-        self.names = list(columns)
-        self.bounds, self.whole = np.array(bounds), np.array(whole)
-
-    def find(self) -> dict[str, float]:
-        """Return all peaks by the names of the kernel."""
-        found = {}
-        signs = [(name, 0) for name in self.names]
-        signs += [("pivot_normal_over_m_w_g", 1), ("pivot_normal_over_m_w_g", -1)]
-        for q, (name, sign) in enumerate(signs):
-            value = self._largest(self.bounds[:, q], lambda p, n=name, s=sign: self._peak(p, n, s))
-            if sign or name != "pivot_normal_over_m_w_g":
-                key = name if not sign else f"pivot_normal_{'max' if sign > 0 else 'min'}_over_m_w_g"
-                found[key] = -value if sign < 0 else value
-        for q, name in enumerate(("shear", "moment")):
-            found[f"wall_{name}"] = self._largest(
-                self.whole[:, q], lambda p, q=q: self._inside(p, q))  # fmt: skip
-        return self._renamed(found) | {
-            "impacts": len(self.course.impacts), "lift_offs": len(self.course.lift_offs),
-            "overturned": self.course.overturned, "e": self.wall.straight_e(),
-        }  # fmt: skip
-
-    def _renamed(self, found: dict[str, float]) -> dict[str, float]:
-        """Give sections the names of the kernel; the larger of both sides at mid-height."""
-        result = {}
-        for name, unit in (("shear", "over_m_w_g"), ("moment", "over_m_w_g_m")):
-            sides = [found.pop(f"wall_{name}_mid_{x}") for x in ("below", "above")]
-            result[f"wall_{name}_mid_max_{unit}"] = max(sides)
-            for key in [k for k in found if k.startswith(f"wall_{name}")]:
-                place = key.removeprefix(f"wall_{name}").removesuffix("_below")
-                result[f"wall_{name}{place}_max_{unit}"] = found.pop(key)
-        drifts = [v for k, v in found.items() if k.startswith("storey") and k.endswith("drift_max")]
-        if drifts:
-            result["storey_drift_max"] = max(drifts)
-        return found | result
-
-    def _largest(self, bounds: Array, peak: Callable[[Piece], float]) -> float:
-        best = -math.inf
-        for i in np.argsort(-bounds):
-            if bounds[i] <= best:
-                break
-            best = max(best, peak(self.pieces[i]))
-        return best
-
-    def _peak(self, piece: Piece, name: str, sign: int) -> float:
-        values = self.wall.columns(piece, _LOBATTO, _AT_LOBATTO)[0][name]
-        values = values if sign >= 0 else -values
-        return _highest(values, is_signed=sign != 0)
-
-    def _inside(self, piece: Piece, q: int) -> float:
-        """Return the largest shear or moment over a piece of time and all heights."""
-        values = self.wall.columns(piece, _LOBATTO, _AT_LOBATTO)[1 + q]
-        in_time = np.tensordot(_TO_CHEBYSHEV, values, 1)
-        dense = np.abs(np.tensordot(_DENSE, values, 1))
-        tops, best = dense.max(axis=(0, 2)), -math.inf
-        for p in np.flatnonzero(tops >= 0.98 * tops.max()):
-            def over_height(t: float, p: int = int(p)) -> float:
-                at = chebyshev.chebvander(np.array([2 * t - 1]), NODES + 5)[0]
-                return _highest(at @ in_time[:, p], _UP_CHEBYSHEV)
-
-            i = int(dense[:, p].max(axis=1).argmax())
-            ends = _FINE[2:][[max(i - 1, 0), min(i + 1, len(dense) - 1)]]
-            inner = minimize_scalar(lambda t: -over_height(t), bounds=(max(ends[0], 0.0), ends[1]),  # noqa: B023
-                                    method="bounded", options={"xatol": 1e-11})  # fmt: skip
-            best = max(best, -float(inner.fun), over_height(0.0), over_height(1.0))
-        return best
-
-
-def _highest(values: Array, to: Array = _TO_CHEBYSHEV, *, is_signed: bool = False) -> float:
-    """Return the largest (magnitude of a) polynomial from its values at Lobatto nodes."""
-    series = to @ values
-    slope = chebyshev.chebder(series)
-    turns = chebyshev.chebroots(chebyshev.chebtrim(slope, 1e-15 * (np.abs(slope).max() + _TINY)))
-    turns = turns[np.abs(np.imag(turns)) < 1e-6].real
-    turns = np.clip(turns, -1, 1)
-    found = np.concatenate([values[[0, -1]], chebyshev.chebval(turns, series)])
-    return float(found.max() if is_signed else np.abs(found).max())

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import math
 
-import bending
 import numpy as np
 import pytest
 import rwmf
-from bending import BentWall, Course, Ground, Groups, Shapes
+from bending import BentWall, Course
+from bending_demands import Demands
+from bending_parts import AT_LOBATTO, LOBATTO, Ground, Groups, Shapes, cantilever_roots
 from scipy.linalg import eigh
 
 H, B = 6.0, 1.2
@@ -39,12 +40,9 @@ def _building(coupling: str, **groups: dict) -> Groups:
     return _block(2, **case) | groups
 
 
-def _one(wall: BentWall, *values: float) -> np.ndarray:
-    return np.array(values)[: wall.size]
-
 
 def test_cantilever_roots() -> None:
-    roots = bending.cantilever_roots(12)
+    roots = cantilever_roots(12)
     assert roots[:3] == pytest.approx([1.875104069, 4.694091133, 7.854757438], abs=1e-9)
     np.testing.assert_allclose(Shapes(12, 3.0).mass, 0.25, rtol=1e-13)
 
@@ -130,19 +128,19 @@ def test_kinetic_energy_never_grows_at_impacts() -> None:
 
 def _states(wall: BentWall, course: Course) -> None:
     """Hold rotation and modes against the forces on sections and pivot, at every piece."""
-    at = bending._AT_LOBATTO
+    at, demands = AT_LOBATTO, Demands(wall)
     for piece in course.pieces[:: max(1, len(course.pieces) // 60)]:
-        t = bending._LOBATTO
+        t = LOBATTO
         x, v = piece.at(at, t)
-        flow = wall._flow(piece, t, x, v)
-        shear, moment, axial = wall.forces(piece, t, x, v, flow)
+        flow = wall.flow(piece, t, x, v)
+        shear, moment, axial = demands.forces(piece, t, x, v, flow)
         scale = 1 + np.abs(moment).max()
         # nothing acts above the top
         assert np.abs(moment[:, -1, -1]).max() < 2 * wall.g * scale
         if piece.held:
             assert np.abs(x[:, 0]).max() == 0.0
             continue
-        size = wall.corner(piece, x, v, flow)
+        size = demands.corner(piece, x, v, flow)
         s, c = np.sin(x[:, 0]), np.cos(x[:, 0])
         if piece.fuses:
             size[1] -= wall.lifting(piece.fuses, -piece.side).force(np.zeros(1))
@@ -238,12 +236,12 @@ def test_stiff_wall_is_rigid_up_to_the_first_impact() -> None:
     rigid = BentWall({key: value for key, value in groups.items() if key != "bending"})
     course = rigid.follow()
     t = course.impacts[0] - 0.02
-    expected = rigid.history(course, np.array([t]))["u_s_max_m"][0]
+    expected = Demands(rigid).history(course, np.array([t]))["u_s_max_m"][0]
     errors = []
     for factor in (1e3, 1e4):
         groups["bending"] = {"EI_over_m_w": 1e5 * factor, "modes": 1}
         wall = BentWall(groups)
-        found = wall.history(wall.follow(t + 0.01), np.array([t]))["u_s_max_m"][0]
+        found = Demands(wall).history(wall.follow(t + 0.01), np.array([t]))["u_s_max_m"][0]
         errors.append(abs(found - expected))
     assert errors[1] < 0.2 * errors[0] < 0.002 * abs(expected)
 
@@ -252,7 +250,7 @@ def test_peaks_are_not_below_a_fine_history() -> None:
     wall = BentWall(_building("every_floor", solver={"t_end": 0.9}))
     course = wall.follow()
     found = wall.largest(course)
-    rows = wall.history(course, np.linspace(0, 0.9, 1500))
+    rows = Demands(wall).history(course, np.linspace(0, 0.9, 1500))
     for name in ("tip_deflection_max_m", "u_s_max_m", "floor_2_acceleration_max_g"):
         most = float(np.abs(rows[name]).max())
         assert most <= found[name] * (1 + 1e-12)
