@@ -27,20 +27,20 @@ from bending_parts import (
     AT_END,
     AT_FINE,
     AT_POINTS,
-    Array,
     FINE,
-    Frame,
-    Fuse,
-    Ground,
-    Groups,
     NODES,
     ONCE,
     POINTS,
-    Shapes,
     TINY,
     TO_LEGENDRE,
     TWICE,
     WEIGHTS,
+    Array,
+    Frame,
+    Fuse,
+    Ground,
+    Groups,
+    Shapes,
     basis_at,
 )
 from numpy.polynomial import legendre
@@ -74,6 +74,7 @@ class Piece:
     a_v: Callable[[Array], Array]
     fuses: list[Fuse]
     stored: dict[str, float] = field(default_factory=dict)  # integrals of powers at its begin
+    v_g: float = 0.0  # velocity of the ground at its begin
 
     def at(self, basis: tuple[Array, Array, Array], t: Array) -> tuple[Array, Array]:
         """Return displacements and velocities at shares of the piece."""
@@ -517,7 +518,7 @@ class _Run:
         self.x, self.v = np.zeros(wall.size), np.zeros(wall.size)
         self.x[0] = first.get("theta_over_alpha", 0.0) * wall.alpha
         self.v[0] = first.get("theta_dot", 0.0)
-        self.t, self.ledger = 0.0, dict.fromkeys(POWERS, 0.0)
+        self.t, self.v_g, self.ledger = 0.0, 0.0, dict.fromkeys(POWERS, 0.0)
         self.fastest = wall._fastest()
         self.side = 1 if (self.x[0] or self.v[0]) >= 0 else -1
         self.held = not self.x[0] and not self.v[0]
@@ -567,7 +568,8 @@ class _Run:
         self.t = stop
 
     def _accept(self, piece: Piece) -> None:
-        piece.stored = dict(self.ledger)
+        piece.stored, piece.v_g = dict(self.ledger), self.v_g
+        self.v_g += piece.h * float(WEIGHTS @ piece.a_g(piece.t + piece.h * POINTS))
         powers = self.wall.powers(piece, POINTS, AT_POINTS)
         for name, power in powers.items():
             self.ledger[name] += piece.h * float(WEIGHTS @ power)
@@ -663,7 +665,7 @@ class _Run:
         high = self._peak if i < 0 else FINE[i]
         low = 0.0 if i < 0 else FINE[i - 1]
         if i < 0:
-            before = FINE[FINE < high]
+            before = FINE[high > FINE]
             low = float(before[-1]) if before.size else 0.0
         if i == 0 or self._value(piece, function, low) >= 0:
             return float(high)

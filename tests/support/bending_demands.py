@@ -15,15 +15,17 @@ import numpy as np
 from bending_parts import (
     ABOVE,
     AT_LOBATTO,
-    Array,
     DENSE,
     FINE,
     LOBATTO,
     NODES,
+    POINTS,
     TINY,
     TO_CHEBYSHEV,
+    TO_LEGENDRE,
     UP,
     UP_CHEBYSHEV,
+    Array,
     basis_at,
 )
 from numpy.polynomial import chebyshev
@@ -139,10 +141,18 @@ class Demands:
         found["tendon_force_max_over_m_w_g"] = force / g
         s, c = np.sin(theta), np.cos(theta)
         pivot = np.array([c * shear[:, 0, 0] + s * axial, c * axial - s * shear[:, 0, 0]])
+        across, along = self._anchor(theta, side)
+        # momentum of the wall: what comes from below, the links and the cable make it
+        push = pivot[0] - flow.links.sum(axis=1) + c * across + s * along
+        push = push + flow.u_tt @ self.frame.push + self.frame.total * piece.a_g(time)
+        found["base_shear_max_over_weight"] = push / (g * (1 + self.frame.total))
         pivot = pivot + self.corner(piece, x, v, flow)
         found["pivot_horizontal_max_over_m_w_g"] = pivot[0] / g
         found["pivot_normal_over_m_w_g"] = pivot[1] / g
-        found |= self._frame_columns(piece, time, flow)
+        if piece.fuses:
+            found["fuse_stroke_max_m"] = 4 * self.b * np.sin(theta / 2)
+        v_g = piece.v_g + piece.h * (basis[1] @ TO_LEGENDRE @ piece.a_g(piece.t + piece.h * POINTS))
+        found |= self._frame_columns(piece.a_g(time), v_g, flow)
         at = {0.0: "base", self.h: "mid"} | self._names()
         for i, (low, high) in enumerate(pairwise(self.ends)):
             for end, node, place in ((low, 0, "above"), (high, -1, "below")):
@@ -169,23 +179,26 @@ class Demands:
         size = size + self.wall.inerter * (opens * turn - self.b * np.abs(np.sin(half)) * rate**2)
         standing = 0.0
         if piece.fuses:
-            size = size + self.wall.lifting(piece.fuses, side).force(4 * self.b * side * np.sin(half))
+            size = size + self.wall.lifting(piece.fuses, side).force(
+                4 * self.b * side * np.sin(half)
+            )
             standing = float(self.wall.lifting(piece.fuses, -side).force(np.zeros(1))[0])
         return np.array([size * np.sin(half), size * np.cos(half) + standing])
 
-    def _frame_columns(self, piece: Piece, time: Array, flow: Flow) -> dict[str, Array]:
+    def _frame_columns(self, a_g: Array, v_g: Array, flow: Flow) -> dict[str, Array]:
         """Return demands of floors, storeys and links."""
-        frame, a_g = self.frame, piece.a_g(time)
+        frame = self.frame
         if frame.coupling == "none":
             return {}
         found: dict[str, Array] = {}
-        u, u_tt = frame.floors(flow.u), frame.floors(flow.u_tt)
+        u, u_t, u_tt = (frame.floors(y) for y in (flow.u, flow.u_t, flow.u_tt))
         drift = np.diff(u, prepend=0.0)
         u_roof = flow.linked[:, -1]
         found["u_s_max_m"], found["roof_drift_max"] = u_roof, u_roof / self.length
         for i in range(u.shape[1]):
             found[f"floor_{i + 1}_max_m"] = u[:, i]
             found[f"floor_{i + 1}_acceleration_max_g"] = (u_tt[:, i] + a_g) / self.g
+            found[f"floor_{i + 1}_velocity_max_m_s"] = u_t[:, i] + v_g
             if frame.coupling != "single":
                 found[f"storey_{i + 1}_drift_max"] = drift[:, i] / frame.heights[i]
                 found[f"storey_{i + 1}_shear_max_over_m_w_g"] = frame.k[i] * drift[:, i] / self.g
@@ -237,7 +250,9 @@ class _Peaks:
         for q, (name, sign) in enumerate(signs):
             value = self._largest(self.bounds[:, q], lambda p, n=name, s=sign: self._peak(p, n, s))
             if sign or name != "pivot_normal_over_m_w_g":
-                key = name if not sign else f"pivot_normal_{'max' if sign > 0 else 'min'}_over_m_w_g"
+                key = (
+                    name if not sign else f"pivot_normal_{'max' if sign > 0 else 'min'}_over_m_w_g"
+                )
                 found[key] = -value if sign < 0 else value
         for q, name in enumerate(("shear", "moment")):
             found[f"wall_{name}"] = self._largest(
@@ -281,13 +296,14 @@ class _Peaks:
         dense = np.abs(np.tensordot(DENSE, values, 1))
         tops, best = dense.max(axis=(0, 2)), -math.inf
         for p in np.flatnonzero(tops >= 0.98 * tops.max()):
+
             def over_height(t: float, p: int = int(p)) -> float:
                 at = chebyshev.chebvander(np.array([2 * t - 1]), NODES + 5)[0]
                 return _highest(at @ in_time[:, p], UP_CHEBYSHEV)
 
             i = int(dense[:, p].max(axis=1).argmax())
             ends = FINE[2:][[max(i - 1, 0), min(i + 1, len(dense) - 1)]]
-            inner = minimize_scalar(lambda t: -over_height(t), bounds=(max(ends[0], 0.0), ends[1]),  # noqa: B023
+            inner = minimize_scalar(lambda t: -over_height(t), bounds=(max(ends[0], 0.0), ends[1]),
                                     method="bounded", options={"xatol": 1e-11})  # fmt: skip
             best = max(best, -float(inner.fun), over_height(0.0), over_height(1.0))
         return best

@@ -262,7 +262,7 @@ class Frame:
         self.m = self.push = self.k = np.zeros(0)
         self.stiff = self.damping = self.lean = np.zeros((0, 0))
         self.free, self.storey_z, self.share = 0, np.zeros(0), np.zeros(0)
-        self.heights = np.zeros(0)
+        self.heights, self.total = np.zeros(0), 0.0
         if not frame or (not storeys and not frame.get("gamma")):
             self.coupling = "none"
             return
@@ -271,6 +271,7 @@ class Frame:
         if not storeys:
             omega, m = 2 * math.pi / frame["T_s"], frame["gamma"]
             self.m = self.push = np.array([m])
+            self.total = m
             self.stiff = np.array([[m * omega**2]])
             self.damping = np.array([[2 * frame["xi_s"] * omega * m]])
             self.heights = np.array([(gravity or {}).get("h_f") or height])
@@ -292,7 +293,7 @@ class Frame:
         damping = momentum @ np.diag(2 * xi * np.sqrt(squares)) @ momentum.T
         self.heights, z = heights, np.cumsum(heights)
         self.share = np.ones(n)
-        self.m, self.push, self.z = m, m, z[-1:]
+        self.m, self.push, self.z, self.total = m, m, z[-1:], float(m.sum())
         self.stiff, self.damping, self.lean = stiff, damping, leaning
         if self.coupling == "reduced":
             self.share = modes[:, 0] / modes[-1, 0]

@@ -38,7 +38,11 @@ def bending_scene(number: int) -> tuple[Groups, dict[str, list[float]] | None]:
     if rng.random() < 0.75:
         law = str(rng.choice(["linear", "truss"]))
         first = _short(rng.uniform(0.3, 1.2))
-        groups["cable"] = {"eta_0": first, "eta_alpha": _short(first * rng.uniform(1, 6)), "law": law}
+        groups["cable"] = {
+            "eta_0": first,
+            "eta_alpha": _short(first * rng.uniform(1, 6)),
+            "law": law,
+        }
     for name, values in _devices(rng).items():
         if rng.random() < 0.25:
             groups[name] = values
@@ -92,7 +96,11 @@ def _motion(
     size = b / h * (1 + groups.get("cable", {}).get("eta_0", 0.0)) * rng.uniform(0.8, 1.6)
     if rng.random() < 0.6:
         kind = str(rng.choice(["one_sine", "one_cosine", "sine"]))
-        groups["motion"] = {"kind": kind, "a_max_g": _short(size), "T_p": _short(rng.uniform(0.4, 1))}
+        groups["motion"] = {
+            "kind": kind,
+            "a_max_g": _short(size),
+            "T_p": _short(rng.uniform(0.4, 1)),
+        }
         return groups, None
     times = [round(0.05 * i, 10) for i in range(24)]
     values = [_short(9.81 * size * x) for x in rng.uniform(-1.5, 1.5, len(times))]

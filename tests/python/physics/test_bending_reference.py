@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 
+import bending
 import numpy as np
 import pytest
 import rwmf
 from bending import BentWall, Course
 from bending_demands import Demands
 from bending_parts import AT_LOBATTO, LOBATTO, Ground, Groups, Shapes, cantilever_roots
+from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 
 H, B = 6.0, 1.2
@@ -38,7 +40,6 @@ def _building(coupling: str, **groups: dict) -> Groups:
         "motion": {"kind": "one_sine", "a_max_g": 0.45, "T_p": 0.7},
     }
     return _block(2, **case) | groups
-
 
 
 def test_cantilever_roots() -> None:
@@ -194,8 +195,12 @@ def test_wall_held_down_by_modal_superposition() -> None:
     assert not course.lift_offs
     q = np.zeros((3, 2))
     for i in range(25):
-        q = np.array([_oscillator(w, 0.02, a / m, a_g[i], a_g[i + 1], times[1], y)
-                      for w, a, m, y in zip(wall.omega, wall.area, wall.mass, q, strict=True)])
+        q = np.array(
+            [
+                _oscillator(w, 0.02, a / m, a_g[i], a_g[i + 1], times[1], y)
+                for w, a, m, y in zip(wall.omega, wall.area, wall.mass, q, strict=True)
+            ]
+        )
     piece = next(p for p in course.pieces if abs(p.t - 1.0) < 1e-9)
     np.testing.assert_allclose(piece.x[1:], q[:, 0], rtol=1e-10, atol=1e-13)
     np.testing.assert_allclose(piece.v[1:], q[:, 1], rtol=1e-10, atol=1e-12)
@@ -255,3 +260,48 @@ def test_peaks_are_not_below_a_fine_history() -> None:
         most = float(np.abs(rows[name]).max())
         assert most <= found[name] * (1 + 1e-12)
         assert most > 0.9 * found[name]
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 5, 6, 7, 8, 11])
+def test_scenes_do_not_depend_on_the_step(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = bending.solved(number)
+    monkeypatch.setattr(bending, "ANGLE", 3.1)
+    other = bending.solved(number)
+    assert abs(one["missing"]) < 1e-11 * one["energy"]["input"]
+    for name, value in one["peaks"].items():
+        assert other["peaks"][name] == pytest.approx(value, rel=1e-10, abs=1e-13), name
+    for name, times in one["events"].items():
+        np.testing.assert_allclose(other["events"][name], times, rtol=1e-11)
+
+
+def test_flight_by_another_integrator() -> None:
+    wall = BentWall(_building("every_floor"))
+    course = wall.follow(0.6)
+    first = next(i for i, p in enumerate(course.pieces) if not p.held)
+    flight = course.pieces[first : first + 12]
+    one, t = flight[0], np.zeros(1)
+
+    def rate(time: float, y: np.ndarray) -> np.ndarray:
+        x, v = y.reshape(2, 1, -1)
+        t[0] = time
+        a = wall.accelerate(x, v, one.a_g(t), one.a_v(t), one.side, [], held=False).a
+        return np.concatenate([v[0], a[0]])
+
+    start = np.concatenate([one.x, one.v])
+    found = solve_ivp(rate, (one.t, flight[-1].t), start, method="DOP853", rtol=1e-12, atol=1e-14)
+    assert len(flight) == 12
+    np.testing.assert_allclose(
+        found.y[:, -1], [*flight[-1].x, *flight[-1].v], rtol=1e-8, atol=1e-11
+    )
+
+
+def test_block_swings_back_less_with_a_rigid_wall() -> None:
+    heights = []
+    for modes in (0, 3):
+        groups = {"wall": {"h": H, "b": 1.5}, "initial": {"theta_over_alpha": 0.4}}
+        groups["bending"] = {"EI_over_m_w": 1e6, "modes": modes}
+        wall = BentWall(groups)
+        course = wall.follow(2.25)
+        later = [p for p in course.pieces if p.t >= course.impacts[0]]
+        heights.append(max(abs(p.at(AT_LOBATTO, LOBATTO)[0][:, 0]).max() for p in later))
+    np.testing.assert_allclose(np.array(heights) / (0.4 * wall.alpha), [0.790, 0.852], atol=6e-3)
