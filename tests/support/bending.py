@@ -439,6 +439,7 @@ class BentWall:
         return dict(zip(POWERS, (given, viscous, bending, plastic), strict=True))
 
     def flow(self, piece: Piece, t: Array, x: Array, v: Array) -> Flow:
+        """Return accelerations and forces at shares of a piece."""
         time = piece.t + piece.h * t
         return self.accelerate(x, v, piece.a_g(time), piece.a_v(time), piece.side, piece.fuses,
                                held=piece.held)  # fmt: skip
