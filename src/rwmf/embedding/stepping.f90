@@ -374,7 +374,7 @@ contains
             state%theta_ddot = y_ddot
             kin = kinematics_at(equation, y(1))
             if (equation%has_frame) then
-               state%u_s = frame_displacement(equation, equation%state%side, y(1))
+               state%u_s = frame_displacement(equation, equation%state%side, y)
                state%u_s_dot = equation%p%R*kin%j*y(2)
                state%u_s_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
             end if

@@ -184,7 +184,7 @@ contains
          else
             u_ddot = building%share*u_ddot(n)
             u(0) = 0
-            u(1:) = building%share*frame_displacement(equation, equation%state%side, y(1))
+            u(1:) = building%share*frame_displacement(equation, equation%state%side, y)
             demands%shear = building%k*building%bend*resisting_displacements(building, equation, y)
          end if
          demands%drift = u(1:building%drifts) - u(0:building%drifts - 1)
@@ -202,7 +202,7 @@ contains
       real(wp) :: roof
       integer :: i, n
 
-      roof = frame_displacement(equation, equation%state%side, y(1))
+      roof = frame_displacement(equation, equation%state%side, y)
       u = roof
       if (equation%has_loading_direction) then
          u = bouc_wen_force(equation, y)/equation%p%omega_squared

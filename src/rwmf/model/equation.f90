@@ -2,6 +2,7 @@
 !> put together, the discrete state, and what follows from both at a given rotation.
 module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_beam, only: beam_t, tip_deflection, tip_rate
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
    use rwmf_model_hysteresis_spring, only: branch_t, spring_t
    use rwmf_model_kinematics, only: displacement_of, geometry_t, kinematics_of, kinematics_t, &
@@ -21,7 +22,7 @@ module rwmf_model_equation
    public :: enter_interval, interval_of, enter_side, renew_coefficients, renew_effects
    public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, lift_off_drive, lift_off_drives
-   public :: frame_displacement
+   public :: frame_displacement, straight_displacement
    public :: frame_acceleration, frame_motion, frame_travel, frame_mass, corner_share
 
    !> An effect beyond wall, frame and cable: its loop over lanes, and the states, energy, power and
@@ -227,6 +228,11 @@ module rwmf_model_equation
       !! of the wall about its pivot over m_w R**2 [-]
       type(floors_t) :: floors
       !! of `&storeys`
+      type(beam_t) :: beam
+      !! of `&bending`
+      real(wp) :: push_gain = 1
+      !! moment that the ground's acceleration exerts on the wall on its base over that on a rigid
+      !! wall [-]
       type(hysteresis_t) :: hysteresis
       !! of the frame
       logical :: has_loading_direction = .false.
@@ -547,7 +553,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      drive = -side*acceleration(equation%motion, interval, t) &
+      drive = -side*equation%push_gain*acceleration(equation%motion, interval, t) &
          - equation%state%uplift_acceleration(side)
       if (equation%has_vertical) then
          drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
@@ -565,7 +571,7 @@ contains
       !! on the negative and on the positive side [m/s2]
       real(wp) :: push
 
-      push = acceleration(equation%motion, interval, t)
+      push = equation%push_gain*acceleration(equation%motion, interval, t)
       drive(1) = push - equation%state%uplift_acceleration(-1)
       drive(2) = -push - equation%state%uplift_acceleration(1)
       if (equation%has_vertical) drive = drive - equation%weight_share &
@@ -573,7 +579,19 @@ contains
    end function lift_off_drives
 
    !> Displacement of the frame u_s on a side [m].
-   pure real(wp) function frame_displacement(model, side, theta) result(u_s)
+   pure real(wp) function frame_displacement(model, side, y) result(u_s)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      u_s = straight_displacement(model, side, y(1))
+      if (model%beam%n > 0) u_s = u_s + cos(y(1))*tip_deflection(model%beam, y)
+   end function frame_displacement
+
+   !> Displacement of the frame u_s beside a wall that does not bend [m].
+   pure real(wp) function straight_displacement(model, side, theta) result(u_s)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
       !! +1 or -1
@@ -585,7 +603,7 @@ contains
       else
          u_s = theta
       end if
-   end function frame_displacement
+   end function straight_displacement
 
    !> Displacement and velocity of the frame on a side.
    pure subroutine frame_motion(model, side, y, u_s, u_s_dot)
@@ -606,23 +624,32 @@ contains
       kin = kinematics_of(model%geometry, side, side*y(1))
       u_s = side*model%p%R*kin%u
       u_s_dot = model%p%R*kin%j*y(2)
+      if (model%beam%n == 0) return
+      associate (w => tip_deflection(model%beam, y))
+         u_s = u_s + cos(y(1))*w
+         u_s_dot = u_s_dot + cos(y(1))*tip_rate(model%beam, y) - sin(y(1))*w*y(2)
+      end associate
    end subroutine frame_motion
 
    !> Acceleration of the frame relative to the ground [m/s2].
-   pure real(wp) function frame_acceleration(model, side, y, theta_ddot) result(u_s_ddot)
+   pure real(wp) function frame_acceleration(model, side, y, y_dot) result(u_s_ddot)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
       !! +1 or -1
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: theta_ddot
-      !! rate of the second state [rad/s2] or [m/s2]
+      real(wp), intent(in) :: y(:), y_dot(:)
+      !! (states) and their rates; without `&bending` the first two are enough
       type(kinematics_t) :: kin
 
-      u_s_ddot = theta_ddot
+      u_s_ddot = y_dot(2)
       if (.not. model%has_wall) return
       kin = kinematics_of(model%geometry, side, side*y(1))
-      u_s_ddot = model%p%R*(kin%j*theta_ddot + side*kin%k*y(2)**2)
+      u_s_ddot = model%p%R*(kin%j*y_dot(2) + side*kin%k*y(2)**2)
+      if (model%beam%n == 0) return
+      associate (w => tip_deflection(model%beam, y), w_dot => tip_rate(model%beam, y), &
+         sine => sin(y(1)), cosine => cos(y(1)))
+         u_s_ddot = u_s_ddot + cosine*(tip_rate(model%beam, y_dot) - w*y(2)**2) &
+            - sine*(2*w_dot*y(2) + w*y_dot(2))
+      end associate
    end function frame_acceleration
 
    !> Displacement of the frame per small rotation [m/rad]; 1 for the bare frame.

@@ -450,7 +450,7 @@ contains
       y = hybrid%y
       call come_to_rest(equation%model_t, state, hybrid%overturning_angle, y, is_found)
       if (.not. is_found) return
-      u = frame_displacement(equation, state%side, y(1))
+      u = frame_displacement(equation, state%side, y)
       if (of_roof) result%demands%roof_at_rest = u/recorder%demands%building%roof_height
       if (.not. of_storeys) return
       associate (heights => case%storeys%frame%height)

@@ -207,7 +207,7 @@ contains
       end if
       if (.not. equation%has_frame) return
       if (allocated(recorder%drifts)) call observe_drifts(recorder%drifts, equation, y)
-      u = abs(frame_displacement(equation, equation%state%side, y(1)))
+      u = abs(frame_displacement(equation, equation%state%side, y))
       if (u > recorder%u_max) then
          recorder%u_max = u
          recorder%t_u_max = t

@@ -127,7 +127,7 @@ contains
       real(wp) :: shear(equation%floors%n)
 
       shear = shears_at(equation%floors, equation%state%storeys, y, frame_displacement(equation, &
-         equation%state%side, y(1)))
+         equation%state%side, y))
    end function column_shears
 
    !> The same for a displacement of the roof that is known.
