@@ -202,6 +202,8 @@ module rwmf_model_equation
       real(wp) :: uplift_acceleration(-1:1) = 0
       !! ground acceleration at which the resting wall lifts off, by side (+1: theta > 0), see
       !! `rwmf_model_lift_off` [m/s2]
+      real(wp) :: lean = 0
+      !! how far a bent wall's weight leans to the right, over b [-]
       real(wp) :: inertia_at_rest = 1
       !! of all that moves with the wall, at theta = 0 over m_w R**2 [-]
       logical :: bearing_is_known = .false.
@@ -339,7 +341,8 @@ module rwmf_model_equation
          real(wp), intent(inout) :: after
          !! theta' after the impact, so far by the velocity factor [rad/s]
          logical, intent(inout) :: stays
-         !! both corners stay on the base: theta' after the impact is 0
+         !! both corners stay on the base: theta' after the impact is 0; on entry: whatever the
+         !! momentum
       end subroutine land_i
 
       !> Sizes that the states of an effect are expected to have, for absolute tolerances.
@@ -556,7 +559,8 @@ contains
       drive = -side*equation%push_gain*acceleration(equation%motion, interval, t) &
          - equation%state%uplift_acceleration(side)
       if (equation%has_vertical) then
-         drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
+         drive = drive - equation%weight_share*(1 - side*equation%state%lean) &
+            *vertical_acceleration(equation%motion, interval, t)
       end if
    end function lift_off_drive
 
@@ -574,8 +578,8 @@ contains
       push = equation%push_gain*acceleration(equation%motion, interval, t)
       drive(1) = push - equation%state%uplift_acceleration(-1)
       drive(2) = -push - equation%state%uplift_acceleration(1)
-      if (equation%has_vertical) drive = drive - equation%weight_share &
-         *vertical_acceleration(equation%motion, interval, t)
+      if (equation%has_vertical) drive = drive - equation%weight_share*(1 - equation%state%lean &
+         *[-1, 1])*vertical_acceleration(equation%motion, interval, t)
    end function lift_off_drives
 
    !> Displacement of the frame u_s on a side [m].

@@ -17,7 +17,7 @@ module rwmf_model_lanes
    public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
       add_straight_cable, sine
    public :: add_wall_power, add_frame_power
-   public :: power_count, of_input, of_viscous, of_plastic
+   public :: power_count, of_input, of_viscous, of_plastic, of_bending
 
 #ifdef RWMF_LANES
    integer, parameter :: lane_count = RWMF_LANES
@@ -30,13 +30,15 @@ module rwmf_model_lanes
    integer, parameter :: cable_coefficients = 4
    integer, parameter :: link_coefficients = 4
 
-   integer, parameter :: power_count = 3
+   integer, parameter :: power_count = 4
    integer, parameter :: of_input = 1
    !! power of the ground motion
    integer, parameter :: of_viscous = 2
    !! that dampers take
    integer, parameter :: of_plastic = 3
    !! that smooth hysteresis takes
+   integer, parameter :: of_bending = 4
+   !! that dampers of the wall's modes take
 
    !> Motion of the lanes at one instant, and the equation inertia*phi'' = moment that effects add
    !> to, per m_w R**2. A bare frame is the same with u in place of phi, R = 1 and m_s in place of

@@ -208,6 +208,8 @@ contains
       integer :: i
 
       if (.not. model%effects_act_at_rest .or. state%uplift_is_known) return
+      if (model%beam%n > 0) state%lean = dot_product(model%beam%area, y(model%beam%first: &
+         model%beam%first + model%beam%n - 1))/model%beam%half_width
       if (state%bearing_is_known) then
          state%uplift_acceleration([1, -1]) = state%bearing(:, 2)
          do i = 3, model%n

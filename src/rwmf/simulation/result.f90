@@ -63,6 +63,8 @@ module rwmf_simulation_result
       !! dissipated by yielding and rupture in the end
       real(wp) :: flow = 0
       !! part of it that no state tells: of smooth hysteresis and of rupture
+      real(wp) :: bending = 0
+      !! dissipated by the dampers of a bent wall's modes
       character(32), allocatable :: names(:)
       !! of the parts that apply to the scene
       integer, allocatable :: numbers(:)
@@ -167,6 +169,8 @@ module rwmf_simulation_result
    type :: result_t
       real(wp), allocatable :: u_s_max
       !! supremum of |u_s| over [0, t_end] [m]; absent without a frame
+      real(wp), allocatable :: tip_deflection_max
+      !! largest deflection of a bent wall's top from its straight axis [m]; absent without `&bending`
       real(wp), allocatable :: t_u_s_max
       !! its first time [s]
       real(wp), allocatable :: theta_max

@@ -309,6 +309,7 @@ contains
          result%u_s_max = recorder%u_max
          result%t_u_s_max = recorder%t_u_max
       end if
+      if (allocated(recorder%top)) result%tip_deflection_max = recorder%top(2)
       if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
          call fill_hysteresis(case, equation, hybrid, result)
       end if

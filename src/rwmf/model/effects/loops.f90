@@ -1,11 +1,12 @@
 !> The equation of motion of the lanes: kinematics, and the loops of a scene one after the other.
 module rwmf_model_effects_loops
    use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_bending_loop, only: add_mode_power, add_modes, bend_wall, release_modes
    use rwmf_model_effects_corner_damper_loop, only: add_damper, add_damper_power
    use rwmf_model_effects_corner_inerter_loop, only: add_inerter
    use rwmf_model_effects_fuse_loop, only: add_fuse
    use rwmf_model_effects_nl_damper_loop, only: add_nl_damper, add_nl_damper_power
-   use rwmf_model_effects_numbers, only: damper_effect, fuse_effect, inerter_effect, &
+   use rwmf_model_effects_numbers, only: bending_effect, damper_effect, fuse_effect, inerter_effect, &
       link_effect, nl_damper_effect, p_delta_effect, storeys_effect, vertical_effect, &
       yielding_effect
    use rwmf_model_effects_p_delta_loop, only: add_p_delta
@@ -43,6 +44,12 @@ contains
       else
          call move_bare_frame(y(1, 1), y(1, 2), motion)
       end if
+      if (scene%bent > 0) then
+         associate (term => scene%terms(scene%bent))
+            call bend_wall(term%law, coef(1, term%coef), y(1, term%state), &
+               coef(1, first_wall + 6), motion)
+         end associate
+      end if
       do i = 1, size(scene%terms)
          associate (term => scene%terms(i), own => scene%terms(i)%coef)
             select case (term%effect)
@@ -78,6 +85,9 @@ contains
                   y_dot(1, min(term%state, scene%n)))
             case (nl_damper_effect)
                call add_nl_damper(coef(1, own), motion)
+            case (bending_effect)
+               call add_modes(term%law, term%n, coef(1, own), y(1, term%state), &
+                  coef(1, first_wall + 6), motion, y_dot(1, term%state))
             case default
                ! has no loop, and therefore no term
             end select
@@ -88,6 +98,12 @@ contains
          y_dot(i, 1) = y(i, 2)
          y_dot(i, 2) = coef(i, 1)*(motion%side(i)*motion%moment(i)/motion%inertia(i))
       end do
+      if (scene%bent > 0) then
+         associate (term => scene%terms(scene%bent))
+            call release_modes(term%law, y(1, term%state), motion%side, y_dot(1, 2), &
+               y_dot(1, term%state))
+         end associate
+      end if
    end subroutine lane_rates
 
    !> Add the powers of the ground motion, of dampers, and of smooth plastic flow to a sum; what
@@ -130,6 +146,9 @@ contains
                call add_vertical_power(weight, coef(1, own), motion, total)
             case (nl_damper_effect)
                call add_nl_damper_power(weight, coef(1, own), motion, total)
+            case (bending_effect)
+               call add_mode_power(term%law, term%n, weight, coef(1, own), y(1, term%state), &
+                  motion, total)
             case default
                ! stores all that it takes, or dissipates on straight lines
             end select

@@ -23,6 +23,7 @@ module rwmf_simulation_recorder_recorder
       stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
       sample_state, step_view_t, until
+   use rwmf_simulation_events_storey_events, only: storeys_t
    use rwmf_simulation_events_turns, only: fastest_in, velocity_t
    use rwmf_simulation_newtons, only: weight_under
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
@@ -36,6 +37,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
       observe_instant, observe_last, observe_moving, observe_resting, reaction_extremes_recorder_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
+   use rwmf_simulation_recorder_top_motion, only: top_displacements, top_motion_t
    use rwmf_simulation_result, only: append_event, energy_t, event_t, history_t, shorten_events
    implicit none
    private
@@ -76,6 +78,11 @@ module rwmf_simulation_recorder_recorder
       type(energy_t) :: energy
       real(wp), allocatable :: drifts(:)
       !! largest |u_i - u_(i-1)| of storeys that can yield [m]; not allocated without
+      real(wp), allocatable :: t_drifts(:)
+      !! their times [s]
+      real(wp), allocatable :: top(:)
+      !! (2) largest displacement of the frame and deflection of a bent wall's top [m]; not allocated
+      !! without `&bending`
       type(reaction_extremes_recorder_t), allocatable :: forces
       !! only when reactions were asked for
       type(demand_recorder_t), allocatable :: demands
@@ -133,6 +140,8 @@ contains
       recorder%n_events = 0
       allocate (recorder%events(0))
       if (equation%floors%yields) allocate (recorder%drifts(equation%floors%n), source=0.0_wp)
+      if (equation%floors%yields) allocate (recorder%t_drifts(equation%floors%n), source=0.0_wp)
+      if (equation%beam%n > 0) allocate (recorder%top(2), source=0.0_wp)
       call observe_state(recorder, equation, 0.0_wp, y)
       if (.not. allocated(case%output)) return
       recorder%keeps_energy = case%output%energy
@@ -205,6 +214,8 @@ contains
          cable = cable_at(equation, y(1))
          recorder%cable_max = max(recorder%cable_max, cable%force)
       end if
+      if (allocated(recorder%top)) recorder%top = max(recorder%top, abs(top_displacements(equation, &
+         y)))
       if (.not. equation%has_frame) return
       if (allocated(recorder%drifts)) call observe_drifts(recorder%drifts, equation, y)
       u = abs(frame_displacement(equation, equation%state%side, y))
@@ -220,7 +231,7 @@ contains
       type(recorder_t), intent(in) :: recorder
 
       needs_all = recorder%keeps_history .or. recorder%keeps_events &
-         .or. allocated(recorder%drifts) .or. allocated(recorder%nearby) &
+         .or. allocated(recorder%drifts) .or. allocated(recorder%top) .or. allocated(recorder%nearby) &
          .or. allocated(recorder%envelopes)
    end function needs_all_steps
 
@@ -249,6 +260,7 @@ contains
       !! it is known to hold no extremum of the reactions
       logical, intent(in), optional :: has_calm_demands
       !! nor of the demands
+      type(storeys_t) :: storeys
       logical :: is_left
 
       is_left = allocated(recorder%forces)
@@ -259,7 +271,10 @@ contains
       if (allocated(error)) return
       if (is_left) call observe_moving(recorder%forces, piece, error)
       if (allocated(error)) return
-      if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, piece, error)
+      if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, &
+         recorder%t_drifts, storeys, piece, error)
+      if (allocated(error)) return
+      if (allocated(recorder%top)) call observe_top(recorder, piece, error)
       if (allocated(error)) return
       is_left = allocated(recorder%demands)
       if (present(has_calm_demands)) is_left = is_left .and. .not. has_calm_demands
@@ -271,6 +286,20 @@ contains
       if (allocated(error)) return
       if (recorder%keeps_energy) call integrate_powers(recorder%energy, piece, error)
    end subroutine observe_piece
+
+   !> Displacements of a bent wall's top inside a piece.
+   subroutine observe_top(recorder, piece, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      type(top_motion_t) :: top
+      real(wp) :: times(2)
+
+      call observe_turns(recorder%top, times, top, piece, error)
+      if (.not. piece%equation%has_frame .or. .not. recorder%top(1) > recorder%u_max) return
+      recorder%u_max = recorder%top(1)
+      recorder%t_u_max = times(1)
+   end subroutine observe_top
 
    !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far. A
    !> long piece is searched in parts.
@@ -461,7 +490,7 @@ contains
       real(wp), intent(out) :: y_dot(:)
 
       y_dot = 0
-      if (equation%floors%n > 1) call rates_at(equation, t, y, y_dot)
+      if (equation%floors%n > 1 .or. equation%beam%n > 0) call rates_at(equation, t, y, y_dot)
       y_dot(2) = y_ddot
    end subroutine complete_rates
 
@@ -526,6 +555,8 @@ contains
          if (equation%has_bilinear_springs) call put_spring_forces(row, equation, y(1))
          if (allocated(equation%floors%m)) call put_floors(row, equation, y)
          if (equation%floors%yields) call put_shears(row, equation, y)
+         if (equation%beam%n > 0) call put(row, id%q_i_m, y(equation%beam%first: &
+            equation%beam%first + equation%beam%n - 1))
          if (allocated(recorder%demands)) then
             call complete_rates(equation, t, y, y_ddot, y_dot)
             call put_storeys(row, recorder%demands, equation, t, y, y_dot)
@@ -581,7 +612,8 @@ contains
       !! [rad/s]
 
       recorder%impacts = recorder%impacts + 1_i8
-      if (recorder%keeps_energy) then
+      ! the modes take part in the loss of a wall that bends
+      if (recorder%keeps_energy .and. equation%beam%n == 0) then
          recorder%energy%impact = recorder%energy%impact + impact_loss(equation, before, after)
       end if
    end subroutine observe_impact

@@ -31,22 +31,27 @@ contains
    end subroutine observe_drifts
 
    !> Let the turns inside a piece of the last step, and its end, take part in them.
-   subroutine observe_turns(largest, step, error)
+   subroutine observe_turns(largest, times, displacements, step, error)
       real(wp), intent(inout) :: largest(:)
       !! (storeys) largest |u_i - u_(i-1)| so far [m]
+      real(wp), intent(inout) :: times(:)
+      !! (storeys) when [s]
+      class(storeys_t), intent(in) :: displacements
+      !! which ones
       type(step_view_t), intent(in) :: step
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      type(storeys_t) :: storeys
+      class(storeys_t), allocatable :: storeys
       type(samples_t), target :: samples
       type(moment_t) :: before, after
       type(span_t) :: span
       integer :: n, i, k
 
+      allocate (storeys, source=displacements)
       storeys%step = step
       n = count_parts(step)
       if (n == 1) then
-         if (is_inside(largest, storeys)) return
+         if (is_inside(largest, times, storeys)) return
       end if
       storeys%samples => samples
       call sample_functions(storeys, step%t_a, after, error)
@@ -57,7 +62,7 @@ contains
          if (allocated(error)) return
          span = span_between(storeys, before, after)
          do k = 1, size(largest)
-            call follow_turns(largest(k), storeys, k, span, error)
+            call follow_turns(largest(k), times(k), storeys, k, span, error)
             if (allocated(error)) return
          end do
       end do
@@ -65,9 +70,9 @@ contains
 
    !> Is it plain from the ends of a short piece, the last of which takes part, that no storey goes
    !> farther out between them?
-   logical function is_inside(largest, storeys)
-      real(wp), intent(inout) :: largest(:)
-      type(storeys_t), intent(inout) :: storeys
+   logical function is_inside(largest, times, storeys)
+      real(wp), intent(inout) :: largest(:), times(:)
+      class(storeys_t), intent(inout) :: storeys
       type(moment_t) :: a, b
       type(span_t) :: span
       integer :: k
@@ -78,7 +83,10 @@ contains
       call storeys%evaluate(a%t, storeys%step%y_a, a%f)
       call storeys%evaluate(b%t, storeys%step%y_b, b%f)
       storeys%derivatives = 2
-      largest = max(largest, abs(b%f(:, 0)))
+      where (abs(b%f(:, 0)) > largest)
+         largest = abs(b%f(:, 0))
+         times = b%t
+      end where
       span = span_between(storeys, a, b)
       is_inside = .true.
       do k = 1, size(largest)
@@ -105,10 +113,12 @@ contains
    end function stays_within
 
    !> Let the turns of a storey in a span, and its end, take part.
-   subroutine follow_turns(largest, storeys, k, span, error)
+   subroutine follow_turns(largest, time, storeys, k, span, error)
       real(wp), intent(inout) :: largest
       !! [m]
-      type(storeys_t), intent(in) :: storeys
+      real(wp), intent(inout) :: time
+      !! when [s]
+      class(storeys_t), intent(in) :: storeys
       integer, intent(in) :: k
       !! number of the storey, from the ground
       type(span_t), intent(in) :: span
@@ -119,7 +129,7 @@ contains
       logical :: turns
       integer :: i
 
-      largest = max(largest, abs(span%b%f(k, 0)))
+      call keep(span%b)
       rest = span
       do i = 1, most_turns
          if (stays_within(largest, k, rest)) return
@@ -128,10 +138,21 @@ contains
          part = rest
          call stop_at_change(storeys, watch_t(k, 1, side=sign(1.0_wp, way)), part, turns, error)
          if (allocated(error) .or. .not. turns) return
-         largest = max(largest, abs(part%b%f(k, 0)))
+         call keep(part%b)
          if (.not. part%b%t > rest%a%t .or. .not. span%b%t > part%b%t) return
          rest = span_between(storeys, part%b, span%b)
       end do
+
+   contains
+
+      !> Let an instant take part.
+      subroutine keep(moment)
+         type(moment_t), intent(in) :: moment
+
+         if (.not. abs(moment%f(k, 0)) > largest) return
+         largest = abs(moment%f(k, 0))
+         time = moment%t
+      end subroutine keep
    end subroutine follow_turns
 
 end module rwmf_simulation_recorder_storey_drifts
