@@ -375,8 +375,10 @@ contains
             kin = kinematics_at(equation, y(1))
             if (equation%has_frame) then
                state%u_s = frame_displacement(equation, equation%state%side, y)
-               state%u_s_dot = equation%p%R*kin%j*y(2)
-               state%u_s_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
+               call frame_motion(equation, equation%state%side, y, u_s, state%u_s_dot)
+               y_dot = [y(2), y_ddot]
+               if (equation%beam%n > 0) call rates_of(equation, instance%hybrid%t, y, y_ddot, y_dot)
+               state%u_s_ddot = frame_acceleration(equation, equation%state%side, y, y_dot)
             end if
          end if
          if (equation%has_frame) state%u_s_max = max(abs(state%u_s), instance%recorder%u_max)

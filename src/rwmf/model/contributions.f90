@@ -3,10 +3,10 @@
 module rwmf_model_contributions
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_list, only: prepare_effect
-   use rwmf_model_effects_numbers, only: effect_count, storeys_effect
+   use rwmf_model_effects_numbers, only: bending_effect, effect_count
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_model_hysteresis_spring_set, only: choose_springs, has_branches
-   use rwmf_model_scene, only: add_term, elsewhere, frame_term, term_t, through_link
+   use rwmf_model_scene, only: add_term, elsewhere, term_t, through_link
    use rwmf_problem_case, only: case_t
    implicit none
    private
@@ -42,8 +42,7 @@ contains
       associate (scene => equation%scene)
          is_before = scene%terms%acts == through_link .or. scene%terms%acts == elsewhere
          is_left = is_before
-         if (allocated(equation%beam%floors)) is_left = is_before .and. scene%terms%effect &
-            /= frame_term .and. scene%terms%effect /= storeys_effect
+         if (allocated(equation%beam%floors)) is_left = scene%terms%effect == bending_effect
          scene%bent = count(is_left)
          scene%terms = [pack(scene%terms, is_left), pack(scene%terms, .not. is_before)]
       end associate

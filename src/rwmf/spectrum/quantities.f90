@@ -4,7 +4,7 @@ module rwmf_spectrum_quantities
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t
-   use rwmf_problem_case, only: case_t, output_t, structure_t
+   use rwmf_problem_case, only: case_t, has_numbers, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_finite_check, only: may_report
@@ -92,7 +92,8 @@ contains
       output%envelopes = any(observed == of_envelopes)
       output%energy = any(observed == of_energy)
       asked%is_watched = output%reactions .or. output%demands .or. output%envelopes &
-         .or. any(observed == of_velocity .or. observed == of_storeys)
+         .or. any(observed == of_velocity .or. observed == of_storeys) .or. has_numbers(case, &
+         'bending')
       asked%is_displacement = all(asked%keys == displacement) .and. .not. asked%has_peak
       asked%has_only_peaks = all(observed == of_displacement)
       asked%has_sensitivity = case%solver%verify .and. any(observed == of_verification)

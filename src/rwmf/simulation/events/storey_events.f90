@@ -17,15 +17,15 @@ module rwmf_simulation_events_storey_events
    implicit none
    private
 
-   public :: storey_end_t, storeys_t, stop_at_storey, end_branch, is_quiet
+   public :: storey_end_t, displacements_t, stop_at_storey, end_branch, is_quiet
 
    !> Displacements of the storeys [m], with rates and accelerations.
-   type, extends(functions_t) :: storeys_t
+   type, extends(functions_t) :: displacements_t
       integer :: derivatives = 2
       !! how many are wanted; the second costs an evaluation of the right-hand side
    contains
       procedure :: evaluate => evaluate_storeys
-   end type storeys_t
+   end type displacements_t
 
    !> Hysteretic states of smooth storeys [-], with their rates.
    type, extends(functions_t) :: hysteretic_t
@@ -53,7 +53,7 @@ contains
 
    !> Displacements of the storeys at a state.
    subroutine evaluate_storeys(self, t, y, f)
-      class(storeys_t), intent(in) :: self
+      class(displacements_t), intent(in) :: self
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), allocatable, intent(out) :: f(:, :)
@@ -90,7 +90,7 @@ contains
       type(storey_end_t), intent(out) :: found
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      type(storeys_t) :: storeys
+      type(displacements_t) :: storeys
       type(samples_t), target :: samples
       type(moment_t) :: a, b
       type(span_t) :: span
@@ -125,7 +125,7 @@ contains
    !> displacements and rates mostly show it, the quintics with the accelerations nearly always.
    logical function is_quiet(step)
       type(step_view_t), intent(in) :: step
-      type(storeys_t) :: storeys
+      type(displacements_t) :: storeys
       type(moment_t) :: a, b
       type(span_t) :: span
       integer :: derivatives, i
@@ -156,7 +156,7 @@ contains
 
    !> Is it plain that the displacement of a storey stays on its branch in a span?
    logical function stays_on_branch(storeys, i, span) result(stays)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey, from the ground
       type(span_t), intent(in) :: span
@@ -181,7 +181,7 @@ contains
 
    !> The limits of an elastic storey. One that begins beyond a limit by round-off begins at it.
    function watches_of_limits(storeys, i, a) result(watch)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey, from the ground
       type(moment_t), intent(in) :: a
@@ -196,7 +196,7 @@ contains
    !> First end of a branch in a span. Each one found shortens the span, so that it cannot
    !> hide what comes before.
    subroutine search_storeys(storeys, span, found, error)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       type(span_t), intent(inout) :: span
       type(storey_end_t), intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
@@ -249,7 +249,7 @@ contains
 
    !> Does a storey that yields turn back, or come to the end of its branch before?
    subroutine search_turn(storeys, i, span, found, error)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey, from the ground
       type(span_t), intent(inout) :: span
@@ -294,7 +294,7 @@ contains
 
    !> Does an elastic storey come to a limit?
    subroutine search_limits(storeys, i, span, found, error)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey, from the ground
       type(span_t), intent(inout) :: span
@@ -309,7 +309,7 @@ contains
 
    !> Find where the hysteretic force of a smooth storey passes zero. It is monotone before a turn.
    subroutine search_zero(storeys, i, span, found, error)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey, from the ground
       type(span_t), intent(inout) :: span

@@ -2,7 +2,7 @@
 !>
 !> The observer reads the states that the hybrid loop passes by; nothing that it does changes them.
 module rwmf_simulation_recorder_recorder
-   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_error, only: err_input, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t, stationary_point
    use rwmf_math_sign_changes, only: no_change, one_change
@@ -23,7 +23,7 @@ module rwmf_simulation_recorder_recorder
       stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
       sample_state, step_view_t, until
-   use rwmf_simulation_events_storey_events, only: storeys_t
+   use rwmf_simulation_events_storey_events, only: displacements_t
    use rwmf_simulation_events_turns, only: fastest_in, velocity_t
    use rwmf_simulation_newtons, only: weight_under
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
@@ -144,6 +144,13 @@ contains
       if (equation%beam%n > 0) allocate (recorder%top(2), source=0.0_wp)
       call observe_state(recorder, equation, 0.0_wp, y)
       if (.not. allocated(case%output)) return
+      if (equation%beam%n > 0 .and. (case%output%reactions .or. case%output%demands &
+          .or. case%output%envelopes)) then
+         call fail(error, err_input, 'a wall with &bending has no reactions, demands or envelopes ' &
+            //'yet (&output reactions, or such a quantity by name): displacements, rotations, ' &
+            //'modes, counts and energies are reported')
+         return
+      end if
       recorder%keeps_energy = case%output%energy
       recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
       call create_reaction_extremes(recorder%forces, case)
@@ -260,7 +267,7 @@ contains
       !! it is known to hold no extremum of the reactions
       logical, intent(in), optional :: has_calm_demands
       !! nor of the demands
-      type(storeys_t) :: storeys
+      type(displacements_t) :: storeys
       logical :: is_left
 
       is_left = allocated(recorder%forces)

@@ -8,7 +8,7 @@ module rwmf_simulation_recorder_storey_drifts
    use rwmf_simulation_events_first_change, only: changes_in, moment_t, sample_functions, &
       samples_t, span_between, span_t, stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
-   use rwmf_simulation_events_storey_events, only: storeys_t
+   use rwmf_simulation_events_storey_events, only: displacements_t
    implicit none
    private
 
@@ -36,12 +36,12 @@ contains
       !! (storeys) largest |u_i - u_(i-1)| so far [m]
       real(wp), intent(inout) :: times(:)
       !! (storeys) when [s]
-      class(storeys_t), intent(in) :: displacements
+      class(displacements_t), intent(in) :: displacements
       !! which ones
       type(step_view_t), intent(in) :: step
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      class(storeys_t), allocatable :: storeys
+      class(displacements_t), allocatable :: storeys
       type(samples_t), target :: samples
       type(moment_t) :: before, after
       type(span_t) :: span
@@ -72,7 +72,7 @@ contains
    !> farther out between them?
    logical function is_inside(largest, times, storeys)
       real(wp), intent(inout) :: largest(:), times(:)
-      class(storeys_t), intent(inout) :: storeys
+      class(displacements_t), intent(inout) :: storeys
       type(moment_t) :: a, b
       type(span_t) :: span
       integer :: k
@@ -118,7 +118,7 @@ contains
       !! [m]
       real(wp), intent(inout) :: time
       !! when [s]
-      class(storeys_t), intent(in) :: storeys
+      class(displacements_t), intent(in) :: storeys
       integer, intent(in) :: k
       !! number of the storey, from the ground
       type(span_t), intent(in) :: span

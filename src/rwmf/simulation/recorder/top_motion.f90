@@ -5,14 +5,14 @@ module rwmf_simulation_recorder_top_motion
    use rwmf_model_assembly, only: rates_at
    use rwmf_model_beam, only: tip_deflection, tip_rate
    use rwmf_model_equation, only: equation_t, frame_acceleration, frame_motion
-   use rwmf_simulation_events_storey_events, only: storeys_t
+   use rwmf_simulation_events_storey_events, only: displacements_t
    implicit none
    private
 
    public :: top_motion_t, top_displacements
 
    !> Displacement of the frame and deflection of the top [m], with two derivatives.
-   type, extends(storeys_t) :: top_motion_t
+   type, extends(displacements_t) :: top_motion_t
    contains
       procedure :: evaluate => evaluate_top
    end type top_motion_t
