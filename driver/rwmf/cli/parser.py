@@ -1,6 +1,6 @@
-"""The words and options of the command line.
+"""Subcommands and options of the command line.
 
-Nothing here computes or imports what computes: help and complaints about a word come at once.
+This module imports no computation, so that help and error messages appear at once.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rwmf.cli.words import number, whole, written_file
 
 __all__ = ["make_parser"]
 
-# processes on one machine: beyond any, and what the system still starts
+# above the number of processes that one machine needs, within the limits of the system
 _MOST_WORKERS = 4096
 
 
@@ -25,8 +25,8 @@ def make_parser() -> argparse.ArgumentParser:
     Returns
     -------
     argparse.ArgumentParser
-        What it parses has the attribute ``run``: module of this package and its function that does
-        what is asked for.
+        Parser whose result has the attribute ``run``: module of this package and function of the
+        subcommand.
     """
     parser = argparse.ArgumentParser(
         prog="rwmf",
@@ -59,7 +59,7 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 class _ShowVersion(argparse.Action):
-    """Ask the kernel, which takes longer to load than all the rest, only when it is asked for."""
+    """Print the kernel's version; loading the kernel takes longer than everything else."""
 
     def __call__(
         self,
