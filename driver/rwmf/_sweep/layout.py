@@ -99,7 +99,7 @@ class Layout:
 
     @functools.cached_property
     def _members(self) -> list[tuple[Places, Places]]:
-        """Return the positions along each dimension grouped by scene, and where each scene begins."""
+        """Return the positions along each dimension grouped by scene, and each scene's start."""
         found = []
         for scenes in self.scene_of.values():
             begins = np.concatenate([[0], np.cumsum(np.bincount(scenes))])
@@ -156,7 +156,7 @@ class Layout:
         return Rows(tuple(positions), places)
 
     def _part(self, number: int) -> tuple[list[Places], int, int]:
-        """Return a group's positions along each dimension, and the range of a chunk in the group."""
+        """Return a group's positions along each dimension, and a chunk's range in the group."""
         group = int(np.searchsorted(self._first_chunks, number, "right")) - 1
         first, following = self._first_chunks[group : group + 2].tolist()
         members: list[Places] = []

@@ -116,7 +116,7 @@ def status_names(layout: Layout, source: Source) -> list[str]:
 def assemble(
     layout: Layout, source: Source, names: list[str], part: slice | None = None
 ) -> dict[str, Array]:
-    """Put chunks together.
+    """Assemble chunks into arrays.
 
     Parameters
     ----------

@@ -82,7 +82,7 @@ def point_axis(
     unit: str | None = None,
     dt: float | None = None,
 ) -> Axis:
-    """Make the axis of a table's rows.
+    """Make the axis for the rows of a table.
 
     Parameters
     ----------
@@ -272,7 +272,7 @@ def _settings(name: str, table: _Columns, column: Column) -> tuple[Places, list[
 def _make_scenes(
     texts: Mapping[str, tuple[Places, Sequence[Any]]], n: int
 ) -> tuple[tuple[Scene, ...], npt.NDArray[np.uint32]]:
-    """Combine records and texts as they occur, in the order of their first rows."""
+    """Combine records and texts into scenes, in the order of their first rows."""
     combined = np.zeros(n, dtype=np.int64)
     for codes, values in texts.values():
         combined = combined * len(values) + codes

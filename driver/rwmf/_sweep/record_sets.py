@@ -111,7 +111,7 @@ def find_records(
     unit: str | None = None,
     dt: float | None = None,
 ) -> tuple[RecordFile, ...]:
-    """Find the files of a suite.
+    """Find the records of a suite.
 
     Parameters
     ----------

@@ -200,7 +200,7 @@ def _fit_in_words(dataset: xr.Dataset) -> str:
 
 
 def _effect_in_words(dataset: xr.Dataset) -> str:
-    """Summarise the effect of the wall, one line per response with both reductions and increases."""
+    """Summarise the effect of the wall, one line per response: reductions and increases."""
     lines = ["with the wall over without it:"]
     for name in str(dataset.attrs["quantities"]).split():
         values = dataset[f"{name}_ratio"].values

@@ -1,4 +1,4 @@
-"""The figure of an overturning map: regions between bisected boundaries. Nothing here simulates."""
+"""Figure of an overturning map: regions between bisected boundaries."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["draw_overturning"]
 
 # outcome, lower and upper amplitude
 Region = tuple[int, float, float]
-# strength of the colour of a region
+# opacity of a region's colour
 _REGION = 0.5
 
 
@@ -32,7 +32,7 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
     dataset : xarray.Dataset
         From `rwmf.studies.overturning_map`.
     ax : matplotlib.axes.Axes
-        Where to draw.
+        Axes to draw in.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def _regions(dataset: xr.Dataset, i: int) -> list[Region]:
-    """Give outcome, lower and upper amplitude of the regions over one frequency."""
+    """Return outcome, lower and upper amplitude of the regions at one frequency."""
     at = np.flatnonzero(
         dataset["boundary_omega_over_p"].values == dataset["omega_over_p"].values[i]
     )
@@ -77,8 +77,9 @@ def _draw_between(
 ) -> None:
     """Fill the regions between two frequencies.
 
-    Boundaries between the same regions are joined, and the uppermost region may leave the map at
-    its top; where a region ends in between, each frequency holds as far as the middle.
+    Boundaries between equal regions are joined, and the uppermost region may end at the top of the
+    map. Where a region ends between the frequencies, each frequency represents half of the
+    interval.
     """
     pairs = list(zip(left, right, strict=False))
     leaving = abs(len(left) - len(right))
@@ -100,7 +101,7 @@ def _draw_between(
 def _look(outcome: int) -> dict[str, Any]:
     if outcome == SURVIVES:
         return {"facecolor": PAPER, "linewidth": 0}
-    # smoothed edges would show where the columns of one region meet
+    # anti-aliased edges would show between the columns of one region
     colour = tint(COLOURS[outcome % len(COLOURS)], _REGION)
     return {"facecolor": colour, "linewidth": 0, "antialiased": False}
 
@@ -113,7 +114,7 @@ def _outcome_in_words(outcome: int) -> str:
 
 
 def _scene_in_words(dataset: xr.Dataset) -> str:
-    """Say which wall, which loss at impacts and which pulse a map is of."""
+    """Describe wall, velocity factor and pulse of a map."""
     units = {"alpha": r"$\alpha$ = {:.4g} rad", "p": "$p$ = {:.4g} rad/s", "e": "$e$ = {:.4g}"}
     parts = [form.format(float(dataset[name])) for name, form in units.items() if name in dataset]
     return ", ".join([*parts, str(dataset.attrs["pulse"]).replace("_", "-")])
