@@ -1,4 +1,4 @@
-"""Measures whether `&solver accuracy` keeps its promise on random scenes, and what that costs.
+"""Checks on random scenes that `&solver accuracy` holds, and measures its cost.
 
     .venv/bin/python bench/accuracy_promise.py [N] [SEED] [QUANTITY] [STOREYS]
 

@@ -1,4 +1,4 @@
-"""The validation cases in MuJoCo, a rigid-body engine with contact that nobody here wrote.
+"""Validation cases in MuJoCo, an independent rigid-body engine with contact.
 
 ``python bench/mujoco_cases.py [CASE ...]`` reads ``validation/CASE.nml`` and writes
 ``validation/mujoco/CASE.csv``. Needs ``pip install '.[validation]'``.

@@ -61,7 +61,7 @@ class Engine:
     dt : float
         Time step [s].
     integrator : tuple
-        What OpenSees steps with, and its parameters.
+        Integrator of OpenSees and its parameters.
     stored_interval : float
         Interval of the stored history [s].
     """
@@ -90,7 +90,7 @@ class FrameEngine:
     column_ratio : float
         Axial stiffness of the leaning columns over the largest of the storeys [-].
     integrator : tuple
-        What OpenSees steps with, and its parameters.
+        Integrator of OpenSees and its parameters.
     """
 
     dt: float = 1e-4

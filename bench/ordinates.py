@@ -95,7 +95,7 @@ def _serve() -> None:
 
 
 class Build:
-    """A build that computes in a process of its own."""
+    """A build that computes in a separate process."""
 
     def __init__(self, folder: Path) -> None:
         self.process = subprocess.Popen(

@@ -1,4 +1,4 @@
-"""Which effects go together: a run of every pair, or the reason why it is refused.
+"""Combinations of effects: a run of every pair, or the reason for its refusal.
 
     .venv/bin/python bench/pairs.py            the table of docs/reference/effects.md
 
@@ -21,7 +21,7 @@ import rwmf
 
 Groups = dict[str, dict[str, Any] | None]
 
-# what every pair begins with
+# groups common to all pairs
 SCENE: Groups = {
     "wall": {"h": 2.0, "b": 0.5},
     "frame": {"T_s": 0.5, "gamma": 5.0, "xi_s": 0.05},
@@ -41,7 +41,7 @@ BALANCE = 1e-6  # of the energy ledger, relative
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect, what it changes in the scene, and the group that a message names."""
+    """An effect, its changes of the scene, and its group in messages."""
 
     name: str
     changes: Groups
@@ -128,7 +128,7 @@ EFFECTS = [
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a pair: 'runs', 'refused' with the message, or 'alternatives' of one key."""
+    """Result of a pair: 'runs', 'refused' with the message, or 'alternatives' of one key."""
 
     kind: str
     message: str = ""
@@ -228,7 +228,7 @@ def _value(value: object) -> str:
 
 
 def _reason(message: str) -> str:
-    """Drop the line of a file that nobody has from a message."""
+    """Remove line numbers, which refer to no file, from a message."""
     return re.sub(r" \(line \d+\)", "", message)
 
 

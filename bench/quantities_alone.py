@@ -1,4 +1,4 @@
-"""Scenes in which a quantity depends on what else is requested.
+"""Search for scenes in which a quantity depends on the other requested quantities.
 
     .venv/bin/python bench/quantities_alone.py [--count 500] [--first 0] [--processes 2]
 

@@ -54,7 +54,7 @@ class Ordinate(NamedTuple):
     sensitivity : float
         Relative change of the peak per relative change of the motion; 1 where it was not asked.
     note : str
-        What makes the ordinate no number: how it ended, in the spectrum and in truth.
+        Reason why the ordinate has no value: its ending, in the spectrum and in the reference.
     """
 
     number: int
@@ -98,7 +98,7 @@ def check_scene(number: int, n_periods: int, rtol: float) -> list[Ordinate]:
 
 
 def _scalars(case: rwmf.Case) -> dict[str, Any]:
-    """Run a case and take what has no time axis, by its name."""
+    """Run a case and return its results without time axis, by name."""
     result = rwmf.simulate(case)
     return dict(result.attrs) | {
         str(name): value.item() for name, value in result.data_vars.items() if not value.dims

@@ -44,7 +44,7 @@ def _peaks(scene: rwmf.Case, scale: float, method: str, rtol: float) -> Array:
 
 
 def _worst(scene: rwmf.Case, scale: float, truth: Array, rtol: float) -> list[tuple[float, float]]:
-    """Periods [s] that are too wrong, and by how many times what is allowed."""
+    """Return periods [s] with errors above the allowed one, and the ratios."""
     error = np.abs(_peaks(scene, scale, "auto", rtol) / truth - 1)
     if not np.any(error > rtol):
         return []
@@ -69,9 +69,9 @@ def main() -> None:
                 found += 1
                 print(
                     f"{formulation}, b = {b:g} m, motion times {scale:g}, gamma = {gamma:g}, "
-                    f"rtol = {rtol:.0e}, T_s = {T_s:.3f} s: {part:.2f} times what is allowed"
+                    f"rtol = {rtol:.0e}, T_s = {T_s:.3f} s: {part:.2f} times the allowed error"
                 )
-    print(f"{found} of {asked} ordinates are too wrong.")
+    print(f"{found} of {asked} ordinates exceed the allowed error.")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What CalculiX prints, as the history of a wall."""
+"""History of a wall from the output of CalculiX."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def read_history(path: Path, deck: Deck) -> Array:
     Parameters
     ----------
     path : path
-        What the solver printed.
+        Output of the solver.
     deck : Deck
-        What it computed.
+        Input of the solver.
 
     Returns
     -------

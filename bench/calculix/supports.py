@@ -1,4 +1,4 @@
-"""What the wall of a deck stands on."""
+"""Supports of the wall in a deck."""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ def build(scene: Scene, engine: Scene) -> None:
     ):
         z += height
         ops.node(i, 0.0, z)
-        # what moves vertically is next to nothing; the eigenvalue solver takes no zero
+        # negligible vertical mass; the eigenvalue solver does not accept zero
         ops.mass(i, m, 1e-6 * m)
         if scene["u_y"] is None:
             ops.uniaxialMaterial("Elastic", i, k)

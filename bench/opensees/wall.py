@@ -20,7 +20,7 @@ import openseespy.opensees as ops
 
 Scene = dict[str, Any]
 
-# nodes: base, corners, centroid, top, corner of the link; what stands still; pads; frame
+# nodes: base, corners, centroid, top, corner of the link; fixed nodes; pads; frame
 BASE, LEFT, RIGHT, CENTROID, TOP, LINKED = 1, 2, 3, 4, 5, 6
 GROUND, GROUND_LEFT, GROUND_RIGHT, PAD_LEFT, PAD_RIGHT = 11, 12, 13, 22, 23
 FRAME, FRAME_BASE = 7, 17

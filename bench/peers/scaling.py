@@ -1,4 +1,4 @@
-"""What the cost of an ordinate depends on: ordinates, length, tolerance, threads, formulation."""
+"""Dependence of an ordinate's cost on ordinates, length, tolerance, threads and formulation."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FORMULATIONS = (
     ("exact", "truss"),
 )
 Points = list[tuple[float, float]]
-"""What is varied, and the time of one ordinate [s]."""
+"""Varied parameter, and the time of one ordinate [s]."""
 
 
 def ordinates(record: Record, most: int, repeats: int) -> Points:

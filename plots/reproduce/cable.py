@@ -1,4 +1,4 @@
-"""Fig. 11: what the cable gains while the wall rocks."""
+"""Fig. 11: force increment of the cable while the wall rocks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The paper's claims: what each says, how it is measured, and what the number decides."""
+"""Claims of the paper: statement, measurement, and criterion for each."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Etas = tuple[float, float]
 
 @dataclass(frozen=True)
 class Measured:
-    """What was found for one form of the model and one cable.
+    """Results for one form of the model and one cable.
 
     Attributes
     ----------

@@ -1,8 +1,8 @@
-"""Docstrings of Python: what each public function, method and class says of itself.
+"""Required items of Python docstrings: public functions, methods and classes.
 
-Public is what neither has a leading underscore nor stands in something that has one, or inside a
-function. A property says what it is; what a class takes is said by the class. A method that several
-classes of a file have in common is explained in the first of them.
+Names are public without a leading underscore, in public scopes outside functions. The docstring of
+a property gives its value, and that of a class its arguments. A method common to several classes of
+a file is explained in the first of them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["check"]
 
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
 _NOTHING = ("None", "NoReturn", "Never")
-# what a property or an alternative of an overloaded function says in its first line
+# a property or an alternative of an overloaded function needs a first line only
 _BARE = ("property", "cached_property", "overload", "setter")
 
 
@@ -33,9 +33,9 @@ def check(path: Path) -> tuple[int, list[Finding]]:
     Returns
     -------
     int
-        Number of docstrings looked at.
+        Number of checked docstrings.
     list of Finding
-        What is missing.
+        Missing items.
     """
     tree = ast.parse(path.read_text(encoding="utf-8"))
     n, found = 0, []
@@ -122,7 +122,7 @@ def _names_of(text: str, title: str) -> set[str]:
 
 
 def _raises(node: _Function) -> bool:
-    """Whether the body itself raises an error of its own; not what it hands on or asserts."""
+    """Check whether the body raises an error itself, apart from re-raised ones and assertions."""
     nested = {
         inner
         for part in ast.walk(node)

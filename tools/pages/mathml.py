@@ -36,7 +36,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     Returns
     -------
     dict
-        What Sphinx wants to know of an extension.
+        Metadata of the extension for Sphinx.
     """
     app.add_html_math_renderer("mathml", (_visit_inline, None), (_visit_block, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}

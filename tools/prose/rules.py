@@ -26,7 +26,7 @@ _BANNED = re.compile(
     re.IGNORECASE,
 )
 _QUESTION = re.compile(
-    r"\W*(what|whatever|how|does|do|did|may|might|can|could|should|must|has|have|is|are|was|were"
+    r"\W*(what|whatever|how|does|did|may|might|can|could|should|must|has|is|are|was|were"
     r"|will|would|whether|which|who|whom|whose|where|when|why|the same)\b",
     re.IGNORECASE,
 )
@@ -34,8 +34,9 @@ _QUESTION = re.compile(
 _END = re.compile(
     r"(?<!\be\.g)(?<!\bi\.e)(?<!\bEqs)(?<!\bEq)(?<!\bFig)(?<!\bvs)(?<!\b[A-Z])[.?!]\s"
 )
-# blank lines, items of a list, underlines, names of arguments and changed indentation
-_BREAK = re.compile(r"\n\s*\n|\n\s*(?:[-*+]|\d+\.)\s|\n\s*[-=~]{3,}\s*\n|\n(?= *[\w, *]+ : )")
+# an item of a list, an underline, and the line of an argument with its type
+_ITEM = re.compile(r"\s*(?:[-*+]|\d+\.)\s+")
+_NO_PROSE = re.compile(r"\s*$|\s*[-=~]{3,}|\s*[\w, *]+ : ")
 
 Found = Iterator[tuple[int, str]]
 
@@ -85,16 +86,31 @@ def _wide(text: Text) -> Found:
 
 
 def _long(text: Text) -> Found:
-    start = 0
-    plain = blank_code(text.text)
-    ends = [found.start() for found in _BREAK.finditer(plain)]
-    ends += [found.start() + 1 for found in _END.finditer(plain)]
-    for end in sorted({*ends, len(plain)}):
-        sentence = plain[start:end]
-        if len(_WORD.findall(sentence)) > LONGEST_SENTENCE:
-            blank = len(sentence) - len(sentence.lstrip())
-            yield text.line + plain.count("\n", 0, start + blank), " ".join(sentence.split())[:90]
-        start = end
+    for line, paragraph in _paragraphs(text):
+        start = 0
+        for end in [found.start() + 1 for found in _END.finditer(paragraph)] + [len(paragraph)]:
+            sentence = paragraph[start:end]
+            if len(_WORD.findall(sentence)) > LONGEST_SENTENCE:
+                first = start + len(sentence) - len(sentence.lstrip())
+                yield line + paragraph.count("\n", 0, first), " ".join(sentence.split())[:90]
+            start = end
+
+
+def _paragraphs(text: Text) -> Found:
+    """Split a text at blank lines, items of lists and changes of indentation."""
+    first, lines, indent = 0, [""], -1
+    for number, line in enumerate(blank_code(text.text).splitlines(), text.line):
+        item = _ITEM.match(line)
+        own = item.end() if item else len(line) - len(line.lstrip())
+        if item or own != indent or _NO_PROSE.match(line):
+            yield first, "\n".join(lines)
+            first, lines = number, []
+        if _NO_PROSE.match(line):
+            lines, own = [""], -1
+        else:
+            lines.append(line)
+        indent = own
+    yield first, "\n".join(lines)
 
 
 RULES: dict[str, Callable[[Text], Found]] = {

@@ -14,7 +14,7 @@ __all__ = ["KINDS", "Text", "blank_code", "read_fortran", "read_page", "read_pyt
 KINDS = ("docstrings", "comments", "fortran", "messages", "pages", "code")
 
 _CODE = re.compile(r"``[^`]+``|`[^`]+`|\$\$.+?\$\$|\$[^$\n]+\$|https?://\S+", re.DOTALL)
-_WORDS = re.compile(r"[^\W\d_]{2,} +[^\W\d_]{2,} +[^\W\d_]{2,}")
+_WORDS = re.compile(r"[^\W\d_]{2,} +[^\W\d_]+ +[^\W\d_]+")
 _FENCE = re.compile(r"^\s*(```+|~~~+|:::+)")
 _LITERAL = re.compile(r"'((?:[^']|'')*)'|\"((?:[^\"]|\"\")*)\"")
 _ABOUT = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef

@@ -73,7 +73,7 @@ def test_an_equation_has_a_label_of_its_own() -> None:
         ("```nml\n&wall height = 1 /\n```\n", "no key height"),
         ("```nml\n&house /\n```\n", "no group &house"),
         ("```fortran\nprogram nobody_builds\nend program\n```\n", "in no tested source"),
-        ("`examples/one_wall.c`\n\n```c\nint main(void) {}\n```\n", "is not what the page shows"),
+        ("`examples/one_wall.c`\n\n```c\nint main(void) {}\n```\n", "differs from the block of the page"),
         ("```basic\n10 PRINT 1\n```\n", "of the language"),
     ],
 )
