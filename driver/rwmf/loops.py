@@ -183,7 +183,7 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
     """
     found = to_items(loops)
     if found is None or not all(isinstance(loop, Loop) for loop in found):
-        raise InputError(f"loops = {show(loops)}: must be what find_loops returns")
+        raise InputError(f"loops = {show(loops)}: must be the result of find_loops")
     kinds: dict[str, list[Loop]] = {}
     for loop in found:
         kinds.setdefault(loop.spring.split()[-1], []).append(loop)

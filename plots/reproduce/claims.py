@@ -39,11 +39,11 @@ class Claim:
     place : str
         Where the paper makes it.
     text : str
-        What it says.
+        Text of the claim.
     criterion : str
-        What has to be found so that it counts as reproduced.
+        Criterion for a reproduced claim.
     measure : callable
-        From the cache, form, and eta_0 with eta_alpha to what is found.
+        Computes the results from the cache, the form, and eta_0 with eta_alpha.
     has_cable : bool
         Whether the lost properties of the cable enter.
     """
@@ -64,7 +64,7 @@ class Judgement:
     claim : Claim
         The claim.
     published, exact : Measured
-        What was found with the shipped cable in both forms.
+        Results for the shipped cable in both forms.
     held : int
         For how many of `tried` cables the claim holds in the published form.
     tried : int
@@ -103,7 +103,7 @@ def judge(cache: ResponseCache, claim: Claim) -> Judgement:
     Returns
     -------
     Judgement
-        What was found.
+        The results.
     """
     cables = ETAS if claim.has_cable else (SHIPPED_ETAS,)
     found = {etas: claim.measure(cache, PUBLISHED, etas) for etas in cables}

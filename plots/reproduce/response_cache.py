@@ -1,4 +1,4 @@
-"""Where the responses come from: every simulation is made once, however many figures show it."""
+"""Cache of the responses: every simulation runs once for all figures."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from reproduce.formulations import SHIPPED_ETAS, Changes, Formulation
 
 __all__ = ["COARSE", "ResponseCache"]
 
-# order 8 with steps of its own: ten times faster than the default here, at the same accuracy
+# order 8 with adaptive steps: ten times faster than the default here, at the same accuracy
 _METHOD = "dop853"
 # four digits more than a figure or a verdict needs
 _RTOL = 1e-8
-# periods of what is drawn as a band or judged for several cables [s]
+# periods of bands, and of claims checked for several cables [s]
 COARSE = tuple(float(T_s) for T_s in np.round(np.linspace(0.05, 3.0, 60), 10))
 
 

@@ -174,7 +174,7 @@ def _difference_row(row: Row) -> tuple[str, ...]:
 
 
 def tolerances_table(cache: ResponseCache) -> Table:
-    """List what counts as agreement for every stored history.
+    """List the criteria of agreement for every stored history.
 
     Parameters
     ----------

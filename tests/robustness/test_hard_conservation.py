@@ -1,4 +1,4 @@
-"""What does not change when nothing is lost, and the ledger of what is."""
+"""Invariants of lossless motion, and the ledger of losses."""
 
 from __future__ import annotations
 

@@ -93,7 +93,7 @@ def test_a_whole_history_has_no_such_warning() -> None:
 
 @pytest.mark.parametrize("scene", [BARE, COUPLED])
 def test_many_ordinates_need_no_large_stack(tmp_path: Path, scene: str) -> None:
-    """What is as large as the user's spectrum lies on the heap."""
+    """Arrays of the size of the user's spectrum are on the heap."""
     done = run_batch(
         tmp_path,
         scene + "&motion kind = 'one_sine', a_max_g = 0.4, T_p = 1.0 /\n&solver t_end = 0.01 /\n"

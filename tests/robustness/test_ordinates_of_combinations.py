@@ -1,4 +1,4 @@
-"""Ordinates of combinations: those that lanes did not end, or had too far off; and their company.
+"""Ordinates of combinations that lanes once failed to compute, and their neighbours.
 
 The former were found by bench/random_ordinates.py, in scenes with smooth hysteresis.
 """
@@ -26,7 +26,8 @@ ENDLESS = {
 OFF = {
     # the passage of the hysteretic force before an impact that came earlier: 12 times the bound
     2450: (0.13967027027647697,),
-    # steps beyond what is stable where the hysteretic force relaxes to its bound: 1.3 and 1.1 times
+    # steps beyond the stability limit where the hysteretic force relaxes to its bound: 1.3 and 1.1
+    # times
     624: (0.502083184307579,),
     1475: (1.0500883705101898,),
 }

@@ -74,7 +74,7 @@ def _library() -> ctypes.CDLL:
 
 
 def _call(name: str, *arguments: object) -> None:
-    """Call a function of the interface; what it refuses is raised as Python's own error."""
+    """Call a function of the interface, and raise its error as that of Python."""
     message = ctypes.create_string_buffer(_MESSAGE_BYTES)
     function = getattr(_library(), name)
     status = function(*arguments, message, c_size_t(_MESSAGE_BYTES))

@@ -29,7 +29,7 @@ _PULSE_RATE = 0.55  # part of the scenes that have a pulse, not a record
 
 @dataclass(frozen=True)
 class Combination:
-    """A scene that a number stands for.
+    """A scene generated from a number.
 
     Attributes
     ----------

@@ -104,7 +104,7 @@ def check(path: Path) -> tuple[int, list[Finding]]:
 
 
 def _read(lines: list[str]) -> Iterator[_Statement]:
-    """Join continued lines; comments that explain become statements of their own or docs."""
+    """Join continued lines; documentation comments become separate statements or docs."""
     current: _Statement | None = None
     continued = False
     for number, line in enumerate(lines, 1):

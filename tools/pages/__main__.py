@@ -1,4 +1,4 @@
-"""Builds the documentation site: ``tools/docs`` installs what this needs and calls it."""
+"""Build of the documentation site; ``tools/docs`` installs its requirements and calls it."""
 
 from __future__ import annotations
 

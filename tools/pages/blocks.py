@@ -290,7 +290,7 @@ def _tested_sources() -> str:
 
 
 def compare(found: str, expected: str) -> None:
-    """Compare word by word; `...` stands for any words.
+    """Compare word by word; `...` matches any words.
 
     Parameters
     ----------

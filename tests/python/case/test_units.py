@@ -45,7 +45,7 @@ def _numbers(case: rwmf.Case) -> dict[str, Any]:
 
 
 def test_each_key_is_its_ratio(both: tuple[rwmf.Case, rwmf.Case]) -> None:
-    """What follows from dimensional keys is what the conversion by hand started from."""
+    """Ratios derived from dimensional keys equal those converted by hand."""
     ratios, units = (_numbers(case) for case in both)
     assert set(ratios) - set(units) <= {"yielding.u_y"}
     # the strain at which the tendon breaks is that over its own length
@@ -58,7 +58,7 @@ def test_same_motion(both: tuple[rwmf.Case, rwmf.Case]) -> None:
     runs = [rwmf.simulate(case.replace(output={"reactions": True})) for case in both]
     for key in runs[0].data_vars:
         if runs[0][key].ndim == 0 and runs[0][key].dtype.kind == "f":
-            # what stands still at its peak says little of when, and where, that is
+            # a flat peak determines its value well, but its time and place poorly
             rtol = 1e-6 if re.search("^t_|_height$", str(key)) else 1e-9
             np.testing.assert_allclose(
                 runs[1][key], runs[0][key], rtol=rtol, atol=1e-12, err_msg=str(key)
@@ -68,7 +68,7 @@ def test_same_motion(both: tuple[rwmf.Case, rwmf.Case]) -> None:
 
 
 def test_text_gives_the_same_case(both: tuple[rwmf.Case, rwmf.Case]) -> None:
-    """What is written and read again, and what numbers are changed in, is the same case."""
+    """A case is unchanged by writing and reading, and by setting the same numbers."""
     _, case = both
     again = rwmf.Case.from_text(case.to_namelist())
     assert again == case
@@ -287,7 +287,7 @@ def test_cable_force_of_a_width() -> None:
 
 
 def test_axes_of_period_and_mass_ratio() -> None:
-    """An axis sets T_s or gamma itself; what is said in N stays a ratio."""
+    """An axis sets T_s or gamma directly; values in N remain ratios."""
     case = rwmf.Case(**in_units(groups_of("yielding"))).replace(solver={"method": "dop853"})
     found = rwmf.sweep(case, {"T_s": [0.6, 0.9], "gamma": [3.0, 5.0]})["u_s_max"]
     ratio = case.yielding.f_y_over_m_s_g
@@ -387,7 +387,7 @@ def test_check_shows_both_ways(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert back["origin"] == "derived"
     assert back["unit_of_in_si"] == "N s/m"
     assert back["in_si"] == pytest.approx(found["damper"]["c"]["value"], rel=1e-15)
-    # a case of ratios that has a mass says what they are
+    # a case of ratios with a mass reports their values in SI units
     groups = groups_of("corners")
     plain = rwmf.Case(**groups | {"wall": groups["wall"] | {"m_w": 1000.0}})
     assert plain.frame.in_si["gamma"] == (4000.0, "kg")

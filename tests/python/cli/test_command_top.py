@@ -1,4 +1,4 @@
-"""The top of the command: what no option, file, stream or bug may do is to show a traceback."""
+"""Top level of the command: no option, file, stream or bug may show a traceback."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def _shell(line: str) -> subprocess.CompletedProcess[bytes]:
 @pytest.mark.parametrize("words", ["check case.nml", "--help", "run case.nml --json --out ."])
 @pytest.mark.parametrize("place", [">/dev/full", ">&-"])
 def test_output_that_cannot_be_written(words: str, place: str, folder: Path) -> None:
-    """The computation goes on, files are written, and the command says what is lost."""
+    """The computation continues, files are written, and the command reports lost output."""
     done = _shell(f"rwmf {words} {place}")
     assert done.returncode == 2
     assert b"rwmf: the standard output cannot be written: " in done.stderr

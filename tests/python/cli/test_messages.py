@@ -1,4 +1,4 @@
-"""What the program says: suggestions, written files, displayed numbers, optional packages."""
+"""Messages of the program: suggestions, written files, numbers, optional packages."""
 
 from __future__ import annotations
 

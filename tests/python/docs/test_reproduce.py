@@ -210,7 +210,7 @@ def test_ground_displacement_of_a_cosine() -> None:
 
 
 def test_equation_with_the_displacement_as_unknown() -> None:
-    """Equation (T5) of theory.md holds for what the kernel computes in terms of theta."""
+    """Equation (T5) of theory.md holds for the kernel's results in terms of theta."""
     R, alpha = math.hypot(2.0, 0.5), math.atan2(0.5, 2.0)
     gamma, xi_s, omega_s = 5.0, 0.05, 2 * math.pi
     response = rwmf.simulate(scenes.coupled(), dt=0.01)

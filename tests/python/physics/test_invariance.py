@@ -1,4 +1,4 @@
-"""What must not change the result, or must change it in a known way."""
+"""Invariances of the result, and changes with known effects."""
 
 from __future__ import annotations
 

@@ -233,7 +233,7 @@ def test_equal_response_of_a_linear_frame(name: str) -> None:
 
 @pytest.mark.parametrize("name", PULSES)
 def test_boundaries_of_overturning(name: str) -> None:
-    """Half way to its neighbours the wall does what the map says, also when one waits longer.
+    """Half way to its neighbours the wall has the outcome of the map, also after a longer time.
 
     Many impacts make the boundaries of C_7 a dust, in which nothing can be foretold: looked at is
     the boundary of staying that stands most alone, and there only to where the map has found it,

@@ -1,7 +1,7 @@
 """Drifts in static equilibrium after the motion, against long damped free vibrations.
 
-A run that lasts until everything stands has nothing to relax: its last row is the equilibrium. One
-that ends earlier, damped so strongly that nothing swings back, comes to the same place.
+A run until complete rest has nothing to relax: its last row is the equilibrium. A run that ends
+earlier, with overcritical damping, reaches the same state.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ def test_its_force_is_the_horizontal_reaction(coupling: str) -> None:
     assert "shear_key_force_max_over_m_w_g" not in without
     demand = np.abs(without["pivot_horizontal_over_m_w_g"] / without["pivot_normal_over_m_w_g"])
     assert float(demand.max()) <= float(without["friction_demand_max"]) * (1 + 1e-12)
-    # what holds the base is not in the motion
+    # the reaction of the base does not affect the motion
     assert np.array_equal(run["theta"].values, without["theta"].values)
     assert float(run["base_shear_max_over_weight"]) == pytest.approx(
         float(without["base_shear_max_over_weight"]), rel=1e-12

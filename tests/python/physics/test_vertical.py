@@ -47,7 +47,7 @@ def _vertical(folder: Path, t: np.ndarray, a: np.ndarray, name: str = "v") -> di
 def test_constant_acceleration_is_another_gravity(
     a: float, formulation: str, tmp_path: Path
 ) -> None:
-    """The same run with g' = g + a and the same cable force P = eta m_w g."""
+    """Runs are equal with g' = g + a and the same cable force P = eta m_w g."""
     common = {
         "motion": _horizontal(tmp_path),
         "solver": TIGHT | {"t_end": 6.0},

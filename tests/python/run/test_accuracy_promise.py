@@ -1,4 +1,4 @@
-"""`&solver accuracy` keeps its promise on scenes that nobody chose.
+"""`&solver accuracy` reaches its accuracy on randomly generated scenes.
 
 The full count (240 cases) runs by `bench/accuracy_promise.py`, which also measures the cost.
 """
@@ -108,7 +108,7 @@ def test_an_estimate_is_never_zero_and_of_the_right_size(name: str, record_folde
 
 
 def test_no_estimate_is_absent() -> None:
-    """What begins at its maximum has no error: no number, no key, no cell."""
+    """A quantity that starts at its maximum has no error: no number, no key, no cell."""
     still = {"kind": "none", "a_max_g": None, "omega_p": None}
     case = coupled(
         motion=still, initial={"theta_over_alpha": 0.3}, solver={"t_end": 1.0, "verify": True}
@@ -128,7 +128,7 @@ def _pulsed(record_folder: Path, storeys: int) -> rwmf.Case:
 
 
 def test_the_estimate_is_of_what_is_named(record_folder: Path) -> None:
-    """Each peak has an error of its own; that of the displacement is meant where none is named."""
+    """Each peak has an error; without a name it is that of the displacement."""
     case = _pulsed(record_folder, 3)
     estimates: dict[str | None, float] = {}
     for name in (None, "u_s_max_m", "U_s_max", "floor_acceleration_max_g", "storey_1_drift_max"):

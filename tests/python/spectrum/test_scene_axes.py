@@ -1,4 +1,4 @@
-"""Axes of storeys and of blocks: an ordinate is the run of the scene that it stands for."""
+"""Axes of storeys and of blocks: an ordinate equals the run of its scene."""
 
 from __future__ import annotations
 

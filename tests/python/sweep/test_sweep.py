@@ -1,4 +1,4 @@
-"""Sweeps: the same numbers as single runs, labels, axes, what is refused."""
+"""Sweeps: equality with single runs, labels, axes, refusals."""
 
 from __future__ import annotations
 
@@ -183,7 +183,7 @@ def test_an_error_in_the_progress_function_stops_all_kernels() -> None:
 
 
 def test_letters_and_groups_of_an_axis_do_not_matter() -> None:
-    """An axis is what it sets, however it is written; nothing is computed without it."""
+    """The key defines an axis, whatever its spelling; without it nothing is computed."""
     case = coupled(solver=QUICK | {"t_end": 2.0})
     spellings = {
         "T_s": ("t_s", "frame.T_s", "FRAME.t_S", "spectrum.T_s"),

@@ -1,4 +1,4 @@
-"""Sweeps in files: resuming, parts, what is refused; the bytes never depend on the way there."""
+"""Sweeps in files: resuming, parts, refusals; the bytes never depend on interruptions."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_torn_entries_are_computed_again(whole: Path, tmp_path: Path) -> None:
     journal = path.with_name("whole.nc.journal")
     for size in (0, 5, 30, 700, len(content) - 1):
         path.unlink(missing_ok=True)
-        # what a killed process or a full disk may leave behind
+        # remains of a killed process or a full disk
         journal.write_bytes(content[:size] + (b"\0" * 3 if size > 30 else b""))
         _sweep(path)
         assert path.read_bytes() == whole.read_bytes(), size
