@@ -1,6 +1,6 @@
 """Latency of the page of `rwmf explore`: from slider to picture, in a real browser.
 
-    .venv/bin/python bench/explorer.py [CASE.nml]      (tools/test installs what it needs)
+    .venv/bin/python bench/explorer.py [CASE.nml]      (tools/test installs its requirements)
 
 Each slider of the case is stepped, and dragged for two seconds over its whole range; the times are
 those from the event to the frame in which the picture stands, beside the kernel's own.

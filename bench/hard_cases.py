@@ -85,7 +85,7 @@ def _write_table(folder: Path) -> int:
         for hard in cases:
             truth = answers[family, hard.name]
             for method in METHODS:
-                row = collection.judge(hard, truth, method, folder)
+                row = collection.evaluate(hard, truth, method, folder)
                 rows.append(_values(family, hard.name, truth, row))
     with TARGET.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")

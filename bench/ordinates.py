@@ -136,9 +136,9 @@ def _rows(here: Build, there: Build, names: list[str]) -> Iterator[str]:
         truth = there.ask(groups, "dop853", 1e-13)["peaks"]
         run = min(here.ask(groups, "auto", RTOLS[0], runs=True)["seconds"][0] for _ in range(2))
         for rtol in RTOLS:
-            asked = ((here, "auto"), (there, "fast"), (there, "dop853"))
+            builds = ((here, "auto"), (there, "fast"), (there, "dop853"))
             found = [[build.ask(groups, method, rtol) for _ in range(ROUNDS)]
-                     for build, method in asked]  # fmt: skip
+                     for build, method in builds]  # fmt: skip
             us = [_us(answers) for answers in found]
             errors = [_error(answers[0], truth) for answers in found]
             yield (

@@ -52,19 +52,19 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=500)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
-    asked = parser.parse_args()
-    numbers = range(asked.first, asked.first + asked.count)
+    options = parser.parse_args()
+    numbers = range(options.first, options.first + options.count)
     wrong = failed = 0
     begin = time.monotonic()
-    with ProcessPoolExecutor(asked.processes) as pool:
+    with ProcessPoolExecutor(options.processes) as pool:
         for done, (found, reason) in enumerate(pool.map(check_scene, numbers), start=1):
             seconds = time.monotonic() - begin
-            print(f"{done} of {asked.count} scenes, {seconds:.0f} s", file=sys.stderr, flush=True)
+            print(f"{done} of {options.count} scenes, {seconds:.0f} s", file=sys.stderr, flush=True)
             wrong += bool(found)
             failed += bool(reason)
             for line in [*found, *([reason] if reason else [])]:
                 print(line, flush=True)
-    print(f"{asked.count} scenes: {wrong} with differences, {failed} that end with an error")
+    print(f"{options.count} scenes: {wrong} with differences, {failed} that end with an error")
     return int(wrong > 0)
 
 

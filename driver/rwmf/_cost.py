@@ -204,26 +204,26 @@ def cost(
     reference, facts = _reference(case, lambda: report(0, total))
     report(1, total)
     tasks = [*_practices(case), *_methods(case)]
-    watch = _Stopwatch()
+    stopwatch = _Stopwatch()
     rows: list[Row] = []
     for label, rtol, measure in tasks:
-        rows.append(_row((label, rtol, measure), watch.budget(), reference, facts["peak"]))
+        rows.append(_row((label, rtol, measure), stopwatch.budget(), reference, facts["peak"]))
         report(len(rows) + 1, total)
     # a second round, because the load of the machine varies
     for i, (_, _, measure) in enumerate(tasks):
-        if rows[i].status == "ok" and watch.budget() > 0:
-            seconds = min(rows[i].seconds, measure(watch.budget()).seconds)
+        if rows[i].status == "ok" and stopwatch.budget() > 0:
+            seconds = min(rows[i].seconds, measure(stopwatch.budget()).seconds)
             rows[i] = dataclasses.replace(rows[i], seconds=seconds)
         report(len(rows) + i + 2, total)
     practices, rows = rows[: len(PRACTICES)], rows[len(PRACTICES) :]
-    return Cost(_judge(facts, rows), rows, practices, target, cheapest(rows, target))
+    return Cost(_add_verdict(facts, rows), rows, practices, target, cheapest(rows, target))
 
 
 def _asked(case: Case, quantity: str | None) -> Case:
     """Return the case with the output that measuring a quantity needs."""
     if quantity is None:
         unasked = {"accuracy_of": None}
-        return case if _measure.peak_asked_of(case) is None else case.replace(solver=unasked)
+        return case if _measure.requested_peak(case) is None else case.replace(solver=unasked)
     (found,) = find_quantities((quantity,)).values()
     # the accuracy of the case does not matter: each row sets a tolerance
     return case.replace(solver={"rtol": None, "accuracy": 1e-6, "accuracy_of": found.key})
@@ -270,7 +270,7 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
     """Compute the reference results and describe their method."""
     started = time.monotonic()
 
-    def watch(_: int) -> None:
+    def poll(_: int) -> None:
         report()
         if time.monotonic() - started > _MOST_REFERENCE_SECONDS:
             raise _TooSlowError
@@ -278,7 +278,7 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
     how = "extrapolation of order 18 in quadruple precision"
     tolerances = _QUAD
     try:
-        found = _measure.solve_reference(case, *_QUAD, watch)
+        found = _measure.solve_reference(case, *_QUAD, poll)
     except (_TooSlowError, NumericalError) as error:
         cause = "takes too long" if isinstance(error, _TooSlowError) else f"failed ({error})"
         how = f"extrapolation of order 10 in double precision: quadruple precision {cause}"
@@ -307,7 +307,7 @@ def _double_reference(case: Case) -> Reference:
     return Reference(**fields, differences=differences)
 
 
-def _judge(facts: dict[str, Any], rows: list[Row]) -> dict[str, Any]:
+def _add_verdict(facts: dict[str, Any], rows: list[Row]) -> dict[str, Any]:
     """Add whether the reference is two digits better than the best row (or at round-off)."""
     errors = [row.relative_error for row in rows if row.status == "ok"]
     best = max(min(errors, default=0.0), _ROUND_OFF)
@@ -340,9 +340,9 @@ def _row(task: _Task, budget: float, reference: Reference, peak: str) -> Row:
 
 
 def _peak_name(case: Case, reference: Measurement) -> str:
-    asked = _measure.peak_asked_of(case)
-    if asked is not None:
-        return asked
+    requested = _measure.requested_peak(case)
+    if requested is not None:
+        return requested
     return "theta_max_rad" if math.isnan(reference.values["u_s_max_m"]) else "u_s_max_m"
 
 

@@ -72,7 +72,7 @@ class NumericalError(RwmfError, RuntimeError):
 
 
 class InputError(RwmfError, ValueError):
-    """A case, a record or an argument is not acceptable; the message says what is allowed."""
+    """A case, a record or an argument is not acceptable; the message gives the allowed values."""
 
     exit_status = 2
 

@@ -241,8 +241,8 @@ def draw(
         for i, loop in enumerate(found):
             label = loop.spring if len(found) > 1 else None
             # side by side at equal width: one loop drawn inside another would be unreadable
-            look = series(i, len(found)) | {"linewidth": 0.9, "label": label}
-            ax.plot(1e3 * loop.displacement, loop.force, **look)
+            line_style = series(i, len(found)) | {"linewidth": 0.9, "label": label}
+            ax.plot(1e3 * loop.displacement, loop.force, **line_style)
         ax.axhline(0.0, **LEVEL)
         ax.set_xlabel(_DISPLACEMENTS[kind])
         ax.set_ylabel(found[0].label)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from reproduce.formulations import ETAS, EXACT, PUBLISHED, SHIPPED_ETAS, Formulation
 from reproduce.response_cache import ResponseCache
 
-__all__ = ["Claim", "Judgement", "Measured", "judge"]
+__all__ = ["Claim", "Judgement", "Measured", "evaluate"]
 
 Etas = tuple[float, float]
 
@@ -90,7 +90,7 @@ class Judgement:
         return _word(bool(self.exact.holds))
 
 
-def judge(cache: ResponseCache, claim: Claim) -> Judgement:
+def evaluate(cache: ResponseCache, claim: Claim) -> Judgement:
     """Measure a claim for both forms, and for every cable in the published one.
 
     Parameters

@@ -41,7 +41,7 @@ def style_of(form: Formulation) -> dict[str, Any]:
 
 
 def style_of_mass_ratio(gamma: float) -> dict[str, Any]:
-    """Return look and label of a mass ratio: the same in every figure.
+    """Return style and label of a mass ratio: the same in every figure.
 
     Parameters
     ----------
@@ -53,8 +53,8 @@ def style_of_mass_ratio(gamma: float) -> dict[str, Any]:
     dict
         Arguments of ``Axes.plot``.
     """
-    look = series(_MASS_RATIOS.index(gamma), len(_MASS_RATIOS))
-    return {**look, "label": rf"$\gamma$ = {gamma:g}"}
+    line_style = series(_MASS_RATIOS.index(gamma), len(_MASS_RATIOS))
+    return {**line_style, "label": rf"$\gamma$ = {gamma:g}"}
 
 
 def row_label(ax: Axes, text: str) -> None:

@@ -32,16 +32,16 @@ class ResponseCache:
         Folder of the namelists.
     validation : path
         Folder of the validation cases and of the stored histories of engines.
-    tell : callable, optional
+    report : callable, optional
         Called with a line of text before each long computation.
     """
 
     def __init__(
-        self, inputs: Path, validation: Path, tell: Callable[[str], None] | None = None
+        self, inputs: Path, validation: Path, report: Callable[[str], None] | None = None
     ) -> None:
         self.inputs = inputs
         self.validation = validation
-        self.tell = tell or (lambda _: None)
+        self.report = report or (lambda _: None)
         self._results: dict[tuple[object, ...], xr.Dataset] = {}
         self._cases: dict[str, Case] = {}
 

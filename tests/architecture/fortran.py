@@ -77,7 +77,7 @@ class Source:
 
     path: Path  # from the root of the sources
     lines: list[str]
-    build_macros: dict[str, set[str]]  # what the meson.build beside it gives with -D
+    build_macros: dict[str, set[str]]  # definitions -D in the meson.build beside it
 
     @cached_property
     def code(self) -> dict[int, str]:

@@ -144,7 +144,7 @@ def answer(family: str, hard: Hard, folder: Path) -> Answer:
     )  # fmt: skip
 
 
-def judge(hard: Hard, truth: Answer, method: str, folder: Path) -> Row:
+def evaluate(hard: Hard, truth: Answer, method: str, folder: Path) -> Row:
     """Run a case with a method and compare it with the trusted answer.
 
     Parameters

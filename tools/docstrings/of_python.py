@@ -69,9 +69,9 @@ def _missing_of_class(node: ast.ClassDef, text: str) -> Iterator[str]:
             yield from _missing_arguments(function, text)
     fields = [part for part in node.body if isinstance(part, ast.AnnAssign)]
     names = [part.target.id for part in fields if isinstance(part.target, ast.Name)]
-    told = _names_of(text, "Attributes") | _names_of(text, "Parameters")
+    documented = _names_of(text, "Attributes") | _names_of(text, "Parameters")
     for name in names:
-        if not name.startswith("_") and name not in told:
+        if not name.startswith("_") and name not in documented:
             yield f"attribute {name} is not in the docstring"
 
 
@@ -91,9 +91,9 @@ def _missing_arguments(node: _Function, text: str) -> Iterator[str]:
     names = [item.arg for item in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)]
     names += [f"*{arguments.vararg.arg}"] if arguments.vararg else []
     names += [f"**{arguments.kwarg.arg}"] if arguments.kwarg else []
-    told = _names_of(text, "Parameters")
+    documented = _names_of(text, "Parameters")
     for name in names:
-        if name not in ("self", "cls") and not name.startswith("_") and name not in told:
+        if name not in ("self", "cls") and not name.startswith("_") and name not in documented:
             yield f"argument {name} is not in the docstring"
 
 

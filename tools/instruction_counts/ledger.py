@@ -205,8 +205,8 @@ def names_of(words: Iterable[str]) -> list[str]:
     KeyError
         With the word that names no call.
     """
-    asked = set(words)
-    for word in asked - {"all"}:
+    requested = set(words)
+    for word in requested - {"all"}:
         if word not in NAMES:
             raise KeyError(word)
-    return [name for name in NAMES if not asked or "all" in asked or name in asked]
+    return [name for name in NAMES if not requested or "all" in requested or name in requested]

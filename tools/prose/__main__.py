@@ -36,14 +36,14 @@ def main(words: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="tools/words", description=__doc__)
     parser.add_argument("--counts", action="store_true", help="print the table of counts")
     parser.add_argument("--list", choices=(*KINDS, *RULES), help="print the places of a kind")
-    asked = parser.parse_args(words)
+    options = parser.parse_args(words)
     counts, places = _count(ROOT)
-    if asked.list:
+    if options.list:
         for kind, rule, place in places:
-            if asked.list in (kind, rule):
+            if options.list in (kind, rule):
                 print(f"{place} [{kind}, {rule}]")
         return 0
-    if asked.counts:
+    if options.counts:
         _print_counts(counts)
         return 0
     return _compare(counts)

@@ -31,7 +31,7 @@ from rwmf.quantities import find
 
 __all__ = ["Model", "as_files", "encode", "start"]
 
-Watch = Callable[[int], None]
+Poll = Callable[[int], None]
 Array = npt.NDArray[np.float64]
 
 # rows of a history: more than the columns of a screen, few enough to draw at once
@@ -143,14 +143,14 @@ class Model:
         # one processor stays free for the browser, which draws during the next computation
         self._threads = max(1, (os.cpu_count() or 2) - 1)
 
-    def history(self, question: Question, watch: Watch) -> dict[str, Any]:
+    def history(self, question: Question, poll: Poll) -> dict[str, Any]:
         """Run a case.
 
         Parameters
         ----------
         question : Question
             Selects the case.
-        watch : callable
+        poll : callable
             Called about 20 times a second; an exception that it raises stops the kernel.
 
         Returns
@@ -171,7 +171,7 @@ class Model:
             output={"dt": t_end / _ROWS if t_end > 0 else 1.0, "energy": True, "reactions": True}
         )
         begun = time.perf_counter()
-        with _library.start_simulation(shown.kernel, "", watch) as run:
+        with _library.start_simulation(shown.kernel, "", poll) as run:
             seconds = time.perf_counter() - begun
             names, values = run.history()
             summary, events = run.summary(), run.events()
@@ -196,14 +196,14 @@ class Model:
             "kernel_seconds": seconds,
         }
 
-    def spectrum(self, question: Question, watch: Watch) -> dict[str, Any]:
+    def spectrum(self, question: Question, poll: Poll) -> dict[str, Any]:
         """Compute the spectrum of a case and that of its frame without a wall.
 
         Parameters
         ----------
         question : Question
             Selects case, number of periods and quantity.
-        watch : callable
+        poll : callable
             As in `history`.
 
         Returns
@@ -227,8 +227,8 @@ class Model:
         key = _key_of(question.quantity, case)
         periods = _grid(case, question.points)
         begun = time.perf_counter()
-        values, status = self._row_of(case, periods, key, watch)
-        alone = self._frame_alone(question, case, periods, key, watch)
+        values, status = self._row_of(case, periods, key, poll)
+        alone = self._frame_alone(question, case, periods, key, poll)
         seconds = time.perf_counter() - begun
         # reasons for missing numbers
         names, counts = np.unique(status[status != "ok"], return_counts=True)
@@ -303,7 +303,7 @@ class Model:
         facts = f"{end:g} s, peak {base.kernel.peak_of_motion() / base.model.g:.3g} g"
         return {"record": number, "name": path.name, "motion": motion, "end": end, "facts": facts}
 
-    def plainly(self, error: RwmfError) -> str:
+    def message_of(self, error: RwmfError) -> str:
         """Return the message of an error without the file and lines of a namelist.
 
         Parameters
@@ -372,17 +372,17 @@ class Model:
         return text
 
     def _row_of(
-        self, case: Case, periods: Array, key: str, watch: Watch
+        self, case: Case, periods: Array, key: str, poll: Poll
     ) -> tuple[Array, npt.NDArray[np.str_]]:
         """Return a quantity and the status over periods."""
         with _library.start_rows(
-            case.kernel, "", ["T_s"], periods[:, None], [key], self._threads, watch
+            case.kernel, "", ["T_s"], periods[:, None], [key], self._threads, poll
         ) as found:
             values = found.values()
             return values[key].ravel().astype(np.float64), values["status"].ravel()
 
     def _frame_alone(
-        self, question: Question, case: Case, periods: Array, key: str, watch: Watch
+        self, question: Question, case: Case, periods: Array, key: str, poll: Poll
     ) -> str | None:
         """Return the encoded curve of the frame without a wall; it depends on few keys."""
         if "wall" not in question.groups or "frame" not in question.groups:
@@ -403,7 +403,7 @@ class Model:
             return self._alone[name]
         try:
             bare = case.replace(**changes)
-            values, _ = self._row_of(bare, periods, key, watch)
+            values, _ = self._row_of(bare, periods, key, poll)
         except (InputError, NumericalError):
             # a quantity of the wall, or storeys that need a wall
             return None

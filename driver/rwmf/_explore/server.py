@@ -292,7 +292,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Check the client, and answer errors with a status and one line."""
         try:
             # a persistent connection may outlast the server
-            self._watch()
+            self._check_connection()
             self._check_sender()
             serve()
         except _RefusedError as error:
@@ -350,10 +350,14 @@ class _Handler(BaseHTTPRequestHandler):
             question = read(_json(self._body(_MOST_QUESTION)))
             if url.path == "/api/cost":
                 self._stream(
-                    lambda report: server.workers.ask("cost", (question,), self._watch, report)
+                    lambda report: server.workers.ask(
+                        "cost", (question,), self._check_connection, report
+                    )
                 )
                 return
-            answer = server.workers.ask(url.path.removeprefix("/api/"), (question,), self._watch)
+            answer = server.workers.ask(
+                url.path.removeprefix("/api/"), (question,), self._check_connection
+            )
         else:
             raise _RefusedError(404, "there is no such question")
         self._send(200, "application/json", answer)
@@ -372,7 +376,7 @@ class _Handler(BaseHTTPRequestHandler):
         number = self.server.new_record(content, words.get("name", [""])[0])
         try:
             arguments = (number, words.get("unit", [None])[0], interval)
-            return self.server.workers.ask("add_record", arguments, self._watch)
+            return self.server.workers.ask("add_record", arguments, self._check_connection)
         except BaseException:
             self.server.drop_record(number)
             raise
@@ -392,7 +396,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.server.arriving[self.connection] = math.inf
         return content
 
-    def _watch(self) -> None:
+    def _check_connection(self) -> None:
         """Stop the computation when the browser has closed the connection."""
         if self.server.ending.is_set():
             raise _GoneError
@@ -426,7 +430,7 @@ class _Handler(BaseHTTPRequestHandler):
 
         def report(done: int, total: int) -> None:
             nonlocal last
-            self._watch()
+            self._check_connection()
             if (done, total) != last:
                 last = (done, total)
                 self._line(encode({"done": done, "total": total}))

@@ -54,19 +54,19 @@ def serve(connection: Connection) -> None:
     tasks: queue.Queue[Any] = queue.Queue()
     stopped = threading.Event()
 
-    def watch(_: int = 0) -> None:
+    def poll(_: int = 0) -> None:
         if stopped.is_set():
             raise _StoppedError
 
     def report(done: int, total: int) -> None:
-        watch()
+        poll()
         connection.send(("progress", (done, total)))
 
     model = Model(*connection.recv())
     threading.Thread(target=_take, args=(connection, tasks, stopped), daemon=True).start()
     while True:
         name, arguments = tasks.get()
-        more = {"history": (watch,), "spectrum": (watch,), "cost": (report,)}.get(name, ())
+        more = {"history": (poll,), "spectrum": (poll,), "cost": (report,)}.get(name, ())
         try:
             connection.send(("answer", encode(getattr(model, name)(*arguments, *more))))
         except _StoppedError:
@@ -74,7 +74,7 @@ def serve(connection: Connection) -> None:
         except BadQuestionError as error:
             connection.send(("bad", str(error)))
         except RwmfError as error:
-            connection.send(("refused", model.plainly(error)))
+            connection.send(("refused", model.message_of(error)))
         except MemoryError:
             connection.send(("refused", "the case needs more memory than a computation may have"))
         except Exception as error:

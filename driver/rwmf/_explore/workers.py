@@ -32,7 +32,7 @@ _LOOK = 0.05
 # time for a worker to stop before it is killed [s]
 _PATIENCE = 2.0
 
-Watch = Callable[[], None]
+Poll = Callable[[], None]
 Report = Callable[[int, int], None]
 
 
@@ -94,7 +94,7 @@ class Workers:
         self._free.append(self._start())
 
     def ask(
-        self, name: str, arguments: tuple[Any, ...], watch: Watch, report: Report | None = None
+        self, name: str, arguments: tuple[Any, ...], poll: Poll, report: Report | None = None
     ) -> bytes:
         """Compute an answer.
 
@@ -104,10 +104,10 @@ class Workers:
             Method of `Model`.
         arguments : tuple
             Its arguments.
-        watch : callable
+        poll : callable
             Called about 20 times a second; an exception that it raises stops the computation.
         report : callable, optional
-            Called with the numbers of finished and of all units of work; otherwise as `watch`.
+            Called with the numbers of finished and of all units of work; otherwise as `poll`.
 
         Returns
         -------
@@ -125,14 +125,14 @@ class Workers:
         BusyError
             When the computation was stopped for other requests, or exceeded its time limit.
         """
-        worker = self._take(watch)
+        worker = self._take(poll)
         usable = False
         try:
             worker.connection.send((name, arguments))
-            kind, content = self._follow(worker, _LIMITS[name], watch, report)
+            kind, content = self._follow(worker, _LIMITS[name], poll, report)
             usable = True
         except (EOFError, ConnectionResetError, BrokenPipeError):
-            watch()
+            poll()
             raise BrokenError(_end_of(worker.process)) from None
         except BaseException:
             usable = _stop(worker)
@@ -156,7 +156,7 @@ class Workers:
         self._all.add(worker)
         return worker
 
-    def _take(self, watch: Watch) -> _Worker:
+    def _take(self, poll: Poll) -> _Worker:
         """Wait for a worker in order of arrival."""
         me = object()
         begun = time.monotonic()
@@ -164,7 +164,7 @@ class Workers:
             self._waiting.append(me)
             try:
                 while True:
-                    watch()
+                    poll()
                     if self._waiting[0] is me:
                         worker = self._idle()
                         if worker is not None:
@@ -202,7 +202,7 @@ class Workers:
             self._change.notify_all()
 
     def _follow(
-        self, worker: _Worker, limit: float, watch: Watch, report: Report | None
+        self, worker: _Worker, limit: float, poll: Poll, report: Report | None
     ) -> tuple[str, Any]:
         """Wait for the end of a computation."""
         while True:
@@ -212,7 +212,7 @@ class Workers:
                     "rtol, check damping and stiffness, or run the case by the command rwmf"
                 )
             if not worker.connection.poll(_LOOK):
-                watch()
+                poll()
                 if worker.gives_way:
                     seconds = time.monotonic() - worker.begun
                     raise BusyError(

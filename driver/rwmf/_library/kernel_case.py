@@ -254,8 +254,8 @@ class KernelCase:
         list of str
             One line per warning.
         """
-        asked = encode("\t".join(keys))
-        text = fetch_text(_kernel.case_warnings, self.handle, asked)
+        requested = encode("\t".join(keys))
+        text = fetch_text(_kernel.case_warnings, self.handle, requested)
         return [line for line in text.split("\t") if line]
 
     def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:

@@ -24,7 +24,7 @@ __all__ = [
     "Reference",
     "measure_baseline",
     "measure_method",
-    "peak_asked_of",
+    "requested_peak",
     "solve_reference",
 ]
 
@@ -84,7 +84,7 @@ class Reference(Measurement):
     )
 
 
-def peak_asked_of(case: Case) -> str | None:
+def requested_peak(case: Case) -> str | None:
     """Return the quantity whose accuracy a case requests.
 
     Parameters
@@ -97,8 +97,8 @@ def peak_asked_of(case: Case) -> str | None:
     str or None
         Value of `&solver accuracy_of`, None for the kernel's default.
     """
-    asked: str | None = getattr(case.solver, "accuracy_of", None)
-    return asked
+    requested: str | None = getattr(case.solver, "accuracy_of", None)
+    return requested
 
 
 def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measurement:
@@ -314,7 +314,7 @@ def _n_values() -> int:
 def _by_name(values: npt.NDArray[np.float64], case: Case) -> dict[str, float]:
     named = dict(zip(_names(), values.tolist(), strict=True))
     peak = named.pop("peak")
-    asked = peak_asked_of(case)
-    if asked is not None:
-        named[asked] = peak
+    requested = requested_peak(case)
+    if requested is not None:
+        named[requested] = peak
     return named

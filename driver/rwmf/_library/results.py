@@ -17,7 +17,7 @@ from rwmf._library.memory import Memory, MemoryView
 __all__ = ["Run", "Spectrum"]
 
 # scalars of a run in one call
-_FIRST_ROOM = 256
+_FIRST_CAPACITY = 256
 
 
 class Result:
@@ -79,15 +79,15 @@ class Run(Result):
             Values by key.
         """
         lines: list[str] = []
-        room = _FIRST_ROOM
+        capacity = _FIRST_CAPACITY
         while True:
-            reals, counts = np.zeros(room), np.zeros(room, dtype=np.int64)
+            reals, counts = np.zeros(capacity), np.zeros(capacity, dtype=np.int64)
             lines = fetch_text(
                 _kernel.result_summary, self._case.handle, self.handle, reals, counts
             ).splitlines()
-            if len(lines) <= room:
+            if len(lines) <= capacity:
                 break
-            room = len(lines)
+            capacity = len(lines)
         numbers = zip(lines, reals.tolist(), counts.tolist(), strict=False)
         return dict(summary_item(*item) for item in numbers)
 

@@ -191,19 +191,19 @@ class _Work:
         finished = sum(sizes[number] for number in done if number in sizes)
         missing = [number for number in self._numbers if number not in done]
 
-        def tell(unfinished: int = 0) -> None:
+        def report_progress(unfinished: int = 0) -> None:
             if self._progress is not None:
                 self._progress(finished + unfinished, total)
 
-        tell()
+        report_progress()
         if self._executor is None:
-            chunks = run_in_threads(self.plan.task, missing, self._threads, tell)
+            chunks = run_in_threads(self.plan.task, missing, self._threads, report_progress)
         else:
             chunks = run_on(self._executor, (self.plan.task(number) for number in missing))
         for result in chunks:
             finished += sizes[result.number]
             yield result
-            tell()
+            report_progress()
 
 
 def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:

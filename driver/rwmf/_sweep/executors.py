@@ -70,9 +70,9 @@ def count_threads(threads: int) -> int:
     """
     if check_threads(threads) > 0:
         return threads
-    asked = os.environ.get("OMP_NUM_THREADS", "")
-    if asked.isdecimal() and int(asked) > 0:
-        return check_threads(int(asked), "OMP_NUM_THREADS")
+    requested = os.environ.get("OMP_NUM_THREADS", "")
+    if requested.isdecimal() and int(requested) > 0:
+        return check_threads(int(requested), "OMP_NUM_THREADS")
     return len(os.sched_getaffinity(0))
 
 
@@ -122,14 +122,16 @@ def run_in_threads(
     with ThreadPoolExecutor(1 if alone else n, thread_name_prefix="rwmf-sweep") as executor:
         try:
             window = _CHUNKS_AHEAD * n
-            yield from _stream(executor, work, tasks, lambda: _tell(report, counter), window)
+            yield from _stream(
+                executor, work, tasks, lambda: _report_count(report, counter), window
+            )
         except BaseException:
             counter.stop.set()
             executor.shutdown(wait=True, cancel_futures=True)
             raise
 
 
-def _tell(report: Report | None, counter: _Counter) -> None:
+def _report_count(report: Report | None, counter: _Counter) -> None:
     if report is not None:
         report(counter.total())
 

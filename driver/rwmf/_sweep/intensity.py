@@ -102,14 +102,14 @@ def choose_intensity(
         hint = did_you_mean(kind, _KINDS)
         raise InputError(f"intensity = {kind!r}: must be one of {', '.join(_KINDS)}{hint}")
     given = {"period": period, "damping": damping}
-    told = [name for name, value in given.items() if value is not None]
+    chosen = [name for name, value in given.items() if value is not None]
     if kind == _PEAK:
-        if told:
-            raise InputError(f"{told[0]}: must not be given with intensity = {_PEAK!r}")
+        if chosen:
+            raise InputError(f"{chosen[0]}: must not be given with intensity = {_PEAK!r}")
         return Intensity(kind)
-    if len(told) == 1:
+    if len(chosen) == 1:
         raise InputError(
-            f"intensity = {_PSEUDO!r}: has {told[0]} only: period and damping belong together"
+            f"intensity = {_PSEUDO!r}: has {chosen[0]} only: period and damping belong together"
         )
     if period is not None and damping is not None:
         return Intensity(kind, period, damping)

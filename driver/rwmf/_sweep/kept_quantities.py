@@ -69,7 +69,7 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
         When the list is empty, or a name is unknown.
     """
     by_key = _Table((quantity.key, quantity) for quantity in QUANTITIES.values())
-    asked: dict[str, quantities.Quantity] = {}
+    requested: dict[str, quantities.Quantity] = {}
     unknown: list[str] = []
     for name, key in zip(names, quantities.keys_of(names), strict=True):
         try:
@@ -77,13 +77,13 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
         except KeyError:
             unknown.append(name)
         else:
-            asked[quantity.called(name)] = quantity
+            requested[quantity.called(name)] = quantity
     if not names:
         raise InputError(f"quantities: none is given; known are {', '.join(QUANTITIES)}")
     if unknown:
         hints = [f"{shorten(word)}: is unknown{_hint(word)}" for word in unknown]
         raise InputError(f"quantities: {' '.join(hints)} Known are {', '.join(QUANTITIES)}")
-    return asked
+    return requested
 
 
 def _hint(word: str) -> str:

@@ -322,9 +322,9 @@ def _compression(shape: tuple[int, ...]) -> dict[str, object]:
 
 def _blocks(shape: tuple[int, ...]) -> tuple[int, ...]:
     """Return the shape of compressed blocks: whole last dimensions, as many as fit."""
-    room = _BLOCK
+    capacity = _BLOCK
     blocks = []
     for size in reversed(shape):
-        blocks.append(max(1, min(size, room)))
-        room //= blocks[-1]
+        blocks.append(max(1, min(size, capacity)))
+        capacity //= blocks[-1]
     return tuple(reversed(blocks))

@@ -77,8 +77,8 @@ def read_sweep_file(path: str) -> tuple[Request, Path]:
     unknown = [name for name in groups if name not in ("sweep", "grid")]
     if unknown:
         raise InputError(f"{path}: unknown group &{unknown[0]}; allowed are &sweep and &grid")
-    asked = {key.lower(): items for key, items in groups.get("sweep", {}).items()}
-    values = {key: _checked(path, key, items) for key, items in asked.items()}
+    given = {key.lower(): items for key, items in groups.get("sweep", {}).items()}
+    values = {key: _checked(path, key, items) for key, items in given.items()}
     if "case" not in values:
         raise InputError(f"{path}, &sweep: case is missing: the namelist of the case")
     folder = Path(path).parent

@@ -69,18 +69,18 @@ def add_case(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("case", metavar="CASE.nml", help="namelist file")
 
 
-def add_plot(parser: argparse.ArgumentParser, what: str) -> None:
+def add_plot(parser: argparse.ArgumentParser, content: str) -> None:
     """Add the option for a figure.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
         Parser of the subcommand.
-    what : str
+    content : str
         Content of the figure.
     """
     parser.add_argument(
-        "--plot", metavar="FILE", type=written_file, help=f"draw {what} (png, svg, pdf)"
+        "--plot", metavar="FILE", type=written_file, help=f"draw {content} (png, svg, pdf)"
     )
 
 

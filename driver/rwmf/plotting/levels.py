@@ -144,7 +144,7 @@ def draw_levels(ax: Axes, levels: Levels, factor: float, unit: str) -> None:
     largest = max(
         (np.nanmax(np.abs(line.get_ydata()), initial=0.0) for line in ax.lines), default=0
     )
-    for name, values, look in (
+    for name, values, line_style in (
         ("yield", levels.first_yield, YIELD),
         ("limit", levels.limit, LIMIT),
     ):
@@ -152,11 +152,11 @@ def draw_levels(ax: Axes, levels: Levels, factor: float, unit: str) -> None:
         if not sizes.size:
             continue
         ends = " to ".join(f"{size:.3g}" for size in sorted({sizes[0], sizes[-1]}))
-        lines.append(Line2D([], [], label=f"{name} {ends} {unit}", **look))
+        lines.append(Line2D([], [], label=f"{name} {ends} {unit}", **line_style))
         if sizes[0] > _IN_REACH * largest:
             continue
         for size in {sizes[0], sizes[-1], -sizes[0], -sizes[-1]}:
-            ax.axhline(size, **look)
+            ax.axhline(size, **line_style)
     if lines:
         legend = ax.legend(
             handles=lines, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderpad=0.0

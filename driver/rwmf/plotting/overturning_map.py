@@ -46,7 +46,9 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
         _draw_between(ax, omegas[i : i + 2], columns[i], columns[i + 1])
     for outcome in sorted({region[0] for column in columns for region in column}):
         edge = {"edgecolor": GREY, "linewidth": 0.6}
-        ax.fill_between([], [], [], label=_outcome_in_words(outcome), **(_look(outcome) | edge))
+        ax.fill_between(
+            [], [], [], label=_outcome_in_words(outcome), **(_region_style(outcome) | edge)
+        )
     at = dataset["boundary_omega_over_p"], dataset["boundary_amplitude"]
     ax.plot(*at, **(DOTS | {"markersize": 1.5}), label="bisected boundary")
     ax.set_xlim(omegas[0], omegas[-1])
@@ -90,15 +92,15 @@ def _draw_between(
         for region, other in zip_longest(left, right):
             outcome = (region or other)[0]
             low, high = zip(*((x or (outcome, top, top))[1:] for x in (region, other)), strict=True)
-            ax.fill_between(omegas, low, high, **_look(outcome))
+            ax.fill_between(omegas, low, high, **_region_style(outcome))
         return
     middle = omegas.mean()
     for ends, column in (((omegas[0], middle), left), ((middle, omegas[1]), right)):
         for outcome, low_edge, high_edge in column:
-            ax.fill_between(ends, low_edge, high_edge, **_look(outcome))
+            ax.fill_between(ends, low_edge, high_edge, **_region_style(outcome))
 
 
-def _look(outcome: int) -> dict[str, Any]:
+def _region_style(outcome: int) -> dict[str, Any]:
     if outcome == SURVIVES:
         return {"facecolor": PAPER, "linewidth": 0}
     # anti-aliased edges would show between the columns of one region

@@ -73,13 +73,13 @@ def profile(
     for ax, name in zip(panels, names, strict=True):
         values = _values(dataset, name)
         label, factor = DEMANDS[name]
-        look = {"color": COLOURS[0], "marker": MARKERS[0], "markersize": 3} | line
+        line_style = {"color": COLOURS[0], "marker": MARKERS[0], "markersize": 3} | line
         if name.startswith("floor"):
-            ax.plot(factor * values, np.arange(1, values.size + 1), clip_on=False, **look)
+            ax.plot(factor * values, np.arange(1, values.size + 1), clip_on=False, **line_style)
         else:
-            _draw_storeys(ax, factor * values, look | {"marker": None})
+            _draw_storeys(ax, factor * values, line_style | {"marker": None})
         if name == _DRIFTS:
-            _draw_beside_drifts(ax, dataset, case, look | {"marker": None})
+            _draw_beside_drifts(ax, dataset, case, line_style | {"marker": None})
         ax.set_xlabel(label)
         # range of everything drawn, including earlier calls
         ax.autoscale(axis="x")
@@ -115,20 +115,20 @@ def _values(dataset: xr.Dataset, name: str) -> Array:
     return np.array([float(dataset[member]) for member in members(dataset, name)])
 
 
-def _draw_storeys(ax: Axes, values: Array, look: dict[str, Any]) -> None:
+def _draw_storeys(ax: Axes, values: Array, line_style: dict[str, Any]) -> None:
     """Draw one number per storey as a stepped line."""
-    ax.plot(np.repeat(values, 2), np.repeat(np.arange(values.size + 1), 2)[1:-1], **look)
+    ax.plot(np.repeat(values, 2), np.repeat(np.arange(values.size + 1), 2)[1:-1], **line_style)
 
 
 def _draw_beside_drifts(
-    ax: Axes, dataset: xr.Dataset, case: Case | None, look: dict[str, Any]
+    ax: Axes, dataset: xr.Dataset, case: Case | None, line_style: dict[str, Any]
 ) -> None:
     """Draw residual drifts, and the drifts of first yield and collapse."""
     factor = DEMANDS[_DRIFTS][1]
     residuals = np.abs(_values(dataset, _RESIDUALS))
     if residuals.size:
-        label = f"{look['label']}, residual" if "label" in look else "residual"
-        _draw_storeys(ax, factor * residuals, look | {"linestyle": ":", "label": label})
+        label = f"{line_style['label']}, residual" if "label" in line_style else "residual"
+        _draw_storeys(ax, factor * residuals, line_style | {"linestyle": ":", "label": label})
     if case is None:
         return
     drifts = _values(dataset, _DRIFTS)

@@ -154,8 +154,10 @@ def _draw_panel(
     factor = 100.0 if name == _DRIFTS else 1.0
     for i, member in enumerate(found):
         # from the ground upwards; a panel of one variable needs no label
-        look = storey(i, len(found)) | {"label": str(i + 1) if len(found) > 1 else None} | line
-        ax.plot(dataset["time"], factor * dataset[member], **look)
+        line_style = (
+            storey(i, len(found)) | {"label": str(i + 1) if len(found) > 1 else None} | line
+        )
+        ax.plot(dataset["time"], factor * dataset[member], **line_style)
     if case is not None and name == _DRIFTS:
         draw_levels(ax, levels_of_storeys(dataset, case, len(found)), factor, "%")
     elif case is not None and name == "u_s" and case.storeys is None:
@@ -254,12 +256,12 @@ def spectrum(
     axes: Axes = make_panels(ax, 1)[0]
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):
-        look = {**series(i, len(curves)), "label": label or None} | line
+        line_style = {**series(i, len(curves)), "label": label or None} | line
         has_fallen = np.isin(curve["status"].values, _FALLEN)
         periods, values = curve["T_s"].values, curve[quantity].values
         # the rotation of an overturned wall is meaningless: crosses at the upper edge
         on_side = (curve["status"].values == _FALLEN[0]) & (quantity == _ROTATION)
-        (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **look)
+        (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **line_style)
         cross: dict[str, Any] = {
             "color": drawn.get_color(),
             "markersize": 4,

@@ -138,11 +138,11 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
         what = _SYMBOLS.get(name, name.replace("_", " ")) if len(names) > 1 else ""
         for i, (label, curve) in enumerate(found):
             # one colour per response, one line style per frame
-            look = series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
+            line_style = series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
             if len(names) == 1:
-                look = series(i, n)
+                line_style = series(i, n)
             parts = [part for part in (what, label) if part]
-            ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **look)
+            ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **line_style)
     ax.axhline(1.0, **LEVEL)
     _finish(ax, dataset["ratio"])
     only = _SYMBOLS.get(names[0], names[0].replace("_", " ")) + " " if len(names) == 1 else ""
@@ -284,9 +284,9 @@ def _draw_bands(
     top = 1.05 * max((float(values.max()) for values in ends if values.size), default=1.0)
     is_told = False
     for i, (label, low, middle, high) in enumerate(bands):
-        look = series(i, len(bands))
-        x, colour = middle["T_s"], look["color"]
-        ax.plot(x, middle, label=label, **look)
+        line_style = series(i, len(bands))
+        x, colour = middle["T_s"], line_style["color"]
+        ax.plot(x, middle, label=label, **line_style)
         closed = np.isfinite(high.values)
         ax.fill_between(x, low, high.where(closed), color=colour, alpha=_BAND, linewidth=0,
                         label=f"{label}: {what}" if len(bands) > 1 else what)  # fmt: skip

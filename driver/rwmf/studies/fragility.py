@@ -141,10 +141,10 @@ def fragility(
         if len(kept) != 1:
             raise InputError(f"fragility: quantities: must be one of {', '.join(kept)}")
         quantities = kept
-    asked = find_quantities(tuple(quantities))
-    if len(asked) > 1:
-        raise InputError(f"fragility: quantities = {', '.join(asked)}: must be one quantity")
-    (quantity,) = asked
+    requested = find_quantities(tuple(quantities))
+    if len(requested) > 1:
+        raise InputError(f"fragility: quantities = {', '.join(requested)}: must be one quantity")
+    (quantity,) = requested
     if quantity not in analysis:
         raise InputError(f"fragility: {quantity}: is not in the analysis")
     values = with_overturning(analysis, quantity)

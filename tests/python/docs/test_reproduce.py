@@ -106,7 +106,7 @@ def _claim(holds: dict[tuple[float, float], bool | None]) -> Claim:
     ],
 )
 def test_verdict(cache: ResponseCache, holds: list[bool | None], verdict: str) -> None:
-    found = claims.judge(cache, _claim(dict(zip(ETAS, holds, strict=True))))
+    found = claims.evaluate(cache, _claim(dict(zip(ETAS, holds, strict=True))))
     assert found.verdict == verdict
     assert found.exact_verdict == "reproduced"
 

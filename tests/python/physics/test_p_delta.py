@@ -8,8 +8,8 @@ d_i^2), is 0.5 % larger at a drift of 0.1). Floor i therefore feels
 
     f_i = (C u')_i + V_i - V_(i+1),    V_i = k_i (d_i - p_i) - W_i d_i/h_i
 
-where p_i is what has yielded. k_i, p_i and C are those without gravity: columns yield and dampers
-damp as before. What moves with one coordinate x, u_i = s_i u(x), follows from virtual work: the
+where p_i is the plastic drift. k_i, p_i and C are those without gravity: columns yield and dampers
+damp as before. Virtual work gives the motion of one coordinate x, u_i = s_i u(x): the
 shape s of a mode, a straight line, or the roof alone (0, .., 0, 1), beside which the other floors
 are free,
 
@@ -542,7 +542,7 @@ def test_yielding_frame(sign: int, hardening: float, mu: float, a_max_g: float) 
 
 
 def test_yielding_frame_that_stands() -> None:
-    """The same frame leans under a weaker pulse, and remains so."""
+    """A weaker pulse leaves the same frame leaning."""
     pulse = Pulse(0.15, 8.0, 4)
     frame = single(0.9, 3.0, 2.0, u_y=[0.03])
     found = frame.run(6.0, pulse)
