@@ -2,11 +2,11 @@
 
     .venv/bin/python bench/accuracy_promise.py [N] [SEED] [QUANTITY] [STOREYS]
 
-QUANTITY is the peak that the accuracy is asked of (u_s_max_m); with STOREYS the frames have as many
-in the place of one degree of freedom. Asked 1e-3, 1e-5, 1e-7 and 1e-9, the delivered error is
-compared with two independent methods at their tightest; the time, estimate included, with that of
-the cheapest setting that delivers as much, found by a search over methods and tolerances. Prints a
-table in Markdown.
+QUANTITY is the peak with the requested accuracy (u_s_max_m); with STOREYS the frames have as many
+storeys instead of one degree of freedom. The requested accuracies are 1e-3, 1e-5, 1e-7 and 1e-9.
+The delivered error is measured against two independent methods at their tightest tolerances. The
+time, estimate included, is compared with that of the cheapest setting of equal accuracy from a
+search over methods and tolerances. Prints a table in Markdown.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
     .venv/bin/python bench/explorer.py [CASE.nml]      (tools/test installs its requirements)
 
-Each slider of the case is stepped, and dragged for two seconds over its whole range; the times are
-those from the event to the frame in which the picture stands, beside the kernel's own.
+Each slider of the case is stepped, and dragged for two seconds over its whole range. The times are
+those from the event to the frame with the picture, beside the kernel's time.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ STEPS = 30
 DRAG_SECONDS = 2.0
 EVENTS_PER_SECOND = 60
 
-# one slider over its whole range and back, at the speed of a hand; the result is the time from the
+# one slider over its whole range and back, at the speed of a hand. The result is the time from the
 # last event to the last picture
 DRAG = """
 async ({ name, seconds, rate }) => {

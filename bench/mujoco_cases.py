@@ -4,8 +4,8 @@
 ``validation/mujoco/CASE.csv``. Needs ``pip install '.[validation]'``.
 
 The engine gets masses, sizes, spring, damper, cable, link, friction and the motion. It gets neither
-the kinematics of rocking (about which corner, with which lever arm) nor a restitution factor:
-both follow from contact between a box and a plane.
+the kinematics of rocking (pivot corner and lever arm) nor a restitution factor. Both follow from
+contact between a box and a plane.
 """
 
 from __future__ import annotations

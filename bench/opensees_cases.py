@@ -4,8 +4,9 @@
 ``validation/opensees/CASE.csv``. Needs the environment variable RWMF_OPENSEES, a Python that has
 ``openseespy`` from PyPI; it may be this one.
 
-The wall is a frame of stiff corotational beams on corners without tension, the cable a corotational
-truss with an initial stress, the frame a mass on a spring. OpenSees gets neither the kinematics of
+The wall is a frame of stiff corotational beams on corners without tension. The cable is a
+corotational truss with an initial stress, the frame a mass on a spring. OpenSees gets neither the
+kinematics of
 rocking nor a restitution. The frame of six storeys has springs of Steel01 for the storeys, leaning
 columns of corotational trusses, and modal damping.
 """

@@ -3,8 +3,8 @@
     .venv/bin/python bench/pairs.py            the table of docs/reference/effects.md
 
 Every pair is a small case, which the kernel reads, refuses or runs. A further group, or a further
-value of a key that chooses a law, takes one line of ``EFFECTS``;
-``tests/python/effects/test_pairs.py`` asks the schema whether one is missing.
+value of a key that chooses a law, takes one line of ``EFFECTS``.
+``tests/python/effects/test_pairs.py`` checks the list against the schema.
 """
 
 from __future__ import annotations

@@ -3,10 +3,10 @@
     .venv/bin/python bench/quantities_alone.py [--count 500] [--first 0] [--processes 2]
 
 The scenes are the numbered ones of tests/support/alone.py, of every family of combinations. Each
-quantity that a scene has is requested by itself and among all: as rows in lanes and of single runs,
-as ordinates (`auto` and `dop853`), and for every twelfth pair of scenes in a sweep, by a host
-in C and by rwmf-batch; runs keep nothing, a history, energies or reactions alone. The bits have to
-be the same; a peak requested by itself, without chatter, has to agree to 100 rtol. Every
+quantity of a scene is requested by itself and among all. The requests are rows in lanes and of
+single runs, and ordinates (`auto` and `dop853`). For every twelfth pair of scenes they include a
+sweep, a host in C and rwmf-batch. Runs keep nothing, a history, energies or reactions alone. The
+bits must be equal; a peak requested by itself, without chatter, must agree to 100 rtol. Every
 difference is listed; the standard error stream shows the progress.
 """
 

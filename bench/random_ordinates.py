@@ -3,12 +3,12 @@
     .venv/bin/python bench/random_ordinates.py [--count 5000] [--first 0] [--periods 10]
                                                [--rtol 1e-7] [--processes 2]
 
-The scenes are the numbered ones of tests/support/combinations.py (wall, frame or storeys, cable,
-link, dampers, fuses, inerters, vertical motion, tables of e; pulses and records); each is a
-spectrum by `method = 'auto'` over periods drawn from 0.1 to 3 s, in lanes. An ordinate is too wrong
-when its error exceeds rtol times its sensitivity to the motion, if that is more than 1. Errors are
-those against single runs by `extrapolation` at rtol 1e-13, which shares neither steps nor search of
-events with the lanes. Every ordinate that is too wrong is listed.
+The scenes are the numbered ones of tests/support/combinations.py. They have wall, frame or storeys,
+cable, link, dampers, fuses, inerters, vertical motion, tables of e, pulses and records. Each is a
+spectrum by `method = 'auto'` over periods drawn from 0.1 to 3 s, in lanes. An ordinate is wrong
+when its error exceeds rtol times the larger of 1 and its sensitivity to the motion. Errors are
+relative to single runs by `extrapolation` at rtol 1e-13, which uses other steps and another event
+search than the lanes. Every wrong ordinate is listed.
 """
 
 from __future__ import annotations

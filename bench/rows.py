@@ -5,8 +5,9 @@
     .venv/bin/python bench/rows.py memory [N]       of N rows of a bare frame, 10 million
 
 Costs are the processor times of the kernel over that of a grid of as many periods under the same
-record (El Centro), one thread, grid and table in turns, the smallest of five. Periods are from 0.2
-to 3 s, all other numbers within 10 to 30 % of those of the case. Memory is the increase of the peak
+record (El Centro). Grid and table run in turns on one thread, and the smallest of five counts.
+Periods are from 0.2 to 3 s, all other numbers within 10 to 30 % of those of the case. Memory is the
+increase of the peak
 resident size in the call, and then after showing its results to numpy.
 """
 

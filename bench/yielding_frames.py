@@ -4,7 +4,7 @@
         [--reference independent]
 
 A scene is a number: a frame of 2 to 9 storeys with one of the laws, with or without a wall, gravity
-and devices, under a record of straight lines. It runs by `dop853`, by `extrapolation` and as a row
+and devices, under a piecewise linear record. It runs by `dop853`, by `extrapolation` and as a row
 of a table (lanes) at one rtol from 1e-6 to 1e-11. The reference runs at rtol 1e-13 under the same
 record with `KNOTS` samples on each line. These bound its steps, so that none of them can hide a
 storey that reverses twice. The sensitivity of a quantity is its relative change per relative change
@@ -211,9 +211,9 @@ def survey(
         truth = _numbers(rwmf.simulate(_case(groups, _write(fine, folder / f"{number}f.txt"),
                                              **tight)))  # fmt: skip
         moved = [
-            _numbers(rwmf.simulate(_case(groups, _write(fine, folder / f"{number}m.txt", 1 + perturbation),
+            _numbers(rwmf.simulate(_case(groups, _write(fine, folder / f"{number}m.txt", 1 + d),
                                          **tight)))
-            for perturbation in (PERTURBATION, -PERTURBATION)
+            for d in (PERTURBATION, -PERTURBATION)
         ]  # fmt: skip
     except (NumericalError, rwmf.errors.InputError) as error:
         return [(number, "reference", str(error)[:90], rtol, 0.0, 0.0)]

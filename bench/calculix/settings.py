@@ -17,9 +17,9 @@ class Settings:
     Attributes
     ----------
     support : str
-        Support of the wall: ``nodes``, contact of the nodes of its base with the face of the
-        foundation; ``faces``, contact of the faces of its base with that face; ``struts`` under the
-        corners, which carry compression only.
+        Support of the wall. ``nodes``: contact of the nodes of its base with the face of the
+        foundation. ``faces``: contact of the faces of its base with that face. ``struts``: struts
+        under the corners, which carry compression only.
     nx, nz : int
         Elements over the width and over the height of the wall.
     dt, dt_min : float

@@ -2,8 +2,8 @@
 
 ``python frame.py FILE < SCENE`` is called by ``bench/opensees_cases.py`` with a Python that has
 ``openseespy``, and imports nothing else. Each storey is a `twoNodeLink` of Steel01 or of an elastic
-spring for its shear beside a stiff `corotTruss`, the column that carries the weight above and leans
-with the floors: P-Delta comes from its geometry. Damping is modal, of the modes without gravity.
+spring for its shear. Beside it a stiff `corotTruss` is the leaning column that carries the weight
+above, whose geometry gives P-Delta. Damping is modal, of the modes without gravity.
 """
 
 from __future__ import annotations

@@ -2,10 +2,10 @@
 
 ``python wall.py FILE < SCENE`` is called by ``bench/opensees_cases.py`` with a Python that has
 ``openseespy``, and imports nothing else. The wall is a frame of stiff corotational beams with its
-mass in the middle. Each corner of its base stands in a groove: two springs without tension (ENT) at
-right angles, which let go of the corner where it lifts off and hold it in place while it is
-pressed. The groove stands on a pad of spring and dashpot, which takes the blow of an impact; the
-corner can leave it, so that the dashpot never pulls.
+mass in the middle. Each corner of its base is in a groove of two springs without tension (ENT) at
+right angles. They release the corner at lift-off and hold it in place under compression. The groove
+is on a pad of spring and dashpot, which absorbs the impact. The corner can leave the pad, so that
+the dashpot never pulls.
 """
 
 from __future__ import annotations

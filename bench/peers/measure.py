@@ -1,8 +1,7 @@
 """Times and errors of a program, estimated from a sample of its periods.
 
-All times are of one thread unless stated. They are the smaller of wall-clock time and CPU time:
-both are at least the cost of the work, and on a shared machine the wall-clock time includes other
-work.
+All times are of one thread unless stated. They are the smaller of wall-clock time and CPU time.
+Both are at least the cost of the work; on a shared machine the wall-clock time includes other work.
 """
 
 from __future__ import annotations
@@ -151,7 +150,7 @@ def kernel_row(
 def peer_row(peer: Peer, record: Record, gamma: float, T_s: Array, truth: Array) -> Row:
     """Measure a peer, a slow one on a sample.
 
-    A sample takes `per_band` periods at the middle of equal parts of each band; the mean cost of
+    A sample takes `per_band` periods at the middle of equal parts of each band. The mean cost of
     each band is weighted by the number of its periods.
 
     Parameters

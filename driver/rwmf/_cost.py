@@ -172,12 +172,12 @@ def cost(
     Relative error of the peak for which a method is recommended [-].
         Relative error of the peak that the recommendation is for [-].
     progress : callable, optional
-        Called with the numbers of finished and of all units of work, and about 20 times a second
-        while the reference is computed; an exception that it raises stops the kernel.
+        Called with the numbers of finished and of all units of work. During the reference it is
+        called about 20 times a second; an exception that it raises stops the kernel.
     quantities : str, optional
-        Peak whose error is compared, by its key or its name in a dataset; otherwise the largest
-        displacement of the frame, or without a frame the largest rotation. The time includes
-        finding it.
+        Peak whose error is compared, by its key or its name in a dataset. The default is the
+        largest displacement of the frame, or without a frame the largest rotation. The time
+        includes finding it.
 
     Returns
     -------
@@ -381,7 +381,7 @@ def _impact_error(found: npt.NDArray[np.float64], reference: npt.NDArray[np.floa
 
 
 def _clear_impacts(times: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-    """Impacts between flights that are long enough to tell them apart from chatter."""
+    """Return the impacts between flights that are long enough to differ from chatter."""
     if times.size == 0:
         return np.zeros(0, dtype=bool)
     flights = np.diff(times, prepend=0.0, append=np.inf)

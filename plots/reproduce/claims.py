@@ -22,8 +22,8 @@ class Measured:
     number : str
         The number that decides, with its unit.
     holds : bool or None
-        Whether it meets the claim's criterion; None where the claim has no meaning, as one on the
-        growth of the cable force where the cable has no stiffness.
+        True when it meets the criterion; None where the claim has no meaning, for example on the
+        growth of the cable force without cable stiffness.
     """
 
     number: str

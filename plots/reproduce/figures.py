@@ -1,4 +1,4 @@
-"""Every figure that the command can make, by the name that it is asked for."""
+"""Figures of the command, by name."""
 
 from __future__ import annotations
 

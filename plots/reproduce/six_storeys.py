@@ -140,7 +140,7 @@ def compare_frame(case: Case, engine: EngineHistory, peaks: Array) -> FrameDiffe
     Parameters
     ----------
     case : rwmf.Case
-        A case of `CASES`, with the interval of the engine's history for its own.
+        A case of `CASES`, with the interval of the engine's history.
     engine : EngineHistory
         The engine's history.
     peaks : numpy.ndarray, shape (12,)

@@ -48,8 +48,8 @@ class Tolerance:
 _RIGID = Tolerance(3e-3, 3e-3, 1e-3)
 # and one on springs of 1e12 N/m
 _STIFF = Tolerance(1e-3, 1e-3, 5e-4)
-# a wall of finite elements that bends and vibrates, which the model's does not: where it hardly
-# rotates, at the end of g1800, this moves its impacts, while the frame is unmoved by the wall
+# the wall of finite elements bends and vibrates, unlike the model's. Where it hardly rotates, at
+# the end of g1800, this moves its impacts, while the frame is unaffected
 _SOFT = {"g5": Tolerance(2e-2, 2e-2, 5e-4), "g1800": Tolerance(2e-2, 3e-3, 2e-3)}
 
 

@@ -62,7 +62,7 @@ def ask(program: Path, kind: str, scene: Scene, text: str) -> str:
     kind : str
         Task of the host.
     scene : Scene
-        Where the records come from.
+        Folder of the records.
     text : str
         Text of the case.
 

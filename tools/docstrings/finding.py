@@ -9,7 +9,7 @@ __all__ = ["Finding"]
 
 
 class Finding(NamedTuple):
-    """One thing that a docstring does not say.
+    """A missing item of a docstring.
 
     Attributes
     ----------

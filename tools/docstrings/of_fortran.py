@@ -1,9 +1,10 @@
 """Required items of Fortran docstrings: public procedures and types.
 
 A public procedure has a docstring. Each argument that is a number, text or logical has a `!!` below
-its declaration. Reals, including components of public types, give a unit in brackets, or state that
-they are a state, part or number of something, a sign or a flag. The type explains arguments of a
-derived type. A file whose docstring declares "in the caller's units" needs no further units. For an
+its declaration. Reals, including components of public types, give a unit in brackets. Otherwise
+they state that they are a state, part or number of something, a sign or a flag. The type explains
+arguments of a derived type. A file whose docstring declares "in the caller's units" needs no
+further units. For an
 argument `error`, docstring or `!!` give the conditions. include/rwmf.h explains the procedures for
 C. No explanation may begin with a word and a colon.
 """

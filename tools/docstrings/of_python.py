@@ -98,7 +98,7 @@ def _missing_arguments(node: _Function, text: str) -> Iterator[str]:
 
 
 def _missing_shapes(text: str) -> Iterator[str]:
-    """Arrays whose entry, type and description together, tells no shape."""
+    """Return the arrays whose entry, type and description together, gives no shape."""
     for entry in re.findall(r"^\S[^\n]*ndarray[^\n]*(?:\n +[^\n]+)*", text, re.MULTILINE):
         if "shape" not in entry:
             yield f"no shape of an array: {entry.splitlines()[0]}"

@@ -53,8 +53,8 @@ class Measured(NamedTuple):
     Attributes
     ----------
     setting : dict of str to str
-        Conditions of the counts besides the sources: those of the build, and ``lanes``, the
-        instruction set of the kernel under valgrind, which does not support AVX-512.
+        Conditions of the counts besides the sources. These are those of the build, and ``lanes``,
+        the instruction set of the kernel under valgrind, which does not support AVX-512.
     counts : dict of str to int
         Instructions by name of the call.
     """
@@ -101,7 +101,7 @@ class Build(NamedTuple):
         return next(found, self.folder / "src" / "bindings" / "python" / "_kernel.so")
 
     def check(self) -> None:
-        """Complain when a program is missing or older than a source of it.
+        """Check that no program is missing or older than one of its sources.
 
         Raises
         ------

@@ -5,8 +5,7 @@ block     treatment
 ========= =========================================================================================
 named     a file; its name is in code letters on the line before the block. The block of an existing
           path must equal that file word for word; other names are written.
-console   lines after ``$`` are run; their output must equal the lines below, ``...`` matches
-anything
+console   lines after ``$`` are run; the output must equal the lines below, ``...`` is anything
 python    runs with the names of the blocks before it; output must equal the `text` block after it
 nml       must contain existing groups and keys
 fortran,  without a name: must be part of a source file that is built, or be a namelist
@@ -243,7 +242,7 @@ def _parse_shell(text: str) -> None:
 
 
 def _parse_words(words: list[str], line: str) -> None:
-    """Ask the command's own parser whether it knows these words."""
+    """Check the words of a command with its parser."""
     from rwmf.cli.parser import make_parser
 
     refused = io.StringIO()

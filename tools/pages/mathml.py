@@ -48,7 +48,7 @@ def _visit_inline(translator: HTML5Translator, node: nodes.math) -> None:
 
 
 def _visit_block(translator: HTML5Translator, node: nodes.math_block) -> None:
-    """Draw a displayed formula; its tag stands at the right and can be linked to."""
+    """Draw a displayed formula, with a linked tag at the right."""
     text = node.astext()
     tags = _TAG.findall(text)
     formula = _mathml(node, _TAG.sub("", text).strip(), as_block=True)

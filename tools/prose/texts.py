@@ -93,17 +93,18 @@ def _message(line: int, text: str) -> Iterator[Text]:
 
 
 def _comments(source: str) -> Iterator[Text]:
-    """Join comments on lines below each other."""
+    """Join comments on whole lines below each other."""
     first, lines, last = 0, [""], -1
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         text = token.string
         if token.type != tokenize.COMMENT or text.startswith(("# noqa", "# type:", "# fmt:", "#!")):
             continue
-        if token.start[0] != last + 1:
+        is_whole = not token.line[: token.start[1]].strip()
+        if not is_whole or token.start[0] != last + 1:
             yield from _comment(first, lines)
             first, lines = token.start[0], []
         lines.append(text.lstrip("# "))
-        last = token.start[0]
+        last = token.start[0] if is_whole else -1
     yield from _comment(first, lines)
 
 

@@ -38,8 +38,8 @@ Array = npt.NDArray[np.float64]
 _ROWS = 1500
 # range of the period axis for a case without a period [s]
 _PERIODS = (0.05, 3.0)
-# time limit of an ordinate. An elastic wall (e = 1) on a stiff frame chatters through a whole
-# record and would block the other periods; the limit allows for a long record
+# time limit of an ordinate, sufficient for a long record. An elastic wall (e = 1) on a stiff frame
+# can chatter through a whole record and would block the other periods
 _MOST_STEPS = 500_000
 # number of curves of the bare frame, and of uploaded records, that a process keeps
 _KEPT = 32

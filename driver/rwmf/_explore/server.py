@@ -309,7 +309,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.close_connection = True
         except Exception as error:
             traceback.print_exc()
-            self._fail(500, f"unforeseen {type(error).__name__}: {error}")
+            self._fail(500, f"unexpected {type(error).__name__}: {error}")
 
     def _check_sender(self) -> None:
         """Refuse requests that the page of this server does not send."""

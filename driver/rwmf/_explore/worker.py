@@ -79,7 +79,7 @@ def serve(connection: Connection) -> None:
             connection.send(("refused", "the case needs more memory than a computation may have"))
         except Exception as error:
             traceback.print_exc()
-            connection.send(("failed", f"unforeseen {type(error).__name__}: {error}"))
+            connection.send(("failed", f"unexpected {type(error).__name__}: {error}"))
 
 
 def _limit_memory() -> None:

@@ -4,10 +4,9 @@ Every writer of the package uses `replacing`: a new file beside the target takes
 once its bytes are on the disk. The order is write, fsync, rename, fsync of the folder. Superfluous
 files (the journal of a sweep) are removed afterwards.
 
-A new file has a random name, is created exclusively, so that no prepared link is followed, and is
-locked while it is written. The file of a killed run therefore has no lock, on every host that
-shares the folder, and the next run in the folder removes it. The batch program uses the same names
-and locks.
+A new file has a random name and is created exclusively, so that no prepared link is followed. It is
+locked while it is written. The file of a killed run therefore has no lock, on any host that shares
+the folder. The next run in the folder removes it. The batch program uses the same names and locks.
 """
 
 from __future__ import annotations

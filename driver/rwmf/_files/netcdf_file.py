@@ -1,8 +1,8 @@
 """New NetCDF file, safe on a full disk.
 
 HDF5 cannot close a file after a failed write; its remaining data end the process with a crash at
-exit. This module therefore hides failures from HDF5: data that the disk refuses stay in memory
-until HDF5 has closed the file, and then the error is raised.
+exit. This module therefore hides failures from HDF5. Data that the disk refuses stay in memory
+until HDF5 has closed the file. Then the error is raised.
 """
 
 from __future__ import annotations

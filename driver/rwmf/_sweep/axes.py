@@ -531,7 +531,7 @@ def _rows(name: str, values: object, width: int) -> list[tuple[Value, ...]]:
     if wrong:
         raise InputError(f"grid: {name} = {show(wrong[0])}: must be a finite number")
     if len(set(rows)) < len(rows):
-        raise InputError(f"grid: {name}: a value is repeated")
+        raise InputError(f"grid: {name}: a value is given twice")
     return rows
 
 

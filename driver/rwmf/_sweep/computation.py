@@ -94,8 +94,8 @@ def sweep(
     case : Case or path
         Settings common to all runs; the values of its `&spectrum` are part of the grid.
     grid : mapping, optional
-        Values by name of the axis: ``T_s`` [s], ``gamma`` [-], ``b`` [m], ``scale`` (factor on
-        the motion), ``eta`` (pairs eta_0, eta_alpha), or any key of the case (``e``,
+        Values by name of the axis: ``T_s`` [s], ``gamma`` [-], ``b`` [m], ``scale`` (factor on the
+        motion) or ``eta`` (pairs eta_0, eta_alpha). Any key of the case is an axis as well (``e``,
         ``formulation``, ``frame.xi_s``).
     records : sequence of str, path or Motion, optional
         Ground motions that replace the case's, see `find_records`; each run lasts to the last

@@ -84,7 +84,7 @@ def run_in_threads(
 ) -> Iterator[Chunk]:
     """Compute chunks with threads of this process.
 
-    Many chunks are distributed whole, so that reading one overlaps with computing another; few
+    Many chunks are distributed whole, so that reading one overlaps with computing another. Few
     chunks are computed one after the other, each with all threads of the kernel.
 
     Parameters

@@ -77,8 +77,8 @@ def choose_intensity(
     case : Case
         The structure.
     kind : str, optional
-        ``pseudo_acceleration`` or ``peak_acceleration``; by default the former with a frame or a
-        period, and the latter for a wall alone, whose period depends on the amplitude.
+        ``pseudo_acceleration`` or ``peak_acceleration``. The default is the former with a frame or
+        a period, and the latter for a wall alone, whose period depends on the amplitude.
     period, damping : float, optional
         Period [s] and damping ratio [-] of the oscillator; otherwise those of the frame, for
         storeys the first period.
@@ -93,7 +93,7 @@ def choose_intensity(
     Raises
     ------
     InputError
-        When the kind is unknown, when only one of period and damping is given, or when neither is
+        When the kind is unknown, or only one of period and damping is given. Also when neither is
         given and the period of the runs is not unique.
     """
     if kind is None:

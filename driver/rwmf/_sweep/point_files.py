@@ -122,7 +122,7 @@ def _read_rows(
     names = [name.strip() for name in head[1]]
     twice = [name for name in names if names.count(name) > 1]
     if twice or "" in names:
-        what = f"the column {twice[0]} is repeated" if twice else "a column has no name"
+        what = f"the column {twice[0]} is given twice" if twice else "a column has no name"
         raise InputError(f"{path}, line {head[0]}: {what}")
     numeric = [is_number(name) for name in names]
     numbers: list[npt.NDArray[np.int64]] = []

@@ -24,8 +24,8 @@ class Group(Mapping[str, Any]):
     units : mapping of str to str
         Units of the values, by the names of the kernel.
     in_si : mapping of str to (float or tuple of float, str)
-        For ratios to the mass or the weight of the wall in a case with a mass: value in kg, N, N/m
-        or N s/m, and this unit.
+        Dimensional values of ratios to the mass or the weight of the wall, in a case with a mass:
+        number and unit (kg, N, N/m or N s/m).
 
     Parameters
     ----------

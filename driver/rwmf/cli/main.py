@@ -112,7 +112,7 @@ def _report(error: Exception) -> int:
         return OutputError.exit_status
     text = " ".join(str(error).split())
     print(
-        f"rwmf: unforeseen {type(error).__name__}{text and ': '}{text} "
+        f"rwmf: unexpected {type(error).__name__}{text and ': '}{text} "
         f"({_SHOW_TRACEBACK}=1 in the environment shows where)",
         file=sys.stderr,
     )

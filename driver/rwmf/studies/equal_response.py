@@ -77,7 +77,7 @@ def equal_response(
     response = QUANTITIES[name]
     if name == "u_s_max" and case.frame is None:
         raise InputError(
-            "equal response: u_s_max: a wall that stands freely has no frame that is displaced; "
+            "equal response: u_s_max: a free-standing wall has no frame displacement; "
             "take its rotation, theta_max_over_alpha"
         )
     if response.asked_by:

@@ -111,8 +111,8 @@ def wall_effect(
     xarray.Dataset
         For each response ``QUANTITY`` with the wall, ``QUANTITY_alone`` without it, and their ratio
         ``QUANTITY_ratio`` [-]; ``ratio`` is that of the first response. The ratio is infinite where
-        the wall overturned. The frame is the same with and without the wall at each period, so the
-        first period of storeys changes where the wall kept them on a straight line.
+        the wall overturned. The frame is the same with and without the wall at each period. The
+        first period of storeys therefore changes where the wall kept them on a straight line.
 
     Raises
     ------
@@ -122,8 +122,8 @@ def wall_effect(
     case = case_of(case)
     if case.frame is None:
         raise InputError(
-            "wall effect: the case has no &frame whose displacement the wall could change; the "
-            "rotation of a wall that stands freely: rwmf spectrum, or rwmf study spectra"
+            "wall effect: the case has no &frame whose displacement the wall could change. For the "
+            "rotation of a free-standing wall use rwmf spectrum or rwmf study spectra"
         )
     names = tuple(find_quantities(tuple(quantities or _usual_responses(case))))
     of_wall = [name for name in names if QUANTITIES[name].group in _groups_of_wall()]

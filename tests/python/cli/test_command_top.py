@@ -130,7 +130,7 @@ def test_what_nobody_has_foreseen(
     monkeypatch.delenv("RWMF_TRACEBACK", raising=False)
     assert _told(["check", "case.nml"], capfd) == (
         3,
-        "rwmf: unforeseen ZeroDivisionError: by nothing (RWMF_TRACEBACK=1 in the environment shows "
+        "rwmf: unexpected ZeroDivisionError: by nothing (RWMF_TRACEBACK=1 in the environment shows "
         "where)\n",
     )
     monkeypatch.setenv("RWMF_TRACEBACK", "1")
