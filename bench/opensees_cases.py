@@ -260,7 +260,7 @@ def frame_scene(case: rwmf.Case, engine: FrameEngine) -> dict[str, Any]:
 
 
 def _ask(program: str, scene: dict[str, Any], engine: dict[str, Any]) -> dict[str, Any]:
-    """Let a program compute a scene in the Python that has OpenSees."""
+    """Compute a scene by a program in the Python that has OpenSees."""
     python = os.environ.get("RWMF_OPENSEES")
     if not python:
         raise NoOpenSeesError("RWMF_OPENSEES names no Python that has openseespy")

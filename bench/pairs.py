@@ -175,7 +175,7 @@ def prepare(folder: Path) -> None:
     Parameters
     ----------
     folder
-        Where the cases stand.
+        Folder of the cases.
     """
     (folder / "record.csv").write_text(SAMPLES, encoding="utf-8")
 

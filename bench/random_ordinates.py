@@ -52,7 +52,7 @@ class Ordinate(NamedTuple):
     error : float
         Relative error of the peak over rtol and sensitivity, both of which are 1 at least.
     sensitivity : float
-        Relative change of the peak per relative change of the motion; 1 where it was not asked.
+        Relative change of the peak per relative change of the motion; 1 where it is unknown.
     note : str
         Reason why the ordinate has no value: its ending, in the spectrum and in the reference.
     """

@@ -189,7 +189,7 @@ def _scaling(
 
 
 def _choose(text: str) -> list[Peer]:
-    """Peers that were asked for and are installed; the others are listed."""
+    """Return the requested peers that are installed, and list the others."""
     if text == "none":
         return []
     words = None if text == "all" else text.lower().split(",")

@@ -136,7 +136,7 @@ class Deck:
         return grid
 
     def _add_frame(self) -> int:
-        """Block of 1 m3 beside the wall that slides; the top corner goes with it."""
+        """Return the sliding block of 1 m3 beside the wall; the top corner moves with it."""
         x, z = -self.b - 4.0, 2 * self.h
         _, nodes = self.brick("FRAME", (x - 1.0, x), (z, z + 1.0), (0.0, 1.0))
         m_s = self.case.frame.gamma * self.case.wall.m_w

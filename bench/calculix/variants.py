@@ -36,7 +36,7 @@ VARIANTS: dict[str, dict[str, object]] = {
     "struts": {"support": "struts"},
 }
 HEADS = ("variant", "u_s rms", "u_s peak", "theta rms", "theta peak", "impact time", "run")
-# a run that takes longer stands still [s]
+# a run longer than this has stalled [s]
 LIMIT = 600.0
 
 

@@ -63,7 +63,7 @@ def build_wall(scene: Scene, engine: Scene) -> None:
 
 
 def places(scene: Scene) -> dict[int, tuple[float, float]]:
-    """Return the points of the wall that stands upright, the middle of its base at the origin."""
+    """Return the points of the upright wall, with the middle of its base at the origin."""
     h, b = scene["h"], scene["b"]
     return {
         BASE: (0.0, 0.0),
@@ -118,14 +118,14 @@ def build_frame(scene: Scene, engine: Scene) -> None:
     ops.fix(FRAME_BASE, 1, 1, 1)
     ops.uniaxialMaterial("Elastic", COLUMN, frame["k"], frame["c"])
     ops.element("zeroLength", 51, FRAME_BASE, FRAME, "-mat", COLUMN, "-dir", 1)
-    # the link takes its share of a blow without swinging
+    # damping of the link against vibrations after an impact
     both = 1 / (1 / frame["m"] + 1 / scene["m_w"])
     ops.uniaxialMaterial("Elastic", LINK, k * length, 2 * math.sqrt(k * both) * length)
     ops.element("corotTruss", 52, FRAME, LINKED, 1.0, LINK)
 
 
 def prepare(scene: Scene, engine: Scene) -> None:
-    """Let the wall stand under its weight, or turn it; then set the ground in motion."""
+    """Load the wall with its weight, or rotate it; then apply the ground motion."""
     ops.timeSeries("Constant", 1)
     ops.pattern("Plain", 1, 1)
     ops.load(CENTROID, 0.0, -scene["m_w"] * scene["g"], 0.0)

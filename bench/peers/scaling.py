@@ -87,7 +87,7 @@ def _scaled(record: Record, factor: float, path: Path) -> Record:
 
 
 def tolerances(record: Record, T_s: Array, truth: dict[float, Array], repeats: int) -> list[Row]:
-    """Time and error over the tolerance asked.
+    """Measure time and error over the requested tolerance.
 
     Parameters
     ----------

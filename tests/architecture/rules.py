@@ -115,7 +115,7 @@ def unknown_targets(tree: Tree) -> list[str]:
 def against_order(
     tree: Tree, order: list[str], allowed: Mapping[tuple[str, str], str] | None = None
 ) -> list[str]:
-    """Arrows to a folder that comes later, permissions without an arrow, files in no folder."""
+    """List arrows to a later folder, permissions without an arrow, and files in no folder."""
     place = {name: number for number, name in enumerate(order)}
     found = []
     arrows = {}

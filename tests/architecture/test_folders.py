@@ -20,7 +20,7 @@ SRC = ROOT / "src"
 # The folder whose files may print and stop: the program's.
 MAY_PRINT = ("app",)
 
-# Arrows to a folder that comes later, until they are cut.
+# Present arrows to a later folder, to be removed.
 AGAINST_ORDER: dict[tuple[str, str], str] = {}
 
 # One effect that uses another, and why.

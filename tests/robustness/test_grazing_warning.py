@@ -29,7 +29,7 @@ METHODS = ["dop853", "extrapolation", "erk54", "adams", "bdf"]
 
 
 def is_warned(text: str) -> bool:
-    """Return whether the run says that it grazes."""
+    """Return True for a run that warns of grazing."""
     result = rwmf.simulate(rwmf.Case.from_text(text))
     return "turns back on its base" in result.attrs["warnings"]
 

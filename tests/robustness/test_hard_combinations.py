@@ -192,7 +192,7 @@ def find_disagreement(made: Combination, folder: Path) -> str | None:
     """Compare methods.
 
     Without loss at impact the chatter keeps the phase of flights that are smaller than the
-    tolerance. There a multistep method has no digits, so that it is not asked.
+    tolerance. There a multistep method has no digits, so that it is omitted.
     """
     third = "extrapolation" if made.groups["impact"].get("e") == 1.0 else "bdf"
     return _judge(made, folder, [_run(made, folder, x) for x in ("dop853", "erk54", third)])
@@ -246,7 +246,7 @@ def find_shift(made: Combination, folder: Path) -> str | None:
 
 
 def find_change(made: Combination, folder: Path) -> str | None:
-    """Run it again, and as ordinates alone and beside others: the same bits."""
+    """Compare runs and ordinates, alone and beside others, bit for bit."""
     runs = [_numbers(_run(made, folder)) for _ in range(2)]
     if runs[0] != runs[1]:
         return f"{runs}"

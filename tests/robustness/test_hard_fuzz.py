@@ -72,7 +72,7 @@ def survive(start: int, stop: int, folder: Path) -> dict[str, int]:
 
 
 def _bounded(case: rwmf.Case) -> rwmf.Case:
-    """Limit the work: an attack may well ask for an hour of it."""
+    """Limit the work, because a mutated input may need an hour."""
     changes: dict[str, dict[str, object]] = {"solver": {"max_steps": 20000, "verify": None}}
     if case.output is not None and case.output.dt is not None:
         changes["output"] = {"dt": max(case.output.dt, (case.solver.t_end or 1.0) / 1000, 1e-300)}

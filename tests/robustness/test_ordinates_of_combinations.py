@@ -46,7 +46,7 @@ COVERED = [int(number) for number in f"{FIRST} {DEPENDED}".split()]
     ("number", "periods"), (ENDLESS | OFF).items(), ids=lambda value: str(value).split(",")[0]
 )
 def test_ordinates(number: int, periods: tuple[float, ...], tmp_path: Path) -> None:
-    """Each is that of a single run at a tight tolerance, alone and beside others."""
+    """Each ordinate equals a single run at a tight tolerance, alone and beside others."""
     case = combination(number).build(tmp_path)
     loose = case.replace(solver={"rtol": RTOL})
     team = np.ravel(rwmf.spectrum(loose, T_s=[*periods, 0.7, 0.9]).u_s_max)

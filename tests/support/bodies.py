@@ -198,7 +198,7 @@ class Building:
         return x - start, up, -x
 
     def _corner(self, side: int) -> float:
-        """Return where the top corner that the roof is linked to stands, from the axis."""
+        """Return the distance of the top corner with the roof's link from the axis."""
         is_left = side > 0 or self.wall.formulation == "exact"
         return -self.b if is_left else self.b
 
@@ -298,7 +298,7 @@ class Building:
             x = np.linalg.solve(matrix, right)
             ddot, pivot, links = x[0], x[1:3], x[3:]
             if self.wall.fuse:
-                # the fuse under the corner that stands pulls it to the ground
+                # the fuse under the pivot corner pulls it to the ground
                 i = self.frame_springs + (1 if side > 0 else 0)
                 pivot = pivot + np.array([0.0, springs[i].force(0.0)])
         absolute = self.share * (slope * ddot + bend * y[1] ** 2) + a_g

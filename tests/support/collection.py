@@ -35,7 +35,7 @@ ANSWERS = REFERENCE / "hard_cases.csv"
 
 # promised error of the peak: max(1e-7, 100 rtol kappa), or 1e-12 m (rad)
 PEAK_FLOOR, PEAK_FACTOR, NOTHING = 1e-7, 100.0, 1e-12
-# the rotation at the end has come through every impact; relative to the largest rotation
+# error of the final rotation, after all impacts, relative to the largest rotation
 END_FACTOR = 1000.0
 # relative change of the motion for kappa, over the tolerance: about the error of a method, because
 # near grazing and overturning the response is no linear function of the motion

@@ -166,7 +166,7 @@ class Call:
     words : list of str
         Arguments of the command.
     inputs : dict
-        Content of the files that are there, by name.
+        Contents of the existing files, by name.
     loose : tuple of str
         Those that the call may change.
     statuses : tuple of int
@@ -216,7 +216,7 @@ def _sweep_file(number: int, inputs: Mapping[str, bytes], _: str) -> Call:
 
 
 def _command_line(number: int, inputs: Mapping[str, bytes], _: str) -> Call:
-    """Call with words that are mutated; none of them becomes the name of a file that is there."""
+    """Call with mutated words, none of which becomes the name of an existing file."""
     dice = random.Random(f"command {number}")
     words = dice.choice(COMMANDS).split()
     for _ in range(dice.choice((1, 1, 2, 3))):

@@ -39,7 +39,7 @@ class Hard:
     record : tuple of pairs
         Time [s] and acceleration [m/s2] of a record that takes the place of the pulse.
     rtol : float
-        Tolerance that every method is asked for.
+        Requested tolerance of every method.
     """
 
     name: str

@@ -73,7 +73,7 @@ class Scene:
     groups : mapping
         Groups of the case, from `ROWS`.
     folder : Path
-        Where its record stands (`pairs.prepare`).
+        Folder of its record (`pairs.prepare`).
     """
 
     def __init__(self, groups: Mapping[str, Any], folder: Path) -> None:
@@ -317,7 +317,7 @@ def _check_sweep(scene: Scene, found: xr.Dataset, wanted: list[str]) -> None:
 
 def study_overturning(scene: Scene, _: Path) -> None:
     """`studies.overturning_map`."""
-    # one pulse that it stands and one that throws it; no bisection
+    # one pulse below and one above overturning; no bisection
     levels, omega = [1.5, 6.0], 4.0
     quiet = scene.case.replace(output=None)
     found = studies.overturning_map(quiet, [omega], levels, tolerance=10.0)
@@ -467,7 +467,7 @@ def run_element(scene: Scene, _: Path) -> None:
     knots, ground = scene.ground()
     changes: dict[str, Any] = {}
     if not scene.has_frame:
-        # without mass: it only says how the top of the wall moves
+        # without mass: it only defines the motion of the wall's top
         changes["frame"] = {"gamma": 0.0, "T_s": 0.5, "xi_s": 0.0}
     if len(knots) == 1 or (not scene.has_frame and scene.case.cable is not None):
         # peak of the quantity for the motion of the ground alone

@@ -13,7 +13,7 @@ _FORMULATIONS = ("published", "symmetric", "exact")
 
 
 def random_cases(n: int, seed: int, records: Path) -> Iterator[rwmf.Case]:
-    """Yield scenes of the range that engineers ask for.
+    """Yield scenes within the range of engineering practice.
 
     Parameters
     ----------

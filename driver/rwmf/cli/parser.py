@@ -145,8 +145,8 @@ def _add_cost(commands: Subcommands) -> None:
 def _add_check(commands: Subcommands) -> None:
     parser = commands.add(
         "check",
-        "Read and validate a case; print effects, omitted effects, states, events, outputs and every "
-        "value.",
+        "Read and validate a case; print effects, omitted effects, states, events, outputs and "
+        "every value.",
         "inputs/fig12_one_cosine.nml",
         "check.run",
     )

@@ -231,11 +231,11 @@ def test_numbers_stay_numbers() -> None:
     case = coupled(output={"energy": True, "reactions": True}, impact=balanced)
     with _library.start_simulation(case.kernel, "") as run:
         whole = run.summary()
-        room, results._FIRST_ROOM = results._FIRST_ROOM, 2
+        room, results._FIRST_CAPACITY = results._FIRST_CAPACITY, 2
         try:
             assert run.summary() == whole
         finally:
-            results._FIRST_ROOM = room
+            results._FIRST_CAPACITY = room
     assert type(whole["u_s_max_m"]) is float
     assert type(whole["impacts"]) is int
     assert type(whole["overturned"]) is bool

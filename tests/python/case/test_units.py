@@ -168,7 +168,7 @@ def test_length_belongs_to_strands() -> None:
 
 
 def test_strands() -> None:
-    """Forces from stresses; the steel breaks at its strain over its own length."""
+    """Forces follow from stresses; the steel ruptures at its strain over the tendon's length."""
     groups = in_units(groups_of("rupture"))
     case = rwmf.Case(**groups)
     cable, weight = case.cable, G * case.wall.m_w
@@ -177,7 +177,7 @@ def test_strands() -> None:
     alpha = math.atan2(2.0, 9.0)
     stress = cable.initial_stress + cable.modulus * 2.0 * alpha / cable.length
     assert cable.eta_alpha * weight == pytest.approx(area * stress, rel=1e-14)
-    # the wall is let go at the rotation at which its cable is about to break, or beyond it
+    # the wall is released at the rotation of the cable's rupture, or beyond it
     own = cable.initial_stress / cable.modulus
     theta = (cable.rupture_strain - own) * cable.length / 2.0
     for factor, breaks in ((0.999, False), (1.001, True)):
@@ -191,7 +191,7 @@ def test_strands() -> None:
 @pytest.mark.parametrize("distribution", ["uniform", "linear", "straight_mode"])
 @pytest.mark.parametrize("unit", ["kg", "m_w"])
 def test_storeys_by_rule(distribution: str, unit: str) -> None:
-    """One number each, and the stiffnesses that the rule or the period says."""
+    """One number each gives the stiffnesses of the rule or of the period."""
     numbers = {"m": 5e4, "k": 8e7} if unit == "kg" else {"m_over_m_w": 0.7, "k_over_m_w": 1100.0}
     mass, stiffness = numbers
     groups = in_units(groups_of("storeys full")) | {"yielding": None}
@@ -265,7 +265,7 @@ def test_width(scene: str) -> None:
 
 
 def test_width_in_lanes() -> None:
-    """Method `fast` has the bits of a spectrum of that width alone, masses and cable with it."""
+    """Method `fast` has the bits of a spectrum of that width, masses and cable included."""
     groups = in_units(groups_of("yielding"))
     del groups["yielding"]
     case = rwmf.Case(**groups).replace(solver={"method": "fast", "rtol": 1e-7})
@@ -315,7 +315,7 @@ def test_sizes_of_a_block() -> None:
 
 @pytest.mark.parametrize("scene", ["frame", "storeys reduced", "storeys every_floor"])
 def test_frame_without_its_wall(scene: str) -> None:
-    """Masses in kg need no wall: the same frame alone as that of the ratios."""
+    """Masses in kg need no wall: the frame equals that of the ratios."""
     groups = groups_of(scene)
     groups.pop("yielding", None)
     free = [rwmf.studies.without_wall(rwmf.Case(**item)) for item in (groups, in_units(groups))]

@@ -1,4 +1,4 @@
-"""Public functions answer arguments of a wrong kind with errors of the package alone."""
+"""Public functions answer arguments of a wrong type with errors of the package."""
 
 from __future__ import annotations
 

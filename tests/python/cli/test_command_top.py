@@ -121,7 +121,7 @@ def test_film_of_a_wall_that_overturns(folder: Path, capfd: pytest.CaptureFixtur
 def test_what_nobody_has_foreseen(
     folder: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One line with the kind of error and the way to the traceback, or that when asked for."""
+    """The message is one line with the kind of error, or the traceback on request."""
 
     def fail(_: object) -> int:
         raise ZeroDivisionError("by\nnothing")

@@ -150,7 +150,7 @@ def test_command_refuses(command: Runner, tmp_path: Path) -> None:
 def test_reproduce_needs_the_checkout(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """An installed package elsewhere says so in one line; in the checkout it finds it upward."""
+    """An installed package outside a checkout reports so in one line; inside it finds the root."""
     monkeypatch.setattr(rwmf, "__path__", [str(tmp_path / "site-packages" / "rwmf")])
     monkeypatch.chdir(tmp_path)
     assert cli.main(["reproduce", "4"]) == 2

@@ -31,7 +31,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize(("first", "second"), _PAIRS, ids=[f"{a.name}-{b.name}" for a, b in _PAIRS])
 def test_pair(first: pairs.Effect, second: pairs.Effect, folder: Path) -> None:
-    """`try_pair` looks at the results of a run."""
+    """`try_pair` checks the results of a run."""
     outcome = pairs.try_pair(first, second, folder)
     if outcome.kind == "refused":
         for effect in (first, second):

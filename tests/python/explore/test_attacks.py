@@ -63,7 +63,7 @@ def _endless(state: dict[str, Any]) -> dict[str, Any]:
 
 
 def _text(client: Client, path: str, question: object, **headers: str) -> bytes:
-    """Write a request as it goes over the wire."""
+    """Write a request byte by byte."""
     body = json.dumps(question).encode()
     words = {"Host": f"127.0.0.1:{client.port}", "X-Token": client.token,
              "Content-Length": str(len(body)), "Connection": "close"} | headers  # fmt: skip
@@ -127,7 +127,7 @@ def test_long_questions_of_all_processes_give_way(
     with served(Case.from_namelist(FIG12)) as (_, client):
         endless = _endless(state)
         with _asked(client, "/api/history", endless) as one:
-            # the one that has computed longest gives way: the first has to begin first
+            # the longest computation is stopped, so the first must start first
             time.sleep(0.7)
             with _asked(client, "/api/cost", endless):
                 time.sleep(0.3)
@@ -149,7 +149,7 @@ def test_every_question_has_a_limit(
     endless["groups"]["damper"] = {"c_over_m_w": 2147483647.0}
     with _asked(client, path, endless) as raw:
         answer = _received(raw)
-    assert b"stopped after 0.5 s, the most that a page waits: shorten t_end" in answer
+    assert b"stopped after 0.5 s, the limit of a page: shorten t_end" in answer
     assert answer.startswith(b"HTTP/1.1 200" if path == "/api/cost" else b"HTTP/1.1 503")
 
 

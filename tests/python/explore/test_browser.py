@@ -226,7 +226,7 @@ def test_every_slider_over_its_range(show: Open) -> None:
         opened.field(name).press("Enter")
         opened.settle()
         assert opened.problem == ""
-    # the periods of runs may not cross: the kernel says so
+    # the bounds of the periods must not cross: the kernel reports it
     assert set(refused) <= {"spectrum.T_s_min", "spectrum.T_s_max"}, refused
     assert opened.number("u_s_max_m") == _peak()
 
@@ -257,7 +257,7 @@ def test_every_effect_can_be_added_and_taken_out(show: Open) -> None:
         opened.open_all()
         opened.page.get_by_role("button", name="Reset").click()
         opened.field("model.formulation").select_option("exact")
-    # the frame alone, and back
+    # without the wall, and back
     for name in ("wall", "frame"):
         opened.open_all()
         opened.page.get_by_role("button", name=f"Take the whole group &{name} out").click()
@@ -345,7 +345,7 @@ def test_a_wrong_value_is_said_and_shown(show: Open) -> None:
     field.fill("fast")
     field.press("Enter")
     assert "must be a number" in opened.page.locator('[id="frame.T_s:wrong"]').text_content()
-    # nothing was asked: the pictures stand
+    # no request was sent: the pictures are unchanged
     assert opened.problem == ""
     opened.slider("wall.b").focus()
     opened.page.keyboard.press("ArrowRight")
@@ -623,7 +623,7 @@ def test_loading_again_keeps_what_was_set(show: Open) -> None:
 
 
 def test_a_hand_that_moves_fast(show: Open) -> None:
-    """After a drag the last state is shown, whatever was asked in between."""
+    """After a drag the last state is shown, whatever the requests in between."""
     opened = show()
     opened.page.evaluate(
         """async () => {

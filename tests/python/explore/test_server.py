@@ -26,7 +26,7 @@ FIG12 = ROOT / "inputs" / "fig12_one_sine.nml"
 # a run of several minutes, which must be stopped when it is no longer needed
 ENDLESS = {"solver": {"t_end": 1e7, "method": "dop853"}, "impact": {"e": 1.0, "rule": "constant"},
            "frame": {"T_s": 0.05, "gamma": 5.0, "xi_s": 0.0}}  # fmt: skip
-# the kernel is asked to stop every 0.05 s, and looks between its steps [s]
+# the kernel is told to stop every 0.05 s, and polls between its steps [s]
 SOON = 2.0
 
 
@@ -261,7 +261,7 @@ def test_periods_without_an_end_are_left_out(record_folder: Path) -> None:
 
 
 def test_two_pages_at_once(client: Client, start: dict[str, Any]) -> None:
-    """Each gets the answer to its own question."""
+    """Each client gets the answer to its request."""
     periods = np.linspace(0.3, 2.0, 8)
     alone = [client.ask("/api/history", _with(start, frame={"T_s": T}))["numbers"] for T in periods]
     found: dict[int, Any] = {}

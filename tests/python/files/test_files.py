@@ -143,7 +143,7 @@ def test_a_full_disk(writer: Writer, start: Run, tmp_path: Path) -> None:
     before = {path.name for path in tmp_path.iterdir()}
 
     def limit() -> None:
-        # a program as a shell starts it, which does not ignore the signal as Python does
+        # a program started like in a shell, which does not ignore the signal as Python does
         signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
         resource.setrlimit(resource.RLIMIT_FSIZE, (50, resource.RLIM_INFINITY))
 

@@ -55,7 +55,7 @@ def test_more_buildings(number: int, tmp_path: Path) -> None:
 
 
 def test_quick_buildings_differ() -> None:
-    """They have all that there is: else a number has to be added."""
+    """The quick scenes include every feature of the family."""
     scenes = [building_scene(number) for number in QUICK]
     walls = [scene.wall for scene in scenes if scene.wall]
     assert {scene.coupling for scene in scenes} == {"full", "reduced", "every_floor"}

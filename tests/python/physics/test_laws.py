@@ -91,7 +91,7 @@ def by_flag(x: Array, u_y: float, hardening: float, height: float) -> Array:
 
 
 def by_friction(x: Array, u_y: float, hardening: float, breakaway: float) -> Array:
-    """Force over the stiffness: it sticks where it turns, and lets go beyond the breakaway."""
+    """Force over the stiffness: the spring sticks at reversals, and slips beyond the breakaway."""
     modulus = hardening / (1 - hardening)
     force, p, slides = np.zeros_like(x), 0.0, 0
     for i in range(1, len(x)):

@@ -122,7 +122,7 @@ def test_loss_of_prestress() -> None:
 
 
 def test_rupture_in_the_first_swing() -> None:
-    """It breaks at its strain, is an event, and the wall goes on as one without a cable would."""
+    """The tendon ruptures at its strain, with an event, and the wall continues without a cable."""
     strain = 0.012
     case = coupled(cable={"eta_y": None, "law": "truss", "rupture_strain": strain})
     run = rwmf.simulate(case, dt=0.01)
@@ -143,7 +143,7 @@ def test_rupture_in_the_first_swing() -> None:
 
 
 def test_fuses_hold_the_wall_up_on_one_side() -> None:
-    """Let go at 0.5 alpha, the wall comes down to where fuse, weight and cable are in balance.
+    """A wall released at 0.5 alpha descends to the equilibrium of fuse, weight and cable.
 
     The damper lets it creep there. The fuse, drawn out to s_0 and perfectly plastic, gives
     F = eta_y - k (s_0 - s) and no less than -eta_y: 2 sin(alpha) cos(theta/2) F + sin(alpha -

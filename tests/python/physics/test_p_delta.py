@@ -646,7 +646,7 @@ def test_yielding_beside_a_wall(formulation: str) -> None:
 
 
 def test_uplift_does_not_change() -> None:
-    """At theta = 0 the column of a single degree of freedom stands upright."""
+    """At theta = 0 the column of a single degree of freedom is vertical."""
     for factor, lifts in ((1 - 1e-9, 0), (1 + 1e-6, 1)):
         threshold = 0.25 * 2 / (1 + 2 * 5) * factor
         motion = {"kind": "one_sine", "a_max_g": threshold, "omega_p": 6.0}
@@ -737,7 +737,7 @@ def test_storeys_collapse(coupling: str, *, has_wall: bool) -> None:
 
 @pytest.mark.parametrize("has_wall", [True, False])
 def test_soft_storey(*, has_wall: bool) -> None:
-    """The lowest storey is weak and yields until it comes down."""
+    """The lowest storey is weak and yields until it collapses."""
     pulse = Pulse(0.3, 6.0, 4)
     u_y = [0.015, 0.05, 0.05]
     wall = Wall() if has_wall else None
@@ -763,7 +763,7 @@ def test_storeys_that_yield_on_a_line() -> None:
 
 
 def test_collapse_beside_a_resting_wall() -> None:
-    """The roof is held, and the floors below it come down."""
+    """The roof is held, and the floors below it collapse."""
     pulse = Pulse(0.3, 6.0)
     wall = Wall(eta=60.0)
     frame = frame_of("full", 25.0, [2.0, 2.0, 1.5], [90.0, 90.0, 90.0], wall=wall, limit=0.05)
@@ -859,7 +859,7 @@ def test_keys_apply_only_with_the_effect() -> None:
 
 
 def test_command_line(tmp_path: Path) -> None:
-    """A result, not an error: exit status 0; the summary says when."""
+    """Collapse is a result, not an error: exit status 0; the summary gives the time."""
     file = tmp_path / "case.nml"
     file.write_text(collapsing().to_namelist(), encoding="utf-8")
     command = [sys.executable, "-m", "rwmf", "run", str(file), "--json"]

@@ -138,7 +138,7 @@ def test_frame_alone_against_another_program(name: str, method: str) -> None:
 @pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853", "extrapolation"])
 @pytest.mark.parametrize("kind", ["ricker", "ricker_antisymmetric"])
 def test_narrow_pulse_is_not_passed_over(kind: str, method: str) -> None:
-    """Its tails ask for no steps at all, and the tolerance for few."""
+    """Its tails need no steps at all, and the tolerance few."""
     rtol = 1e-3
     motion = _motion(kind, T_p=0.02, t_0=5.0)
     frame = {"T_s": 3.0}

@@ -32,7 +32,7 @@ def _case(coupling: str, **changes: dict[str, object] | None) -> rwmf.Case:
 
 @pytest.mark.parametrize("coupling", ["one", "full", "reduced", "every_floor", "pinned"])
 def test_its_force_is_the_horizontal_reaction(coupling: str) -> None:
-    """Beside rows of 0.1 ms of the same run, which never exceed it and come close."""
+    """Located maxima are above rows of 0.1 ms of the same run, and close to them."""
     case = _case(coupling, output={"reactions": True})
     run = rwmf.simulate(case, dt=1e-4)
     assert not [name for name in run if "friction" in str(name)]

@@ -25,7 +25,7 @@ def _peak(case: rwmf.Case, **solver: object) -> float:
 
 
 def test_asked_accuracy_is_delivered(record_folder: Path) -> None:
-    """True error at most the asked one, and the estimate of the right size."""
+    """The true error is at most the requested one, and the estimate is of the right size."""
     ratios = []
     for case in random_cases(24, seed=20180, records=record_folder):
         trusted = _peak(case, method="dop853", rtol=3e-14)
@@ -58,7 +58,7 @@ DEMANDS = (
 @pytest.mark.slow
 @pytest.mark.parametrize("storeys", [0, 2, 3])
 def test_asked_accuracy_of_demands_is_delivered(storeys: int, record_folder: Path) -> None:
-    """True error of the asked peak at most the asked one, though no `&output` asks for it."""
+    """The true error of the named peak is at most the requested one, without `&output`."""
     judged = 0
     for case in random_cases(5, seed=31 + storeys, records=record_folder):
         scene = with_storeys(case, storeys) if storeys else case

@@ -45,7 +45,7 @@ def _design(n: int = N) -> dict[str, Column]:
 
 
 def _one(case: rwmf.Case, row: dict[str, float], names: list[str]) -> xr.Dataset:
-    """Compute one row alone."""
+    """Compute one row by itself."""
     scale = row["scale"]
     amplitude = "a_max_g" if "a_max_g" in case.motion.given else "scale"
     alone = case.replace(
@@ -348,7 +348,7 @@ class TestFiles:
         assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
 
     def test_interrupted_and_resumed(self, tmp_path: Path) -> None:
-        """The journal knows its table."""
+        """The journal stores its table."""
 
         def interrupt(done: int, _: int) -> None:
             if done >= 20:

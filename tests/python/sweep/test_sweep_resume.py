@@ -25,7 +25,7 @@ pytest.importorskip("h5netcdf")
 
 CASE_SOLVER = {"method": "dop853", "rtol": 1e-6, "t_end": 3.0}
 GRID = {"e": [0.8, 0.85, 0.9], "scale": [0.5, 1.0], "T_s": [0.5, 1.0], "gamma": [5.0, 50.0]}
-# as many as the issue asks for
+# number required by the issue
 KILLS = 10
 
 
