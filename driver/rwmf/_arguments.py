@@ -69,8 +69,8 @@ def path_of(name: str, value: object, wanted: str = "the path of a file") -> str
 
     Raises
     ------
-    When it is no path, or when no file can have that name.
-        When it is no path, or no file can have that name.
+    InputError
+        When it is no path, or when no file can have that name.
     """
     path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
     if not isinstance(path, str):

@@ -169,8 +169,8 @@ def cost(
     ----------
     case : Case or path
         The case.
-    Relative error of the peak for which a method is recommended [-].
-        Relative error of the peak that the recommendation is for [-].
+    target : float
+        Relative error of the peak for which a method is recommended [-].
     progress : callable, optional
         Called with the numbers of finished and of all units of work. During the reference it is
         called about 20 times a second; an exception that it raises stops the kernel.
@@ -402,8 +402,8 @@ def cheapest(rows: list[Row], target: float) -> Row | None:
 
     Returns
     -------
-    The row, or None.
-        The row; None when there is none.
+    Row or None
+        The row, or None.
     """
     good: list[Row] = []
     for method in METHODS:
