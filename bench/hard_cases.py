@@ -4,8 +4,8 @@
     python bench/hard_cases.py --reference   first the answers that are not stored yet, or whose
                                              case has changed (all of them: some minutes)
 
-The cases are those of tests/robustness; the trusted answers come from quadruple precision. The rows
-go to docs/validation/hard-cases.csv, what follows from them to hard-cases.md beside it.
+The cases are those of tests/robustness; the reference answers come from quadruple precision. The
+rows go to docs/validation/hard-cases.csv, and their summary to hard-cases.md beside it.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def _write_table(folder: Path) -> int:
         for hard in cases:
             truth = answers[family, hard.name]
             for method in METHODS:
-                row = collection.judge(hard, truth, method, folder)
+                row = collection.evaluate(hard, truth, method, folder)
                 rows.append(_values(family, hard.name, truth, row))
     with TARGET.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
@@ -132,7 +132,7 @@ def read_rows() -> list[dict[str, str]]:
 
 
 def make_page() -> str:
-    """Make the page of what follows from the rows.
+    """Make the page that summarises the rows.
 
     Returns
     -------

@@ -1,10 +1,10 @@
-"""Which effects go together: a run of every pair, or the reason why it is refused.
+"""Combinations of effects: a run of every pair, or the reason for its refusal.
 
     .venv/bin/python bench/pairs.py            the table of docs/reference/effects.md
 
 Every pair is a small case, which the kernel reads, refuses or runs. A further group, or a further
-value of a key that chooses a law, takes one line of ``EFFECTS``;
-``tests/python/effects/test_pairs.py`` asks the schema whether one is missing.
+value of a key that chooses a law, takes one line of ``EFFECTS``.
+``tests/python/effects/test_pairs.py`` checks the list against the schema.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import rwmf
 
 Groups = dict[str, dict[str, Any] | None]
 
-# what every pair begins with
+# groups common to all pairs
 SCENE: Groups = {
     "wall": {"h": 2.0, "b": 0.5},
     "frame": {"T_s": 0.5, "gamma": 5.0, "xi_s": 0.05},
@@ -41,7 +41,7 @@ BALANCE = 1e-6  # of the energy ledger, relative
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect, what it changes in the scene, and the group that a message names."""
+    """An effect, its changes of the scene, and its group in messages."""
 
     name: str
     changes: Groups
@@ -128,7 +128,7 @@ EFFECTS = [
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a pair: 'runs', 'refused' with the message, or 'alternatives' of one key."""
+    """Result of a pair: 'runs', 'refused' with the message, or 'alternatives' of one key."""
 
     kind: str
     message: str = ""
@@ -175,7 +175,7 @@ def prepare(folder: Path) -> None:
     Parameters
     ----------
     folder
-        Where the cases stand.
+        Folder of the cases.
     """
     (folder / "record.csv").write_text(SAMPLES, encoding="utf-8")
 
@@ -228,7 +228,7 @@ def _value(value: object) -> str:
 
 
 def _reason(message: str) -> str:
-    """Drop the line of a file that nobody has from a message."""
+    """Remove line numbers, which refer to no file, from a message."""
     return re.sub(r" \(line \d+\)", "", message)
 
 

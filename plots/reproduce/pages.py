@@ -1,4 +1,4 @@
-"""Pages of the documentation that consist of what was measured."""
+"""Pages of the documentation that consist of measured results."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def claims_page(cache: ResponseCache) -> str:
 
 
 def _reading(claims: Table) -> str:
-    """Tell what the tables mean, with the numbers of the claims and none of the results."""
+    """Explain the tables, with the numbers of the claims but without results."""
 
     def rows(*beginnings: str) -> str:
         found = [row[0] for row in claims.rows if row[2].startswith(beginnings)]

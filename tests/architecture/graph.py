@@ -32,7 +32,7 @@ _COMMENTS = {
     ("", ".sh", ".build", ".awk"): re.compile(r"^\s*#[^\n]*", re.MULTILINE),
     (".html",): re.compile(r"<!--.*?-->", re.DOTALL),
 }
-# What a simulation and an ordinate begin with, under the names of the trees so far.
+# Entry points of a simulation and of an ordinate, with their former names.
 SIMULATE = ("rwmf_simulation_simulate", "rwmf_simulation")
 ORDINATE = ("rwmf_spectrum_lanes", "rwmf_spectrum_fast_driver")
 

@@ -1,11 +1,11 @@
-"""What works where: every effect on every way to use the program.
+"""Support of every effect by every interface of the program.
 
     .venv/bin/python tests/support/matrix.py > docs/reference/matrix.md
 
-A row is a scene: each entry of ``EFFECTS`` in ``bench/pairs.py`` with a wall and, where there is
-such a case, without one. A column is a path: one function that uses the program in one way and
-compares what comes out with the plain run. ``REFUSALS`` says what is refused and why;
-``test_matrix.py`` goes through all cells, and asks for a row of every effect of the kernel.
+A row is a scene: each entry of ``EFFECTS`` in ``bench/pairs.py`` with a wall and, where such a case
+exists, without one. A column is a path: a function that uses one interface of the program and
+compares the results with the plain run. ``REFUSALS`` lists refusals with reasons.
+``test_matrix.py`` runs all cells, and requires a row for every effect of the kernel.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Scene:
     groups : mapping
         Groups of the case, from `ROWS`.
     folder : Path
-        Where its record stands (`pairs.prepare`).
+        Folder of its record (`pairs.prepare`).
     """
 
     def __init__(self, groups: Mapping[str, Any], folder: Path) -> None:
@@ -119,7 +119,7 @@ class Scene:
 
     @property
     def peak(self) -> tuple[str, str]:
-        """Key and name of what a study of the scene is about."""
+        """Return key and name of the quantity for a study of the scene."""
         if self.has_frame:
             return "u_s_max_m", "u_s_max"
         return "theta_max_over_alpha", "theta_max_over_alpha"
@@ -190,7 +190,7 @@ ROWS = _rows()
 
 
 def _same(found: object, expected: object) -> None:
-    """Compare bits; what has no value has none on both sides."""
+    """Compare bits; a missing value must be missing on both sides."""
     assert np.array_equal(np.ravel(found), np.ravel(expected), equal_nan=True), (found, expected)
 
 
@@ -227,7 +227,7 @@ def run_json(scene: Scene, folder: Path) -> None:
 
 
 def _command(*words: str | Path) -> str:
-    """Run the command rwmf in this process; what it complains of becomes an error again."""
+    """Run the command rwmf in this process, and raise its message as an error."""
     output, errors = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
         status = cli.main([str(word) for word in words])
@@ -283,7 +283,7 @@ def run_auto_spectrum(scene: Scene, _: Path) -> None:
 
 
 def run_sweep(scene: Scene, _: Path) -> None:
-    """`rwmf.sweep`: what it reports by itself, then every scalar that has a name."""
+    """Run `rwmf.sweep` with its default quantity, then with every named scalar."""
     rows = [find(key) for key in scene.plain]
     names = [row.name for row in rows if row.name and "ordinate" in row.outputs.split()]
     _check_sweep(scene, rwmf.sweep(scene.case, scene.grid), [scene.peak[1]])
@@ -317,7 +317,7 @@ def _check_sweep(scene: Scene, found: xr.Dataset, wanted: list[str]) -> None:
 
 def study_overturning(scene: Scene, _: Path) -> None:
     """`studies.overturning_map`."""
-    # one pulse that it stands and one that throws it; no bisection
+    # one pulse below and one above overturning; no bisection
     levels, omega = [1.5, 6.0], 4.0
     quiet = scene.case.replace(output=None)
     found = studies.overturning_map(quiet, [omega], levels, tolerance=10.0)
@@ -467,10 +467,10 @@ def run_element(scene: Scene, _: Path) -> None:
     knots, ground = scene.ground()
     changes: dict[str, Any] = {}
     if not scene.has_frame:
-        # without mass: it only says how the top of the wall moves
+        # without mass: it only defines the motion of the wall's top
         changes["frame"] = {"gamma": 0.0, "T_s": 0.5, "xi_s": 0.0}
     if len(knots) == 1 or (not scene.has_frame and scene.case.cable is not None):
-        # what the ground would leave at rest
+        # peak of the quantity for the motion of the ground alone
         changes["initial"] = {"theta_over_alpha": 0.2}
     c_host.respond(text, 1, [0.1, 0.0, 0.0, 0.0])
     with c_host.stepping(scene.case.replace(**changes).to_namelist()) as wall:
@@ -527,7 +527,7 @@ PATHS: dict[str, Callable[[Scene, Path], None]] = {
 
 @dataclass(frozen=True)
 class Refusal:
-    """What is refused: paths, a pattern of the names of rows, how the message begins."""
+    """A refusal: paths, a pattern of the names of rows, the beginning of the message."""
 
     paths: tuple[str, ...]
     rows: str
@@ -569,7 +569,7 @@ REFUSALS = (
 
 
 def entry_of(table: Iterable[Refusal], row: str, path: str) -> Refusal | None:
-    """Find what a table says of a cell.
+    """Find the entry of a table for a cell.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """The reference pages that a command makes: from the kernel's tables, its facade, the parser.
 
-``tools/docs --made`` writes them; a test holds them against what would be written.
+``tools/docs --made`` writes them; a test compares them with the present output.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     Returns
     -------
     dict
-        What Sphinx wants to know of an extension.
+        Metadata of the extension for Sphinx.
     """
     app.add_html_math_renderer("mathml", (_visit_inline, None), (_visit_block, None))
     return {"parallel_read_safe": True, "parallel_write_safe": True}
@@ -48,7 +48,7 @@ def _visit_inline(translator: HTML5Translator, node: nodes.math) -> None:
 
 
 def _visit_block(translator: HTML5Translator, node: nodes.math_block) -> None:
-    """Draw a displayed formula; its tag stands at the right and can be linked to."""
+    """Draw a displayed formula, with a linked tag at the right."""
     text = node.astext()
     tags = _TAG.findall(text)
     formula = _mathml(node, _TAG.sub("", text).strip(), as_block=True)

@@ -31,7 +31,7 @@ def _rows(page: str, header: str) -> dict[str, list[str]]:
 
 
 def _same(value: float, shown: str) -> bool:
-    """Whether a number rounds to the digits shown."""
+    """Return True for a number that rounds to the printed digits."""
     return f"{value:.{len(shown.partition('.')[2])}f}" == shown
 
 

@@ -24,7 +24,7 @@ SITE = ROOT / "build" / "site"
 
 @pytest.fixture(scope="module")
 def site() -> check.Site:
-    """Build what has changed since tools/docs; tools/test installs what that needs."""
+    """Build the changed pages; tools/test installs the requirements."""
     done = subprocess.run(
         [sys.executable, "-m", "pages"],
         cwd=ROOT,
@@ -57,7 +57,7 @@ def test_searches_find_a_tendon() -> None:
 
 @pytest.fixture
 def page(browser: Browser) -> Iterator[Page]:
-    """Give a page without network; what its console says fails the test, and so does a request."""
+    """Open a page without network; console messages and requests fail the test."""
     context = browser.new_context(offline=True)
     page = context.new_page()
     said: list[str] = []

@@ -1,4 +1,4 @@
-"""The version stands once, and what is said of the package elsewhere agrees."""
+"""The version is defined once, and other descriptions of the package agree."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def test_the_kernel_has_the_version_of_the_build() -> None:
 
 
 def test_pages_have_the_version_and_its_day() -> None:
-    """The newest entry of the changelog is that of the version, and so is what is cited."""
+    """The newest entry of the changelog and the citation have the present version."""
     day = _found(rf"^## {re.escape(VERSION)} \((\d{{4}}-\d\d-\d\d)\)$", "CHANGELOG.md")
     assert _found(r"^## (\S+)", "CHANGELOG.md") == VERSION
     assert _found(r"^version: (\S+)$", "CITATION.cff") == VERSION
@@ -113,7 +113,7 @@ install_test_packages
     [("0", r"says: no chromium: .* skipped"), ("1", r"installs: (.* )?chromium\n")],
 )
 def test_a_browser_is_installed_where_nothing_may_be_skipped(must_run: str, expected: str) -> None:
-    """Elsewhere its half gigabyte is not, and what is skipped is said."""
+    """Other machines lack its half gigabyte, and the skip is reported."""
     done = subprocess.run(
         ["bash", "-euc", _WITHOUT_CHROMIUM, "-", ROOT],
         env=os.environ | {"RWMF_MUST_RUN": must_run},
