@@ -45,7 +45,7 @@ def _draw_section(ax: Axes) -> None:
     label(ax, (0.2, 2 * H + 0.38), "$P$", color=RED)
     ax.plot(0.0, (_CUT + 2 * H) / 2, marker="o", color=INK, ms=4, zorder=7)
     arrow(ax, (0.0, 2.75), (0.0, 2.1))
-    label(ax, (-0.4, 2.35), "weight")
+    label(ax, (-0.43, 2.35), "weight")
     arrow(ax, (0.0, 2.75), (0.7, 2.75))
     label(ax, (0.35, 2.95), "inertia")
     arrow(ax, (0.7, _CUT - 0.22), (-0.05, _CUT - 0.22), RED)
