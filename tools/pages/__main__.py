@@ -11,11 +11,12 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from pages import blocks, check, made
+from pages import blocks, check, made, sketches
 
 ROOT = blocks.ROOT
 BUILD = ROOT / "build" / "pages"
 SITE = ROOT / "build" / "site"
+SKETCHES = ROOT / "docs" / "theory" / "figures" / "sketches"
 _SECONDS_SHOWN = 0.1
 _SHOWN = (
     "examples",
@@ -41,6 +42,13 @@ def main() -> int:
     try:
         for page in blocks.pages():
             run_blocks(page)
+        if not SKETCHES.is_dir():
+            (BUILD / "sketches.key").unlink(missing_ok=True)
+        _step(
+            "sketches",
+            lambda: sketches.write_all(SKETCHES),
+            _files("tools/pages/sketches", "driver/rwmf/plotting/style.py"),
+        )
         _step(
             "pages by Sphinx",
             _run_sphinx,

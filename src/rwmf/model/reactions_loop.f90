@@ -2,7 +2,7 @@
 !>
 !> Each loop of a scene adds to the moment about the pivot, and the arms of these moments are known:
 !> what the loops through the link, under the corner and in the cable add says what forces they
-!> exert on the wall (docs/theory/theory.md, "Reactions").
+!> exert on the wall (docs/theory/demands.md, "Reactions").
 module rwmf_model_reactions_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates

@@ -1,6 +1,6 @@
 !> Forces inside the rigid wall, from the balance of the part above a section: its weight and
 !> inertia, the links to the frame and the cable at its top. What acts at the base is below every
-!> section and does not enter (docs/theory/theory.md, "Demands").
+!> section and does not enter (docs/theory/demands.md, "Demands").
 module rwmf_model_wall_sections
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t, ground, vertical_ground

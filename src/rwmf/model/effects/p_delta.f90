@@ -1,7 +1,8 @@
 !> Gravity on the displaced frame, `&p_delta`: a massless leaning column that carries m_g g.
 !>
 !> Between two floors that are displaced by d over the height of their storey it pushes both apart
-!> with W d/height, W the weight above: a negative stiffness of that storey (docs/theory/theory.md).
+!> with W d/height, W the weight above: a negative stiffness of that storey. Theory:
+!> docs/theory/storeys.md.
 module rwmf_model_effects_p_delta
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
