@@ -403,7 +403,7 @@ def study_equal_response(scene: Scene, _: Path) -> None:
 
 
 def step_own(scene: Scene, _: Path) -> None:
-    """Stepping under the motion of the case, with one step repeated."""
+    """Advance a wall under the motion of its case and repeat a step."""
     knots, _ = scene.ground()
     with c_host.stepping(scene.case.to_namelist()) as wall:
         wall.advance(knots[-1])
@@ -436,7 +436,7 @@ def _same_end(state: c_host.State, case: rwmf.Case) -> None:
 
 
 def step_samples(scene: Scene, _: Path) -> None:
-    """Stepping under samples of the host program."""
+    """Advance a wall under samples of a host program."""
     t, a = samples()
     peak = max(map(abs, a))
     with c_host.stepping(scene.case.to_namelist(), peak) as wall:
@@ -446,7 +446,7 @@ def step_samples(scene: Scene, _: Path) -> None:
 
 
 def step_ground(scene: Scene, _: Path) -> None:
-    """Stepping under a function of the host program."""
+    """Advance a wall under a function of a host program."""
     knots, ground = scene.ground()
     t_end = scene.case.solver.t_end
     with c_host.stepping(scene.case.to_namelist()) as wall:
