@@ -37,7 +37,7 @@ quadruple precision, over chatter, grazing, lift-off, overturning, springs with 
 The **reference** is the same problem in quadruple precision (extrapolation of order 18, rtol
 1e-19); a run at rtol 1e-16 differs from it by less than 1e-13 of the peak unless the problem
 amplifies errors. The sensitivity $\kappa$ is the relative change of the peak per relative change of
-the motion. The allowed error, **bound**, is max(1e-7, 100 rtol $\kappa$). A row is *right* within its
+the motion. The **bound** of the error is max(1e-7, 100 rtol $\kappa$). A row is *right* within its
 bound, with the final rotation within 1000 rtol times its own sensitivity. It is *refused* if the
 method reported the failure, and *WRONG* otherwise.
 
@@ -154,8 +154,8 @@ def make_page() -> str:
         "",
         f"{len(rows)} rows, {wrong} wrong.",
         "",
-        "Methods, over all cases: largest error as a share of its bound, number of rows with an "
-        "error below 1e-9, and total number of steps.",
+        "Methods, over all cases: largest error as a share of its bound, rows with an error below "
+        "1e-9, and all steps:",
         "",
         "| method | rows | right | refused | largest error/bound | in | below 1e-9 | steps |",
         "|---|---|---|---|---|---|---|---|",
