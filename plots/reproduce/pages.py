@@ -36,18 +36,19 @@ neither the kinematics of rocking nor a restitution.
 
 * **MuJoCo**: a rigid box on a plane with contact and friction, a mass with spring and damper, and
   two tendons for link and cable.
-* **CalculiX**: a wall of solid finite elements (concrete, 30 GPa) whose whole base touches the
-  foundation, with penalty contact and friction, as in the paper's finite element model.
-* **OpenSees**: stiff corotational beams on corners without tension, a truss with an initial stress
-  for the cable, and a mass on a spring, linked by a stiff truss.
+* **CalculiX**: a wall of solid finite elements (concrete, 30 GPa) on a foundation, with penalty
+  contact and friction under the whole base, as in the paper.
+* **OpenSees**: stiff corotational beams on corners without tension. The cable is a truss with an
+  initial stress; a stiff truss links the mass of the frame.
 
 The cases are `validation/*.nml`, the stored histories `validation/ENGINE/*.csv`. The commands
 `python bench/mujoco_cases.py`, `python bench/calculix/run.py` and `python bench/opensees_cases.py`
 compute them again.
 
-"Within tolerance" means the same number of impacts, and peaks, root-mean-square (rms) differences
-over the peak and instants of impacts within the bounds of the first table. Impacts are counted
-between excursions above 2 % of the peak. A dash marks a quantity that the scene does not have.
+"Within tolerance" means the same number of impacts and differences within the bounds of the first
+table: peaks, root-mean-square (rms) differences over the peak, and instants of impacts. Impacts
+are counted between excursions above 2 % of the peak. A dash marks a quantity that the scene does
+not have.
 """
 _CONTACT_NOTE = """\
 The model does not describe how the foundation absorbs the blow. The table gives the difference
@@ -196,7 +197,7 @@ _CORNERS = """## How the corners of OpenSees take a blow
 
 Each corner of the base stands in a groove of two springs without tension (ENT), which hold a
 pressed corner and release a lifted one. The groove stands on a pad: a spring and a dashpot in
-parallel. OpenSees has no law of impact, so all energy is lost in the dashpot, and the rest of the
+parallel. OpenSees has no law of impact, so all energy is lost in the dashpot. The remaining
 motion is that of a plastic blow: the momentum balance. The blow lasts about $1/\\omega$ with
 $\\omega^2 = 2k/m_w$, 0.03 ms here. The table compares `free` over its first 3 s, with other
 settings, with the exact form (e = 0.91176):
@@ -204,16 +205,16 @@ settings, with the exact form (e = 0.91176):
 _LOSS = """The dashpot causes the loss, not the springs without tension: with little damping the
 corner bounces, and the loss depends on the settings. With numerical damping (HHT, TRBDF2) it
 depends on the time step. Damping in proportion to the current stiffness (`-doRayleigh`,
-betaKcurrent) also pulls at the corner that leaves, dissipates more than the momentum balance, and
-may stop Newton's method. `python bench/opensees_contact.py` computes the table.
+betaKcurrent) also pulls at the corner that leaves. It dissipates more than the momentum balance,
+and Newton's method may fail. `python bench/opensees_contact.py` computes the table.
 """
 _STOREYS = """## Six storeys that yield and lean
 
 `validation/six_storeys.nml` and `six_storeys_pulse.nml` are frames of six storeys without a wall,
-with yielding storeys and P-Delta, under El Centro times two and under a pulse. OpenSees models the
-shear of each storey by a `twoNodeLink` of Steel01 and the weight above it by a `corotTruss`, with
-`modalDamping` and average acceleration in steps of 0.1 ms. The table gives the largest drifts and
-absolute floor accelerations; "over time" is the largest difference at any time over the peak:
+with yielding storeys and P-Delta, under El Centro times two and under a pulse. In OpenSees a
+`twoNodeLink` of Steel01 carries the shear of a storey and a `corotTruss` the weight above it. It
+uses `modalDamping` and average acceleration in steps of 0.1 ms. The table gives the largest drifts
+and absolute floor accelerations; "over time" is the largest difference at any time over the peak:
 """
 _WORTH = """The push of a leaning column is exact in OpenSees and linear here. The difference, half
 the squared drift, is 6e-4 of the push at a drift of 3.5 %; it shows under the pulse and vanishes
