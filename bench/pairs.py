@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import re
 import tempfile
+import textwrap
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -232,40 +233,44 @@ def _reason(message: str) -> str:
     return re.sub(r" \(line \d+\)", "", message)
 
 
+def refusals(outcomes: dict[tuple[str, str], Outcome]) -> list[tuple[str, str, str]]:
+    """Join the refused pairs that have the same reason.
+
+    Parameters
+    ----------
+    outcomes
+        Outcome of each pair, by the names of its effects.
+
+    Returns
+    -------
+    list of tuple
+        Effects, the effects that each of them is refused with, and the reason.
+    """
+    partners: dict[tuple[str, str], list[str]] = {}
+    for (first, second), outcome in outcomes.items():
+        if outcome.kind == "refused":
+            partners.setdefault((_reason(outcome.message), second), []).append(first)
+    rows: dict[tuple[str, str], list[str]] = {}
+    for (reason, second), firsts in partners.items():
+        rows.setdefault((reason, "; ".join(firsts)), []).append(second)
+    return [(firsts, "; ".join(seconds), reason) for (reason, firsts), seconds in rows.items()]
+
+
 def main() -> None:
-    """Print the table and the reasons."""
+    """Print the effects and the refused pairs."""
     with tempfile.TemporaryDirectory() as place:
         prepare(Path(place))
         outcomes = {
             (a.name, b.name): try_pair(a, b, Path(place)) for a, b in combinations(EFFECTS, 2)
         }
-    reasons: list[str] = []
-    print("+ runs, · alternatives of one key or group, a letter: refused, with the reason below.\n")
-    print("| | effect | " + " | ".join(str(i + 1) for i in range(len(EFFECTS) - 1)) + " |")
-    print("|---|---|" + "---|" * (len(EFFECTS) - 1))
-    for row, effect in enumerate(EFFECTS):
-        cells = []
-        for other in EFFECTS[:row]:
-            outcome = outcomes[other.name, effect.name]
-            if outcome.kind == "refused":
-                reason = _reason(outcome.message)
-                if reason not in reasons:
-                    reasons.append(reason)
-                cells.append(f"{_letter(reasons.index(reason))}")
-            else:
-                cells.append({"runs": "+", "alternatives": "·"}[outcome.kind])
-        cells += [""] * (len(EFFECTS) - 1 - row)
-        print(f"| {row + 1} | {effect.name} | " + " | ".join(cells[: len(EFFECTS) - 1]) + " |")
-    print()
-    for i, reason in enumerate(reasons):
-        print(f"* {_letter(i)}: {reason}")
     kinds = [outcome.kind for outcome in outcomes.values()]
-    print(f"\n{kinds.count('runs')} pairs run, {kinds.count('refused')} are refused, ", end="")
-    print(f"{kinds.count('alternatives')} are alternatives.")
-
-
-def _letter(i: int) -> str:
-    return chr(ord("a") + i) if i < 26 else "a" + chr(ord("a") + i - 26)
+    names = "; ".join(effect.name for effect in EFFECTS)
+    print(textwrap.fill(f"The {len(EFFECTS)} effects: {names}.", 118) + "\n")
+    print(f"Of their pairs {kinds.count('runs')} run, {kinds.count('alternatives')} are ", end="")
+    print(f"alternatives of one key or group, and {kinds.count('refused')} are refused:\n")
+    print("| effect | refused with | message |\n|---|---|---|")
+    for row in refusals(outcomes):
+        print("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |")
 
 
 if __name__ == "__main__":

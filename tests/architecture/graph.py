@@ -1,4 +1,4 @@
-"""Measure the sources: the table of docs/developer/architecture.md, and code lines by folder.
+"""Measure the sources: modules, dependencies, sizes of procedures, and code lines by folder.
 
 python tests/architecture/graph.py [TREE ...]
 

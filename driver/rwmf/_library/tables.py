@@ -56,6 +56,8 @@ class KeyRow(NamedTuple):
         As in the reference of the namelist.
     usual : str
         Range in real buildings.
+    gives : str
+        Key of the group that may be left out when this one is given; empty for most keys.
     """
 
     group: str
@@ -66,6 +68,7 @@ class KeyRow(NamedTuple):
     allowed: str
     meaning: str
     usual: str
+    gives: str
 
 
 @functools.cache

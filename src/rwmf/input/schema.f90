@@ -107,9 +107,9 @@ contains
       end do
    end function find_key
 
-   !> The table as text: group, key, type, unit, default, what is allowed, help and the range in
-   !> real buildings, separated by tabs, one key a line. The default of a required key is
-   !> 'required', of one without 'none'.
+   !> Write the table of keys as text, one key a line, with tabs between group, key, type, unit,
+   !> default, allowed values, help, range in real buildings, and the key that may be left out when
+   !> this one is given. The default of a required key is 'required', of one without 'none'.
    subroutine write_schema(text)
       character(:), allocatable, intent(out) :: text
       !! the lines, each with its line feed
@@ -123,16 +123,17 @@ contains
       where (keys%default == '')
          keys%default = merge('required        ', 'none            ', keys%is_required)
       end where
+      where (keys%scales) keys%gives = ''
       ! of its whole length at once: a text that grows by lines is copied with each of them
       allocate (character(sum(len_trim(keys%group) + len_trim(keys%key) + len_trim(keys%type) &
          + len_trim(keys%unit) + len_trim(keys%default) + len_trim(keys%allowed) &
-         + len_trim(keys%help) + len_trim(keys%usual) + 8)) :: text)
+         + len_trim(keys%help) + len_trim(keys%usual) + len_trim(keys%gives) + 9)) :: text)
       n = 0
       do i = 1, size(keys)
          associate (key => keys(i))
             line = trim(key%group)//tab//trim(key%key)//tab//trim(key%type)//tab &
                //trim(key%unit)//tab//trim(key%default)//tab//trim(key%allowed)//tab &
-               //trim(key%help)//tab//trim(key%usual)//new_line('a')
+               //trim(key%help)//tab//trim(key%usual)//tab//trim(key%gives)//new_line('a')
          end associate
          text(n + 1:n + len(line)) = line
          n = n + len(line)

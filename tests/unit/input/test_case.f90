@@ -333,7 +333,7 @@ contains
          'what does not apply is not described')
    end subroutine test_description
 
-   !> The table is complete: seven columns, a help text for every key, defaults that are allowed.
+   !> The table is complete: nine columns, and a help text for every key.
    subroutine test_schema()
       type(key_t), allocatable :: keys(:)
       character(:), allocatable :: text
@@ -349,10 +349,12 @@ contains
          if (text(i:i) == nl) lines = lines + 1
          if (text(i:i) == tab) tabs = tabs + 1
       end do
-      call checks%that(lines == size(keys) .and. tabs == 7*lines, 'columns of the schema')
+      call checks%that(lines == size(keys) .and. tabs == 8*lines, 'columns of the schema')
       do i = 1, size(keys)
          call checks%that(keys(i)%help /= '', 'help of '//keys(i)%key)
       end do
+      call checks%that(index(text, tab//'m_over_m_w'//nl) > 0, 'a key that replaces another')
+      call checks%that(index(text, tab//'height'//nl) == 0, 'a key that scales another')
       call checks%that(size(group_names()) == 7 + effect_count, 'seven groups, and the effects')
    end subroutine test_schema
 
