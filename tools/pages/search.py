@@ -2,7 +2,7 @@
 
 Browsers refuse to fetch pages of a site without a server. The text of every section is therefore
 one script, `_static/sections.js`, which the search page loads; `docs/search/search.js` ranks the
-sections and shows excerpts.
+sections and shows excerpts. Code comes after the prose of its section.
 """
 
 from __future__ import annotations
@@ -64,7 +64,8 @@ def _sections_of(tree: nodes.document, address: str) -> Iterator[Section]:
         heading, label = _heading(part)
         place = f"{address}#{label}" if page and label else address
         page = page or heading
-        text = " ".join(_texts(part))
+        texts = sorted(_texts(part), key=lambda text: text[0])
+        text = " ".join(words for _, words in texts)
         if heading and (text or heading != page):
             yield page, heading, place, re.sub(r"\s+", " ", text)
 
@@ -79,12 +80,13 @@ def _heading(part: nodes.Element) -> tuple[str, str]:
     return part[0].astext(), part["ids"][0]
 
 
-def _texts(node: nodes.Element) -> Iterator[str]:
-    """List the texts of a section without those of its subsections."""
+def _texts(node: nodes.Element) -> Iterator[tuple[bool, str]]:
+    """List the texts of a section without those of its subsections, and whether each is code."""
     for child in node.children:
         if isinstance(child, _NO_TEXT):
             continue
         if isinstance(child, _BLOCKS):
-            yield child.astext()
+            words = re.sub(r"</?a\b[^<>]*>", " ", child.astext())  # raw links of made pages
+            yield isinstance(child, nodes.literal_block), words
         elif isinstance(child, nodes.Element):
             yield from _texts(child)
