@@ -5,8 +5,8 @@ block     treatment
 ========= =========================================================================================
 named     a file; its name is in code letters on the line before the block. The block of an existing
           path must equal that file word for word; other names are written.
-console   lines after ``$`` are run; the output must equal the lines below, ``...`` is anything
-python    runs with the names of the blocks before it; output must equal the `text` block after it
+console   lines after ``$`` are run. The output must equal the lines below; ``...`` is anything
+python    runs with the names of the blocks before it. Output must equal the `text` block after it
 nml       must contain existing groups and keys
 fortran,  without a name: must be part of a source file that is built, or be a namelist
 c, make

@@ -25,7 +25,7 @@ a spectrum can report.
 
 With `&storeys`, and for a wall without a frame, an axis of a grid (`T_s_s`, `gamma`, `b_m`) scales
 several keys of the case. The `long_name` of the coordinate and the head of a CSV file say which
-([theory](../theory/theory.md), "Axes").
+([theory](../theory/storeys.md#axes)).
 
 The column *found* uses these words:
 

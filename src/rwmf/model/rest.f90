@@ -1,4 +1,4 @@
-!> When chatter ends and the wall rests: a question about the ground motion alone, unless further
+!> End of chatter: the wall rests. The condition needs the ground motion alone, unless further
 !> states move while the wall stays on its base.
 module rwmf_model_rest
    use rwmf_core_kinds, only: wp
@@ -91,7 +91,7 @@ contains
       end if
    end function may_rest
 
-   !> May it where nothing but the ground moves meanwhile?
+   !> Return true if the wall may rest and only the ground moves meanwhile.
    !>
    !> Impacts with e < 1 accumulate: flights of duration 2 v e**n/a end after 2 v/(a (1 - e)).
    !> If the wall is pressed down throughout that time, the true motion has ended by then and stays
@@ -135,7 +135,7 @@ contains
       may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
    end function may_rest_still
 
-   !> May it where further states move meanwhile?
+   !> Return true if the wall may rest and further states move meanwhile.
    !>
    !> As `may_rest_still`, but the pressure changes with the other states. So the chatter
    !> must end within a tenth of their shortest period, and the pressure is reduced by twice what

@@ -699,8 +699,8 @@ contains
       if (place == 0) place = findloc(to_lower(all_quantities%name) == key, .true., dim=1)
    end function place_of
 
-   !> Where a key has the number of a floor or storey: the first part between underscores that is
-   !> one.
+   !> Find the number of a floor or storey in a key: the first part between underscores that is a
+   !> number.
    pure subroutine find_number(key, first, behind)
       character(*), intent(in) :: key
       integer, intent(out) :: first

@@ -71,7 +71,7 @@ contains
       has_ended = hybrid%mode == mode_overturned .or. hybrid%mode == mode_collapsed
    end function has_ended
 
-   !> Are both corners of the wall on the base?
+   !> Return true if both corners of the wall are on the base.
    elemental logical function is_at_rest(hybrid)
       type(hybrid_t), intent(in) :: hybrid
 

@@ -167,7 +167,7 @@ contains
       call keep(values, id%wall_moment_max_height_m, demands%wall_moment_height)
    end subroutine keep_demands
 
-   !> What the members are designed for.
+   !> Write the design forces of the members.
    pure subroutine keep_envelopes(envelopes, values)
       type(envelope_extremes_t), intent(in) :: envelopes
       type(values_t), intent(inout) :: values

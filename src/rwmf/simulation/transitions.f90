@@ -222,7 +222,7 @@ contains
    end subroutine observe_peak
 
    !> At an impact the velocity falls by the factor e, the other side's equation takes over, or the
-   !> wall comes to rest.
+   !> wall rests.
    !>
    !> When one side is pressed hard and the other hardly at all, a flight can be over within a few
    !> spacings of the time: the wall is then back with the velocity that it left with, at once.
@@ -302,7 +302,7 @@ contains
       if (stays) after = 0
    end subroutine land_effects
 
-   !> Does the wall come to rest after an impact?
+   !> Return true if the wall rests after an impact.
    logical function settles(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
       !! after the impact
@@ -326,7 +326,7 @@ contains
       end associate
    end function settles
 
-   !> The wall comes to rest after an impact.
+   !> Put the wall to rest after an impact.
    subroutine end_chatter(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation

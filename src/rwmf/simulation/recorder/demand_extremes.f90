@@ -104,7 +104,7 @@ contains
       end associate
    end subroutine find_demands
 
-   !> Where along the wall its forces are larger than ever.
+   !> Keep the heights of forces in the wall that exceed the largest so far.
    subroutine note_heights(self, found)
       class(demand_recorder_t), intent(inout) :: self
       real(wp), intent(in) :: found(:)

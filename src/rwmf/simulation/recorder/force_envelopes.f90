@@ -343,7 +343,7 @@ contains
       end associate
    end subroutine put_envelopes
 
-   !> What the run has seen.
+   !> Return the envelopes of the run.
    subroutine envelope_extremes(recorder, equation, theta_max, extremes)
       type(envelope_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation

@@ -214,7 +214,7 @@ contains
       self%y_end(:) = piece%y_b
    end subroutine look_at_ends
 
-   !> Is it plain from samples of a short step that nothing larger lies between them?
+   !> Return true if samples of a short step exclude a larger value between them.
    pure logical function is_plain(self, angle, highest)
       class(peak_search_t), intent(in) :: self
       real(wp), intent(in) :: angle
@@ -238,10 +238,11 @@ contains
       is_plain = .true.
    end function is_plain
 
-   !> Is it plain from both ends and the middle of a step of up to 1.5 rad that nothing larger lies
-   !> in it? By the bounds of lanes (`rwmf_integrator_lane_reactions`): a peak rises above the
-   !> samples by a quarter of their range at most, and what falls or grows along the parabola
-   !> through them has none inside.
+   !> Return true if both ends and the middle of a step of up to 1.5 rad exclude a larger value in it.
+   !>
+   !> The bounds are those of lanes (`rwmf_integrator_lane_reactions`). A peak rises above the samples
+   !> by a quarter of their range at most. A demand that falls or grows along the parabola through
+   !> them has no peak inside.
    logical function is_flat(self, piece)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece

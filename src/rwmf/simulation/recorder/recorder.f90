@@ -231,7 +231,7 @@ contains
       sees_rest = recorder%keeps_history .or. sees_forces(recorder)
    end function sees_rest
 
-   !> Are forces, accelerations or velocities asked for?
+   !> Return true if forces, accelerations or velocities are requested.
    pure logical function sees_forces(recorder)
       type(recorder_t), intent(in) :: recorder
 
