@@ -93,7 +93,7 @@ contains
       real(wp), intent(out), optional :: work(power_count)
       real(wp) :: acceleration(1, most_stages, 2)
       real(wp) :: tolerance(1, 0:size(y))
-      real(wp) :: length(1), norm(1)
+      real(wp) :: length(1), square(1)
       integer :: i
 
       self%error_order = self%pair%error_order
@@ -113,10 +113,10 @@ contains
          tolerance(1, 0) = self%tolerance%rtol
          tolerance(1, 1:) = self%tolerance%atol
          call attempt_step(equation%scene, pair, equation%state%coef, acceleration, length, &
-            tolerance, y, .not. present(work), self%k, y_new, norm, work)
+            tolerance, y, .not. present(work), self%k, y_new, square, work)
          equation%rhs_evaluations = equation%rhs_evaluations + int(pair%stages - 1, i8)
       end associate
-      error = norm(1)
+      error = sqrt(square(1))
    end subroutine attempt_pair
 
 end module rwmf_integrator_explicit_pair

@@ -1,5 +1,6 @@
 !> Lengths of the steps of lanes, and which steps are plain: accepted without a look.
 module rwmf_integrator_lane_control
+   use, intrinsic :: iso_fortran_env, only: int64, real64
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
       line_columns, needs_look, of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
@@ -77,49 +78,49 @@ contains
       real(wp), intent(in) :: y_new(lane_count, n)
       !! states at the ends of the steps that are tried
       real(wp), intent(in) :: error(lane_count)
-      !! norm of the local error over the tolerance; accurate up to 1 [-]
+      !! square of the norm of the local error over the tolerance; accurate up to 1 [-]
       integer, intent(out) :: mark(lane_count)
       !! `is_done`, `is_rejected`, `needs_look` or `at_limit`
-      real(wp) :: h, h_new, root, reach, lowest, top, bottom, slack
+      real(wp) :: h, h_new, way, begin, end, reach, lowest, top, bottom, slack
       real(wp) :: first, second
-      !! coefficients of theta' in the middle of the step [rad/s]
+      !! coefficients of theta' in the middle of the step, times its length like all rates [rad]
       real(wp) :: bend, last_bend
-      !! and differences of their differences [rad/s]
+      !! and differences of their differences [rad]
       ! 1 where it is so, 0 where not: logical variables would keep the loop from being vectorised
       real(wp) :: is_accurate, is_inside, turns, is_far
-      real(wp) :: is_plain(lane_count)
+      real(wp) :: is_plain(lane_count), growth(lane_count)
       integer :: i, m
 
-      !$omp simd private(h, h_new, root, reach, lowest, top, bottom, slack, first, second, bend) &
-      !$omp& private(last_bend, is_accurate, is_inside, turns, is_far)
+      call find_growth(error, growth)
+      !$omp simd private(h, h_new, way, begin, end, reach, lowest, top, bottom, slack, first) &
+      !$omp& private(second, bend, last_bend, is_accurate, is_inside, turns, is_far)
       do i = 1, lane_count
          h = table(i, of_trial)
-         ! the eighth root, which the lengths follow at any order
-         root = sqrt(sqrt(sqrt(max(error(i), tiny(h)))))
          is_accurate = merge(1.0_wp, 0.0_wp, error(i) <= 1)
-         h_new = h*min(6.0_wp, 0.9_wp/root)
+         h_new = h*min(6.0_wp, 0.9_wp*growth(i))
          h_new = merge(min(h_new, h), max(h_new, merge(table(i, of_length), 0.0_wp, &
             h < table(i, of_length))), table(i, of_rejected) > 0)
-         root = merge(max(0.1_wp, min(0.9_wp, 0.9_wp/root)), 0.1_wp, error(i) < huge(h))
-         h_new = merge(h_new, h*root, is_accurate > 0)
-         table(i, of_length) = min(h_new, table(i, of_longest), 1/max(tiny(h), table(i, of_pace) &
-            *max(abs(y(i, 2)), abs(y_new(i, 2)))))
+         h_new = merge(h_new, h*max(0.1_wp, min(0.9_wp, 0.9_wp*growth(i))), is_accurate > 0)
+         table(i, of_length) = min(h_new, table(i, of_longest))
          table(i, of_rejected) = 1 - is_accurate
-         reach = 0.25_wp*h*(abs(y(i, 2)) + abs(y_new(i, 2)))
-         first = y(i, 2) + h*y_dot(i, 2)/3
-         second = 4*((y_new(i, 1) - y(i, 1))/max(h, tiny(h))) - y(i, 2) - first - y_new(i, 2)
-         bend = second - 2*first + y(i, 2)
-         last_bend = y_new(i, 2) - 2*second + first
+         begin = h*y(i, 2)
+         end = h*y_new(i, 2)
+         way = y_new(i, 1) - y(i, 1)
+         reach = 0.25_wp*(abs(begin) + abs(end))
+         first = begin + (1/3.0_wp)*(h*h*y_dot(i, 2))
+         second = 4*way - begin - first - end
+         bend = second - 2*first + begin
+         last_bend = end - 2*second + first
          slack = 0.035_wp*abs(last_bend - bend) + 0.05_wp*max(abs(bend), abs(last_bend))
          ! theta' where it is least, for one that begins upwards
-         lowest = sign(1.0_wp, y(i, 2))
-         lowest = min(abs(y(i, 2)), lowest*(y(i, 2) + 3*first)/4, lowest*(first + second)/2 &
-            - slack, lowest*(3*second + y_new(i, 2))/4 - slack, lowest*y_new(i, 2))
+         lowest = sign(1.0_wp, begin)
+         lowest = min(abs(begin), lowest*(begin + 3*first), lowest*(first + second) - 2*slack, &
+            lowest*(3*second + end) - 4*slack, lowest*end)
          turns = merge(1.0_wp, 0.0_wp, lowest <= 0)
-         slack = 0.2_wp*h*slack
-         bottom = y(i, 1) + 0.25_wp*h*y(i, 2)
-         first = bottom + 0.25_wp*h*first
-         second = first + 0.25_wp*h*second
+         slack = 0.2_wp*slack
+         bottom = y(i, 1) + 0.25_wp*begin
+         first = bottom + 0.25_wp*first
+         second = first + 0.25_wp*second
          top = max(max(y(i, 1), y_new(i, 1)) + reach, max(bottom, first, second) + slack)
          bottom = min(min(y(i, 1), y_new(i, 1)) - reach, min(bottom, first, second) - slack)
          is_inside = merge(1.0_wp, 0.0_wp, max(table(i, of_low) - y_new(i, 1), y_new(i, 1) &
@@ -139,6 +140,8 @@ contains
             >= table(i, of_limit)), merge(real(needs_look, wp), real(is_rejected, wp), &
             is_accurate > 0), is_plain(i) > 0))
       end do
+      ! only smooth hysteresis, which has the further state, has a pace
+      if (further > 1) call keep_pace(n, y, y_new, table)
       do m = 1, n
          !$omp simd
          do i = 1, lane_count
@@ -146,6 +149,55 @@ contains
          end do
       end do
    end subroutine judge_step
+
+   !> Factors on the lengths of steps: the inverse eighth root of the norm of the error, at any
+   !> order, to 4 %; a tenth where the error is not finite.
+   !>
+   !> The bits of a positive number are nearly its logarithm to the base 2; roots and divisions
+   !> would take as long as the rest of `judge_step`.
+   pure subroutine find_growth(error, growth)
+      real(wp), intent(in) :: error(lane_count)
+      !! square of the norm of the local error over the tolerance [-]
+      real(wp), intent(out) :: growth(lane_count)
+      !! [-]
+      integer(int64), parameter :: one = 17_int64*(1023_int64*2_int64**48) - 6_int64*2_int64**45
+      !! bits of 1, and a sixteenth of them, less half of the largest error of the logarithm
+      real(real64) :: number(lane_count)
+      integer(int64) :: bits(lane_count)
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         number(i) = real(max(error(i), real(tiny(number), wp)), real64)
+      end do
+      bits = transfer(number, bits)
+      !$omp simd
+      do i = 1, lane_count
+         bits(i) = one - shiftr(bits(i), 4)
+      end do
+      number = transfer(bits, number)
+      !$omp simd
+      do i = 1, lane_count
+         growth(i) = merge(real(number(i), wp), 0.0_wp, error(i) < huge(error))
+      end do
+   end subroutine find_growth
+
+   !> Limit the lengths of the next steps where a hysteretic state relaxes to its bound.
+   pure subroutine keep_pace(n, y, y_new, table)
+      integer, intent(in) :: n
+      !! number of states
+      real(wp), intent(in) :: y(lane_count, n), y_new(lane_count, n)
+      !! at both ends of the steps
+      real(wp), intent(inout) :: table(lane_count, column_count)
+      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         table(i, of_length) = min(table(i, of_length), 1/max(tiny(y), table(i, of_pace) &
+            *max(abs(y(i, 2)), abs(y_new(i, 2)))))
+      end do
+   end subroutine keep_pace
 
    !> Let lanes that have come to their limits enter the next interval of the motion, where that is
    !> a straight line with a limit of its own.

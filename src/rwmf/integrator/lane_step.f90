@@ -36,7 +36,7 @@ contains
       real(wp), intent(out) :: y_new(lane_count, scene%n)
       !! states at the end, and before that at each node
       real(wp), intent(out) :: error(lane_count)
-      !! norm of the local error over the tolerance [-]
+      !! square of the norm of the local error over the tolerance [-]
       real(wp), intent(out), optional :: work(lane_count, power_count)
       !! of the ground motion, dampers and smooth plastic flow, to the order of the pair [J/kg]
       type(lane_motion_t) :: motion
@@ -188,16 +188,19 @@ contains
                + total_low(i, m)*total(i, m)*(total_low(i, m)*total(i, m))
          end do
       end do
-      !$omp simd
-      do i = 1, lane_count
-         error(i) = square(i)/sqrt(n*(square(i) + 0.01_wp*square_low(i)) + tiny(1.0_wp))
-      end do
-      if (pair%error_order == 8) return
-      ! as if it shrank with nearly the eighth power of h
-      !$omp simd
-      do i = 1, lane_count
-         error(i) = error(i)*sqrt(error(i))
-      end do
+      if (pair%e_low%terms > 0) then
+         !$omp simd
+         do i = 1, lane_count
+            error(i) = square(i)*square(i)/(n*(square(i) + 0.01_wp*square_low(i)) + tiny(1.0_wp))
+         end do
+      else
+         ! the norm as if it shrank with nearly the eighth power of h
+         !$omp simd
+         do i = 1, lane_count
+            square(i) = square(i)*(1/real(n, wp))
+            error(i) = square(i)*sqrt(square(i))
+         end do
+      end if
    end subroutine estimate_error
 
 end module rwmf_integrator_lane_step

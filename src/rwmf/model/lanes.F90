@@ -93,26 +93,31 @@ contains
       !! [rad/s]
       type(lane_motion_t), intent(inout) :: motion
       !! with the ground's acceleration
-      real(wp) :: x, y, rise
+      real(wp) :: x, y, sine_phi, fall, rise
       integer :: i
 
-      !$omp simd private(x, y, rise)
+      !$omp simd private(x, y, sine_phi, fall, rise)
       do i = 1, lane_count
          motion%side(i) = coef(i, 1)
          motion%phi(i) = coef(i, 1)*theta(i)
          motion%rate(i) = coef(i, 1)*theta_dot(i)
          motion%push(i) = coef(i, 1)*motion%ground(i)*coef(i, 2)
          x = sine(0.5_wp*motion%phi(i))
-         y = sqrt(max(1 - x*x, 0.0_wp))
+         y = cosine(0.5_wp*motion%phi(i))
          motion%half_sine(i) = x
          motion%half_cosine(i) = y
-         motion%s(i) = coef(i, 4) - 2*x*(coef(i, 4)*x + coef(i, 3)*y)
-         motion%c(i) = coef(i, 3) - 2*x*(coef(i, 3)*x - coef(i, 4)*y)
-         rise = 4*x*(coef(i, 5)*x + coef(i, 3)*y)
+         ! sin(phi), and cos(alpha) cos(phi)
+         sine_phi = 2*x*y
+         x = 2*x*x
+         fall = coef(i, 3)*sine_phi
+         y = coef(i, 3) - coef(i, 3)*x
+         motion%s(i) = coef(i, 4) - (coef(i, 4)*x + fall)
+         motion%c(i) = y + coef(i, 4)*sine_phi
+         rise = 2*(coef(i, 5)*x + fall)
          motion%u(i) = rise
-         motion%j(i) = 2*(coef(i, 3) - 2*x*(coef(i, 3)*x - coef(i, 5)*y))
+         motion%j(i) = 2*(y + coef(i, 5)*sine_phi)
          motion%k(i) = 2*coef(i, 5) - rise
-         motion%lever(i) = 2*(coef(i, 3) - 2*x*(coef(i, 3)*x - coef(i, 6)*y))
+         motion%lever(i) = 2*(y + coef(i, 6)*sine_phi)
          motion%inertia(i) = coef(i, 7)
          motion%moment(i) = -(coef(i, 8)*motion%s(i) + motion%c(i)*motion%push(i))
       end do
@@ -262,8 +267,8 @@ contains
       end do
    end subroutine add_straight_cable
 
-   !> sin(x) for |x| <= pi/4, where the next term is 1e-19 of it; a polynomial, because a call would
-   !> leave the vector. Quadruple precision asks the library.
+   !> sin(x) for |x| <= pi/4, where the next term is 5e-17 of it; a polynomial, because a call would
+   !> leave the vector. Quadruple precision calls the library.
    elemental real(wp) function sine(x)
       real(wp), intent(in) :: x
       !! [rad]
@@ -277,9 +282,27 @@ contains
       s = x*x
       s_2 = s*s
       sine = x - x*s*((1/6.0_wp - s*(1/120.0_wp)) + s_2*((1/5040.0_wp - s*(1/362880.0_wp)) &
-         + s_2*((1/39916800.0_wp - s*(1/6227020800.0_wp)) + s_2*(1/1307674368000.0_wp &
-         - s*(1/355687428096000.0_wp)))))
+         + s_2*((1/39916800.0_wp - s*(1/6227020800.0_wp)) + s_2*(1/1307674368000.0_wp))))
 #endif
    end function sine
+
+   !> cos(x) in the same range and way; the root of 1 - sin(x)**2 takes longer.
+   elemental real(wp) function cosine(x)
+      real(wp), intent(in) :: x
+      !! [rad]
+#ifdef RWMF_QUAD
+
+      cosine = cos(x)
+#else
+      real(wp) :: s
+      real(wp) :: s_2
+
+      s = x*x
+      s_2 = s*s
+      cosine = (1 - 0.5_wp*s) + s_2*((1/24.0_wp - s*(1/720.0_wp)) + s_2*((1/40320.0_wp &
+         - s*(1/3628800.0_wp)) + s_2*((1/479001600.0_wp - s*(1/87178291200.0_wp)) &
+         + s_2*(1/20922789888000.0_wp))))
+#endif
+   end function cosine
 
 end module rwmf_model_lanes
