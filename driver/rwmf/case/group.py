@@ -24,8 +24,8 @@ class Group(Mapping[str, Any]):
     units : mapping of str to str
         Units of the values, by the names of the kernel.
     in_si : mapping of str to (float or tuple of float, str)
-        Dimensional values of ratios to the mass or the weight of the wall, in a case with a mass:
-        number and unit (kg, N, N/m or N s/m).
+        Dimensional values of ratios to the mass or the weight of the wall, with their units (kg,
+        N, N/m or N s/m). Empty without a mass in the case.
 
     Parameters
     ----------

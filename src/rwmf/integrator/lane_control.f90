@@ -150,11 +150,11 @@ contains
       end do
    end subroutine judge_step
 
-   !> Factors on the lengths of steps: the inverse eighth root of the norm of the error, at any
-   !> order, to 4 %; a tenth where the error is not finite.
+   !> Compute the factor on each step length: the inverse eighth root of the norm of the error.
    !>
-   !> The bits of a positive number are nearly its logarithm to the base 2; roots and divisions
-   !> would take as long as the rest of `judge_step`.
+   !> It is accurate to 4 %, and 0 where the error is not finite. The bits of a positive number are
+   !> nearly its logarithm to the base 2. Roots and divisions would take as long as the rest of
+   !> `judge_step`.
    pure subroutine find_growth(error, growth)
       real(wp), intent(in) :: error(lane_count)
       !! square of the norm of the local error over the tolerance [-]

@@ -79,6 +79,7 @@ contains
    pure integer function lifting_side(equation, interval, t) result(side)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
+      !! of the ground motion
       real(wp), intent(in) :: t
       !! [s]
       real(wp) :: drive(2)

@@ -776,7 +776,7 @@ def test_collapse_beside_a_resting_wall() -> None:
 
 
 def test_one_number_for_one_coordinate() -> None:
-    """The table of storeys.md: weights over heights times squared bends of the shape, over its mass.
+    """Table of storeys.md: weights over heights times squared bends of the shape, over its mass.
 
     On a straight line this is m_g_over_m_s g/2h times the roof factor.
     """

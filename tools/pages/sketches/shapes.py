@@ -43,7 +43,7 @@ class Sketch:
     x : tuple of float
         Range of the horizontal coordinate.
     y : tuple of float or None
-        Range of the vertical one, in the same scale. None: a diagram whose axes have separate scales.
+        Range of the vertical one, in the same scale. None: the axes have separate scales.
     height : float
         Height of a diagram [inch].
     """

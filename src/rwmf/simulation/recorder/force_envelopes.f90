@@ -1,8 +1,7 @@
-!> Envelopes of the forces that members are designed for: shear and moment in the wall beside every
-!> floor, at its base and at mid-height, forces of the links, the pivot's normal force; and with
-!> them velocities of the floors and the travel of the fuses.
+!> Envelopes of the design forces of wall and links, velocities of floors, travel of fuses.
 !>
-!> Peaks are found as `rwmf_simulation_recorder_peak_search` finds them.
+!> Shear and moment are those beside every floor, at the base and at mid-height. The module
+!> `rwmf_simulation_recorder_peak_search` finds the peaks.
 module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -41,8 +40,8 @@ module rwmf_simulation_recorder_force_envelopes
    !! before four of each floor: shear below and above it, moment below and above it
    integer, parameter :: per_floor = 4
 
-   !> Running maxima: magnitudes of velocities [m/s], shears [m/s2] and moments [m2/s2] over m_w and
-   !> forces of links [m/s2], the normal force with its sign [m/s2].
+   !> Running maxima over m_w: shears [m/s2], moments [m2/s2], forces of links [m/s2], the normal
+   !> force [m/s2]. Velocities of floors [m/s] are not over a mass.
    type, extends(peak_search_t) :: envelope_recorder_t
       type(building_t) :: building
       real(wp), allocatable :: ground_velocity(:)
@@ -288,8 +287,8 @@ contains
       stroke = corner_share(equation)*4*equation%p%R*equation%p%sin_alpha*sin(theta/2)
    end function fuse_stroke
 
-   !> The wall stays at rest while the motion goes through the interval in force: forces are
-   !> straight lines over the ground's acceleration, and velocities turn where that is zero.
+   !> Observe an interval of the motion with the wall at rest. Forces are straight lines over the
+   !> ground acceleration. Velocities turn where it is zero.
    subroutine observe_envelopes_at_rest(recorder, equation, y, t_a, t_b)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation

@@ -4,8 +4,8 @@
 !> their one-sided values, so that those on both sides of an impact do. A step that is short, and
 !> whose ends stay below the largest so far by what a vibration can rise between them, is left
 !> alone. Any other is searched at five places, in parts of a quarter of the shortest period at
-!> most. A maximum that can be the largest so far is closed in on until nothing but round-off is to
-!> be gained: in a short step by polynomials of the states, then with the integrator's own state.
+!> most. Candidates for a new maximum are refined to round-off, in short steps first by
+!> polynomials of the states, then in the solution of the integrator.
 module rwmf_simulation_recorder_peak_search
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
@@ -24,11 +24,11 @@ module rwmf_simulation_recorder_peak_search
    !> Running maxima of quantities, each in its unit.
    type, abstract :: peak_search_t
       real(wp), allocatable :: largest(:)
-      !! (quantities)
+      !! (quantities) [unit of each]
       real(wp), allocatable :: t_largest(:)
       !! (quantities) [s]
       real(wp), allocatable :: smallest(:)
-      !! (quantities) which tells how far they vary
+      !! (quantities) lower end of the range so far [unit of each]
       logical, allocatable :: is_led(:)
       !! (quantities) it is in a fixed proportion to one before it
       logical :: has_middle = .false.
@@ -42,7 +42,7 @@ module rwmf_simulation_recorder_peak_search
       real(wp), allocatable :: rates(:, :)
       !! (states, 2) of the states at both ends of the last piece
       real(wp), allocatable :: at_ends(:, :)
-      !! (quantities, 2)
+      !! (quantities, 2) [unit of each]
    contains
       procedure(find_i), deferred :: find
       procedure :: note_places
@@ -75,7 +75,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: least(:)
-      !! (quantities) which all values exceed
+      !! (quantities) below all values [unit of each]
 
       self%frequency = max(fastest_of(equation), wall_frequency(equation, y))
       self%largest = least
@@ -222,7 +222,7 @@ contains
       real(wp), intent(in) :: highest(:)
       !! (quantities) the largest of the samples
       real(wp), parameter :: rise = 0.5_wp
-      !! of the range so far over the angle squared: by so much a second harmonic rises above both
+      !! of the range so far over the angle squared. A second harmonic rises by so much above both
       !! ends, a vibration by a quarter of it [-]
       real(wp), parameter :: least_rise = 0.02_wp, stiff_rise = 100
       !! the same where a stiff cable, which is not asked, vibrates faster
