@@ -238,11 +238,11 @@ contains
       is_plain = .true.
    end function is_plain
 
-   !> Return true if both ends and the middle of a step of up to 1.5 rad exclude a larger value in it.
+   !> Return true if both ends and the middle of a step of up to 1.5 rad exclude a larger value.
    !>
-   !> The bounds are those of lanes (`rwmf_integrator_lane_reactions`). A peak rises above the samples
-   !> by a quarter of their range at most. A demand that falls or grows along the parabola through
-   !> them has no peak inside.
+   !> The bounds are those of lanes (`rwmf_integrator_lane_reactions`). A peak rises above the
+   !> samples by a quarter of their range at most. A demand that falls or grows along the parabola
+   !> through them has no peak inside.
    logical function is_flat(self, piece)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
