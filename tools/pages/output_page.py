@@ -60,8 +60,8 @@ _SECTIONS = {
     "ordinate": "Ordinates of a spectrum\n\nRequest them by `&spectrum quantities`, `rwmf spectrum "
     "--quantity` or\n`rwmf.spectrum(case, quantities=[...])`; a Fortran host finds them in "
     "`values` of `spectrum_t`.\nYes is 1, no is 0, and the time of an event that did not happen is "
-    "NaN. `&output` needs only\n`friction_limit`. In Python each quantity is a variable under its name, "
-    "or under its key",
+    "NaN. `&output` needs only\n`friction_limit`. In Python each quantity is a variable under its "
+    "name, or under its key",
     "sweep": "Sweeps\n\nA sweep adds these to the requested scalars of a run",
     "cost": "Comparison of methods\n\n`rwmf cost --json`",
 }
