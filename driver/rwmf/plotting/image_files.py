@@ -99,10 +99,20 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> None:
         When the file cannot be written.
     """
     kind = check_format(path)
+    _fix_layout(figure)
     # without a date equal figures give equal files
     dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     with files.replacing(path) as stream:
         figure.savefig(stream, format=kind, metadata=dated.get(kind))
+
+
+def _fix_layout(figure: Figure) -> None:
+    """Lay the figure out, without the round-off of the layout, which differs between calls."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for axes in figure.axes:
+        x, y, width, height = axes.get_position(original=True).bounds
+        axes.set_position((round(x, 9), round(y, 9), round(width, 9), round(height, 9)))
 
 
 def save_history(
