@@ -21,6 +21,7 @@ from rwmf.quantities import names_by_key
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
+    from matplotlib.transforms import BboxBase
 
 __all__ = [
     "check_format",
@@ -110,9 +111,16 @@ def _fix_layout(figure: Figure) -> None:
     """Lay the figure out, without the round-off of the layout, which differs between calls."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
+    for part in figure.subfigs:
+        part.bbox_relative.bounds = _rounded(part.bbox_relative)
     for axes in figure.axes:
-        x, y, width, height = axes.get_position(original=True).bounds
-        axes.set_position((round(x, 9), round(y, 9), round(width, 9), round(height, 9)))
+        axes.set_position(_rounded(axes.get_position(original=True)))
+
+
+def _rounded(box: BboxBase) -> tuple[float, float, float, float]:
+    # the sum has no negative zero
+    x, y, width, height = (round(value, 9) + 0.0 for value in box.bounds)
+    return x, y, width, height
 
 
 def save_history(
