@@ -105,8 +105,8 @@ module rwmf_model_equation
       real(wp) :: excited_mass_ratio = 1
       !! mass of the frame excited by the ground motion, over the moving mass [-]
       real(wp) :: mass = 0
-      !! mass of floors that do not move with the roof, over m_w; without a wall over the roof mass
-      !! [-]
+      !! part of the floor mass that does not move with the roof, over m_w; without a wall over the
+      !! roof mass [-]
       logical :: are_linked = .false.
       !! every floor is linked to the wall, not only the roof
       real(wp) :: base_shear_ratio = 1

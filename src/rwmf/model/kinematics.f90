@@ -21,8 +21,8 @@ module rwmf_model_kinematics
       real(wp) :: sine_wall = 0
       !! sin(alpha) for a rocking wall, 0 for a hinged one [-]
       real(wp) :: sine_link(-1:1) = 0
-      !! values by side for the link's displacement [-]: sin(alpha) with the link at the top corner
-      !! above the lifting corner, 0 with the link above the pivot
+      !! values by side for the link's displacement [-]. The value is sin(alpha) with the link at
+      !! the top corner above the lifting corner, and 0 with the link above the pivot.
       real(wp) :: sine_lever(-1:1) = 0
       !! values by side for the arm of the link's force [-]
       real(wp) :: tilt(-1:1) = 1
