@@ -38,7 +38,7 @@ contains
    !> Assemble the terms of the equation of motion that a case requires.
    subroutine build_equation(case, motion, equation)
       type(case_t), intent(in) :: case
-      !! valid, with the frame's T_s given
+      !! a valid case whose frame has T_s
       type(motion_t), intent(in), target :: motion
       !! must outlive the equation, which points to it
       type(equation_t), intent(out) :: equation
@@ -181,7 +181,7 @@ contains
       equation%cable_law => spring_cable
    end subroutine choose_tendon
 
-   !> First-order form: y' = (theta', theta'', rates of further states).
+   !> Compute the rates of the first-order form, y' = (theta', theta'', rates of further states).
    subroutine rhs(equation, t, y, y_dot)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
@@ -231,7 +231,7 @@ contains
       real(wp), intent(in) :: coef(1, scene%n_coef)
       !! coefficients of the loops, on the side towards which the moment acts
       real(wp), intent(in) :: at_rest(scene%n)
-      !! states, of which the first two are zero
+      !! (states) the first two are zero
       real(wp), intent(out) :: moment
       !! [1/s2]
       real(wp), intent(out) :: inertia

@@ -24,7 +24,7 @@ module rwmf_model_cable
       real(wp) :: b = 0
       !! half width [m]
       logical :: is_signed = .false.
-      !! Eq. (1) as printed, whose force falls with rocking for theta < 0
+      !! Eq. (1) as printed: the force falls with rocking for theta < 0
       logical :: is_straight = .false.
       !! 'truss', else 'linear'
       logical :: is_tendon = .false.
@@ -46,15 +46,15 @@ module rwmf_model_cable
    end type cable_state_t
 
    abstract interface
-      !> State of the cable at |theta| = phi on the side sigma.
+      !> Compute the state of the cable at |theta| = phi on the side sigma.
       pure subroutine cable_law_i(law, branch, sin_alpha, phi, side, cable)
          import :: branch_t, cable_law_t, cable_state_t, wp
          implicit none
          type(cable_law_t), intent(in) :: law
          type(branch_t), intent(in) :: branch
-         !! of the tendon
+         !! branch of the tendon
          real(wp), intent(in) :: sin_alpha
-         !! of the slenderness [-]
+         !! sine of the slenderness [-]
          real(wp), intent(in) :: phi
          !! [rad]
          integer, intent(in) :: side
@@ -84,7 +84,7 @@ contains
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
-      !! of the slenderness [-]
+      !! sine of the slenderness [-]
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
@@ -102,7 +102,7 @@ contains
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
-      !! of the slenderness [-]
+      !! sine of the slenderness [-]
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
@@ -118,7 +118,7 @@ contains
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
-      !! of the slenderness [-]
+      !! sine of the slenderness [-]
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
@@ -152,7 +152,7 @@ contains
    pure function cable_row(law, branch, side, g_over_R) result(row)
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
-      !! of a straight cable or a tendon
+      !! branch of a straight cable or a tendon
       integer, intent(in) :: side
       !! +1 or -1
       real(wp), intent(in) :: g_over_R
@@ -204,7 +204,7 @@ contains
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
-      !! of the slenderness [-]
+      !! sine of the slenderness [-]
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side

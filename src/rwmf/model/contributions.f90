@@ -83,7 +83,7 @@ contains
    function state_sizes(equation, size_guess) result(sizes)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
-      !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
+      !! sizes of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
       real(wp) :: sizes(equation%n)
       integer :: i
 

@@ -62,7 +62,7 @@ module rwmf_model_demands
       real(wp), allocatable :: drift(:)
       !! (storeys) storey displacement over its height [-]
       real(wp), allocatable :: acceleration(:)
-      !! (floors) absolute [m/s2]
+      !! (floors) absolute acceleration [m/s2]
       real(wp), allocatable :: shear(:)
       !! (storeys) shear of the columns without dampers, over the unit of m [m/s2]
       real(wp) :: overturning = 0

@@ -14,12 +14,13 @@ module rwmf_model_demands_loop
    public :: lane_demands, demand_constants
 
    integer, parameter :: of_unit = 1
-   !! columns of the constants start with the reference mass of the floors [-]
+   !! column in `building` of the reference mass of the floors [-]
    integer, parameter :: of_weight = 2
-   !! inverse of the weight of wall and floors [s2/m]
+   !! column in `building` of the inverse weight of wall and floors [s2/m]
    integer, parameter :: of_floors = 2
-   !! columns before those of the floors, each mass times height over that weight [s2]
-   ! the inverse heights of the storeys follow [1/m]
+   !! number of columns before those of the floors; each of these holds mass times height over that
+   !! weight [s2]
+   ! the columns of the inverse storey heights follow [1/m]
 
 contains
 

@@ -1,4 +1,4 @@
-!> Energies and powers of wall, frame and cable per unit m_w (bare frame: per unit m_s).
+!> Energies and powers of wall, frame and cable per unit m_w (bare frame: m_s).
 !>
 !> The energies follow the virtual work of the kinematics u, j. The `published` formulation violates
 !> it for theta < 0. Its energy balance therefore does not close, and the residual measures the

@@ -344,7 +344,7 @@ module rwmf_model_equation
          type(contribution_t), intent(in) :: effect
          type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: size_guess(2)
-         !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
+         !! sizes of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
          real(wp), intent(out) :: sizes(:)
          !! (states of the effect)
       end subroutine sizes_i
@@ -367,7 +367,7 @@ contains
 
    !> Enter an interval of the motion, or update the current one after the motion has changed.
    !>
-   !> The interval is private and set only here, so that its derived values are always updated.
+   !> Only this procedure sets the private interval, which keeps its derived values consistent.
    pure subroutine enter_interval(model, state, interval)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -588,7 +588,7 @@ contains
       end if
    end function frame_displacement
 
-   !> Displacement and velocity of the frame on a side.
+   !> Compute displacement and velocity of the frame on a side.
    pure subroutine frame_motion(model, side, y, u_s, u_s_dot)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side

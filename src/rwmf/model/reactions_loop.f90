@@ -1,8 +1,8 @@
 !> Loop over lanes that computes the reactions.
 !>
 !> Each loop of a scene adds to the moment about the pivot, and the arms of these moments are known.
-!> The moment of a loop through the link, under the corner or in the cable thus gives its force on
-!> the wall (docs/theory/demands.md, "Reactions").
+!> The moments of the loops in `force_parts_t` thus give their forces on the wall
+!> (docs/theory/demands.md, "Reactions").
 module rwmf_model_reactions_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates
@@ -135,7 +135,7 @@ contains
       real(wp), intent(in) :: phi_ddot(lane_count)
       !! [rad/s2]
       real(wp), intent(out) :: force(lane_count, 2)
-      !! over m_w, horizontal (positive as u_g'') and upward [m/s2]
+      !! force over m_w, horizontal (positive as u_g'') and upward [m/s2]
       type(lane_motion_t) :: motion
       real(wp) :: corner(lane_count, 2), rates(lane_count, part%n)
 

@@ -199,7 +199,7 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: duration
-      !! much shorter than their shortest period [s]
+      !! duration, much shorter than the shortest period of these states [s]
       real(wp), intent(out) :: change
       !! [m/s2]
       real(wp) :: held(size(y))
@@ -223,8 +223,8 @@ contains
    end subroutine bound_change
 
    !> True if the chatter after an impact ends below an angle and before the ground motion pulls a
-   !> side. A wall put to rest immediately then has the same largest displacement and the same
-   !> instant of lift-off.
+   !> side off the base. A wall put to rest immediately then has the same largest displacement and
+   !> the same instant of lift-off.
    !>
    !> Under a deceleration p(t) >= p_min > 0 a flight returns with at most sqrt(p_1/p_0) of its
    !> velocity. Here p_0 and p_1 are the smallest and the largest deceleration in the flight. Impact
@@ -244,7 +244,7 @@ contains
       real(wp), intent(in) :: angle
       !! largest permitted rotation of a flight [rad]
       real(wp), intent(inout) :: t_pulled
-      !! time at which a side is first pulled, as far as known from an earlier call [s]
+      !! time at which a side is first pulled off the base, as far as known from an earlier call [s]
       real(wp), parameter :: patience = 3
       !! examined span over the duration of chatter under a steady pressure [-]
       real(wp) :: drive(2), gain, pressure, least, variation, span, w

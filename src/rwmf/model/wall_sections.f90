@@ -27,9 +27,9 @@ module rwmf_model_wall_sections
       real(wp) :: moment = -1
       !! largest moment about the axis, over m_w [m2/s2]
       real(wp) :: z_shear = 0
-      !! height above the base [m]
+      !! its height above the base [m]
       real(wp) :: z_moment = 0
-      !! height above the base [m]
+      !! its height above the base [m]
    end type section_extremes_t
 
    !> Loads on the part of the wall above a section, in the axes of the wall.
