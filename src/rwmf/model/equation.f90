@@ -197,7 +197,7 @@ module rwmf_model_equation
       type(window_t) :: windows(-1:1)
       !! low, high and ends_at_peak by side, valid until a branch changes
       logical :: uplift_is_known = .false.
-      !! the following component is valid until a branch changes
+      !! the next two components are valid until a branch changes
       real(wp) :: uplift_acceleration(-1:1) = 0
       !! ground acceleration at uplift of the resting wall by side (+1: theta > 0), see
       !! `rwmf_model_lift_off` [m/s2]
