@@ -1,9 +1,9 @@
-!> When the resting wall lifts off: the ground acceleration that it bears, and the first instant at
-!> which the motion exceeds it.
+!> Lift-off of the resting wall: uplift acceleration, and the first instant at which the motion
+!> exceeds it.
 !>
-!> Straight lines of horizontal and vertical motion on the same knots, or one that is a multiple of
-!> the other, make a drive that is monotone where the horizontal motion is. A pulse beside a
-!> vertical record makes one that turns where their slopes meet (`drive_turns`).
+!> The uplift demand is monotone where the horizontal motion is monotone in two cases. Both motions
+!> are straight lines on the same knots, or one is a multiple of the other. For a pulse with a
+!> vertical record the demand has turning points where the slopes are equal (`drive_turns`).
 module rwmf_model_lift_off
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
@@ -18,8 +18,9 @@ module rwmf_model_lift_off
 
 contains
 
-   !> Does the drive exceed the threshold by more than round-off? One that is no number (a motion of
-   !> a host) does, so that it comes to the integrator, which fails, and is not slept through.
+   !> True if the uplift demand exceeds the threshold by more than round-off. A NaN demand, from the
+   !> motion of a host program, also returns true. The integrator then fails with an error, and the
+   !> invalid motion is not skipped.
    elemental logical function lifts(drive, threshold)
       real(wp), intent(in) :: drive
       !! [m/s2]
@@ -29,21 +30,21 @@ contains
       lifts = .not. drive <= 4*epsilon(1.0_wp)*threshold
    end function lifts
 
-   !> First lift-off of a resting wall in [t, t_limit].
+   !> Find the first lift-off of a resting wall in [t, t_limit].
    !>
-   !> Within a monotone piece of the motion the drive of a side is monotone, so that its value at
-   !> the end of the piece decides. `side` is 0 when the wall stays at rest; t and interval then
-   !> stand at the end of the search.
+   !> Within a monotone piece of the motion the demand on a side is monotone, so its value at the
+   !> end of the piece decides. `side` is 0 if the wall stays at rest; t and interval are then those
+   !> at the end of the search.
    pure subroutine find_lift_off(equation, t_limit, t, interval, side)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_limit
       !! [s]
       real(wp), intent(inout) :: t
-      !! begin of the search; on return the instant of lift-off, or t_limit [s]
+      !! start of the search; on return the instant of lift-off, or t_limit [s]
       integer, intent(inout) :: interval
       !! of the motion at t
       integer, intent(out) :: side
-      !! of the motion that begins, +1 or -1; 0 for none
+      !! side of the motion after lift-off, +1 or -1; 0 for no lift-off
       real(wp) :: t_end
 
       do
@@ -61,7 +62,8 @@ contains
       end do
    end subroutine find_lift_off
 
-   !> First time after t at which the drive of a side turns inside the interval, else its end [s].
+   !> First turning point of the uplift demand after t in the interval, or the end of the interval
+   !> [s].
    pure real(wp) function drive_turns(equation, interval, t)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
@@ -75,7 +77,7 @@ contains
    end function drive_turns
 
    !> Side on which the wall lifts off at an instant, 0 if it stays. Compressed fuses may push up
-   !> both corners; then it is the one that is pushed more.
+   !> both corners; the side with the larger demand is then returned.
    pure integer function lifting_side(equation, interval, t) result(side)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
@@ -83,14 +85,14 @@ contains
       real(wp), intent(in) :: t
       !! [s]
       real(wp) :: drive(2)
-      !! on the negative and on the positive side [m/s2]
+      !! demand on the negative and on the positive side [m/s2]
 
       drive = lift_off_drives(equation, interval, t)
       side = merge(1, -1, drive(2) >= drive(1))
       if (.not. lifts(max(drive(1), drive(2)), equation%threshold)) side = 0
    end function lifting_side
 
-   !> Do both sides lift off at an instant? Then the base bears nothing.
+   !> True if both sides lift off at an instant, so that the base has no contact force.
    pure logical function jumps(equation, interval, t)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
@@ -101,7 +103,7 @@ contains
       jumps = lifts(minval(lift_off_drives(equation, interval, t)), equation%threshold)
    end function jumps
 
-   !> Of two sides that lift off between two times, the one that does so first.
+   !> Side that lifts off first, if both do so between two times.
    pure integer function first_side(equation, interval, t, t_end) result(side)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
@@ -119,20 +121,20 @@ contains
       side = merge(1, -1, right < left)
    end function first_side
 
-   !> Bisect to the first time at which the drive exceeds the threshold; on a straight line from a
-   !> few spacings around the time at which it should.
+   !> Bisect to the first time at which the demand exceeds the threshold. On a straight line, start
+   !> from a bracket of a few spacings around the expected time.
    pure subroutine refine_lift_off(equation, interval, side, t, t_end)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
       integer, intent(in) :: side
       real(wp), intent(inout) :: t
-      !! a time at rest; on return that of the lift-off [s]
+      !! a time at rest; on return the time of lift-off [s]
       real(wp), intent(in) :: t_end
       !! a time after lift-off [s]
       type(bracket_t) :: bracket
       type(line_t) :: line
       real(wp) :: drive(2)
-      !! at the ends [m/s2]
+      !! demand at both ends [m/s2]
       real(wp) :: guess
       integer :: i
 
@@ -152,7 +154,7 @@ contains
       t = bracket%high
    end subroutine refine_lift_off
 
-   !> Narrow a bracket of the lift-off by a time inside it; others leave it as it is.
+   !> Narrow a bracket of the lift-off by a time inside it. A time outside has no effect.
    pure subroutine narrow_at(equation, interval, side, t, bracket)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
@@ -165,12 +167,13 @@ contains
          lifts(lift_off_drive(equation, side, interval, t), equation%threshold), t)
    end subroutine narrow_at
 
-   !> How long the ground motion goes on pulling the wall off its base on the side in force, within
-   !> the interval in force [s]; no limit when that is to its end.
+   !> Remaining time during which the ground motion pulls the wall off its base on the current side
+   !> [s]. Only the current interval counts; if the pull lasts to its end, the result is the largest
+   !> number.
    pure real(wp) function pull_duration(equation, t_begin) result(duration)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_begin
-      !! a time at which it pulls [s]
+      !! a time at which the demand is positive [s]
       type(bracket_t) :: bracket
       real(wp) :: low, high
 
@@ -193,16 +196,17 @@ contains
       duration = bracket%low - t_begin
    end function pull_duration
 
-   !> Ground acceleration at which the resting wall lifts off on either side, and the inertia that
-   !> further effects add there: from the moment about the pivot at theta = 0 without ground motion.
+   !> Compute the ground acceleration at uplift of the resting wall on either side, and the inertia
+   !> including further effects. Both follow from the moment about the pivot at theta = 0 without
+   !> ground motion.
    !>
-   !> Scenes without further effects keep the closed form of `build_equation`; where there are no
-   !> further states, it changes with the branches alone.
+   !> Scenes without further effects keep the closed form of `build_equation`. Without further
+   !> states, the result changes only with the branches.
    subroutine find_uplift_acceleration(model, state, y)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
-      !! (states); the first two are taken as zero
+      !! (states); the first two count as zero
       real(wp) :: at_rest(model%n)
       real(wp) :: moment
       integer :: side
@@ -219,7 +223,7 @@ contains
       end if
       at_rest(1) = 0
       at_rest(3:) = y(3:)
-      ! the side in force is the last, and stays
+      ! the current side is the last one and remains set
       side = -state%side
       do i = 1, 2
          call enter_side(model, state, side)
@@ -233,8 +237,8 @@ contains
       state%uplift_is_known = model%n == 2
    end subroutine find_uplift_acceleration
 
-   !> How what the resting wall bears depends on the further states: the storeys' forces on it are
-   !> linear in them as long as no branch changes.
+   !> Compute the dependence of the uplift acceleration on the further states. The storey forces on
+   !> the wall are linear in them until a branch changes.
    subroutine find_bearing(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
