@@ -7,7 +7,7 @@
 !>
 !>    elastic   F = F_0 + k (x - p)
 !>    yielding  F = +-F_y + H p, with p following from x
-!>    slack     F = 0, the tendon is longer than its anchorage distance
+!>    slack     F = 0, a tendon that plastic elongation has slackened
 !>    broken    F = 0 permanently
 !>
 !> A spring with H < 0 softens. A friction spring with `breakaway` above 1 sticks with a larger

@@ -7,9 +7,8 @@
 !> rescale u_y. For n -> infinity the law becomes the bilinear one of `spring_t`.
 !>
 !> The signs of u' and z are constant within a piece of motion. The hybrid loop ends a piece at a
-!> peak and where z passes zero. Within a step the rate of z is smooth, except at the start from z
-!> = 0 if n is not a natural number.
-!> natural number).
+!> peak and where z passes zero. Within a step the rate of z is smooth. An exception is the start
+!> from z = 0 if n is not a natural number.
 module rwmf_model_hysteresis_bouc_wen
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
@@ -32,7 +31,7 @@ contains
    !> Set the parameters and the position of z among the states.
    subroutine prepare_bouc_wen(case, equation)
       type(case_t), intent(in) :: case
-      !! with `&yielding`
+      !! case with `&yielding`
       type(equation_t), intent(inout) :: equation
 
       equation%hysteresis = new_hysteresis(case%yielding, yield_displacement(case), &
@@ -93,7 +92,7 @@ contains
    pure subroutine follow_signs(law, z, signs)
       type(hysteresis_t), intent(in) :: law
       real(wp), intent(in) :: z
-      !! [-]
+      !! hysteretic state [-]
       type(motion_signs_t), intent(inout) :: signs
       !! signs, with the loading direction already set
 

@@ -22,7 +22,7 @@ contains
    !> z after the first loading to x = u/u_y [-].
    pure real(wp) function virgin_displacement(x, n) result(z)
       real(wp), intent(in) :: x
-      !! [-]
+      !! displacement over u_y [-]
       real(wp), intent(in) :: n
       !! exponent, >= 1 [-]
       real(wp) :: w
@@ -68,7 +68,7 @@ contains
       real(wp), intent(in) :: level
       !! >= 0 [-]
       real(wp), intent(in) :: a
-      !! from 0 to 1 [-]
+      !! hardening ratio, from 0 to 1 [-]
       real(wp), intent(in) :: n
       real(wp), intent(in) :: c
       real(wp), intent(in) :: w_max

@@ -23,9 +23,9 @@ contains
       real(wp), intent(in) :: exponent(lane_count)
       !! n [-]
       real(wp), intent(in) :: z(lane_count)
-      !! [-]
+      !! hysteretic state [-]
       real(wp), intent(out) :: power(lane_count)
-      !! [-]
+      !! its power [-]
       real(wp), parameter :: largest_state = 1.26_wp
       !! bound of |z| of trial states, all of which are rejected; its power 1000 is finite [-]
       real(wp), parameter :: largest = 1.0e3_wp

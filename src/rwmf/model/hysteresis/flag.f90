@@ -144,7 +144,7 @@ contains
    elemental real(wp) function lower_force(spring, x) result(force)
       type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: x
-      !! positive
+      !! elongation, positive on the side of the flag
 
       associate (level => (1 - spring%flag_height)*spring%yield)
          force = level + spring%hardening*(spring%stiffness*x - level)

@@ -3,8 +3,8 @@
 !> A branch is a straight line of force over elongation x. It ends at a known elongation. A branch
 !> with a direction also ends where the motion reverses.
 !>
-!> Numbers are in the caller's units: elongations in m, forces over a mass [m/s2] or over the weight
-!> of the wall [-], energies in the product of both.
+!> Numbers are in the caller's units. Elongations are in m, forces over a mass [m/s2] or over the
+!> weight of the wall [-], energies in the product of both.
 module rwmf_model_hysteresis_spring
    use rwmf_core_kinds, only: wp
    implicit none
@@ -33,7 +33,7 @@ module rwmf_model_hysteresis_spring
       !! exponents of these four modes [-]
       logical :: is_pinched = .false.
       real(wp) :: pinch(2) = 1
-      !! kappa_F, the force at the pinching point over that on the straight line to the peak;
+      !! kappa_F, the force at the pinching point over that on the straight line to the peak.
       !! kappa_D, the part of the plastic elongation that remains before this point [-]
    end type backbone_t
 

@@ -32,8 +32,8 @@ module rwmf_model_hysteresis_spring_set
 
 contains
 
-   !> Update the straight lines of the active branches after a branch has changed. Cached windows
-   !> of the previous branches are discarded.
+   !> Update the straight lines of the active branches after a branch has changed. Discard
+   !> the cached windows of the previous branches.
    subroutine follow_branches(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -59,7 +59,7 @@ contains
       real(wp), allocatable :: shares(:)
       !! shares of the frame's springs in its stiffness [-]
       real(wp) :: stroke_y
-      !! [m]
+      !! stroke at first yield [m]
 
       allocate (equation%springs(0))
       if (frame_yields) then
@@ -93,7 +93,7 @@ contains
    !> along a straight line. All of them follow the roof.
    function frame_springs(case, stiffness, shares) result(springs)
       type(case_t), intent(in) :: case
-      !! with `&yielding`
+      !! case with `&yielding`
       real(wp), intent(in) :: stiffness
       !! stiffness of the frame over m_s [1/s2]
       real(wp), intent(in) :: shares(:)
@@ -117,7 +117,7 @@ contains
    !> Displacement of each storey at first yield [m].
    pure function storey_strengths(case) result(u_y)
       type(case_t), intent(in) :: case
-      !! with `&yielding storey_u_y`
+      !! case with `&yielding storey_u_y`
       real(wp) :: u_y(size(case%storeys%frame%m))
 
       if (size(case%yielding%storey_u_y) == 1) then
@@ -130,7 +130,7 @@ contains
    !> Displacement of the frame at first yield [m].
    pure real(wp) function yield_displacement(case) result(u_y)
       type(case_t), intent(in) :: case
-      !! with `&yielding` and the frame's T_s
+      !! case with `&yielding` and the frame's T_s
 
       if (allocated(case%yielding%u_y)) then
          u_y = case%yielding%u_y
@@ -169,7 +169,7 @@ contains
    !> Energy dissipated by yielding of all springs since t = 0 [J/kg].
    real(wp) function springs_loss(equation, theta) result(loss)
       type(equation_t), intent(in) :: equation
-      !! with springs
+      !! equation with springs
       real(wp), intent(in) :: theta
       !! [rad] or [m]
       real(wp) :: x
@@ -536,7 +536,7 @@ contains
    subroutine put_spring_forces(row, equation, theta)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
-      !! with springs
+      !! equation with springs
       real(wp), intent(in) :: theta
       !! [rad] or [m]
       real(wp) :: forces(size(equation%springs))
@@ -585,9 +585,9 @@ contains
    !> Upward force of both fuses on a rocking wall, over m_w g [-].
    real(wp) function fuse_uplift(equation, theta) result(push)
       type(equation_t), intent(in) :: equation
-      !! with fuses
+      !! equation with fuses
       real(wp), intent(in) :: theta
-      !! [rad]
+      !! current rotation [rad]
       real(wp) :: forces(size(equation%springs))
 
       ! the fuses come last
