@@ -14,7 +14,7 @@ contains
    pure subroutine add_fuse(coef, motion)
       real(wp), intent(in) :: coef(lane_count, 3)
       !! 2b times the force at zero stroke over m_w R**2 [1/s2]; 8b**2 times the slope over m_w
-      !! R**2 [1/s2]; force of the fuse under the pivot over m_w, which has no arm [m/s2]
+      !! R**2 [1/s2]; force of the fuse under the pivot, which has no arm, over m_w [m/s2]
       type(lane_motion_t), intent(inout) :: motion
       integer :: i
 

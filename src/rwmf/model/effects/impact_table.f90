@@ -32,8 +32,7 @@ contains
       group%refuse_element => refuse_element
    end function impact_table_group
 
-   !> Check that both columns have equal length and increasing velocities, and that other rules
-   !> have none.
+   !> Check that both columns have equal length and increasing velocities; other rules have none.
    subroutine check_impact_table(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error

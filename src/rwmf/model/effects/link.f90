@@ -32,8 +32,7 @@ contains
       group%is_present => has_link
    end function link_group
 
-   !> Check that the link cannot become vertical: it must be longer than the vertical travel of the
-   !> corner.
+   !> Check that the link cannot become vertical: it must exceed the vertical travel of the corner.
    subroutine check_link(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error

@@ -1,5 +1,5 @@
-!> List of all effects beyond wall, frame and cable. Reading, checking, describing and listing a
-!> case iterate over it.
+!> List of all effects beyond wall, frame and cable. The procedures that read, check, describe or
+!> list a case iterate over it.
 module rwmf_model_effects_list
    use rwmf_model_effects_corner_damper, only: damper_group, prepare_damper
    use rwmf_model_effects_corner_inerter, only: inerter_group, prepare_inerter

@@ -1,9 +1,9 @@
-!> Nonlinear viscous dampers between the foundation and each corner of the base: F = F_1
+!> Nonlinear viscous dampers between the foundation and each corner of the base. Their force is F_1
 !> |v|**exponent against the velocity v of the stroke.
 !>
-!> The stroke of the damper under the lifting corner is the chord 4b sin(phi/2). Its velocity is v
-!> = 2b cos(phi/2) phi' and its arm 2b cos(phi/2). Under a hinged wall both dampers act, each with
-!> half of this stroke and arm. The law has a kink at v = 0.
+!> The stroke of the damper under the lifting corner is the chord 4b sin(phi/2). It has the
+!> velocity v = 2b cos(phi/2) phi' and the arm 2b cos(phi/2). Under a hinged wall both dampers act,
+!> each with half of this stroke and arm. The law has a kink at v = 0.
 module rwmf_model_effects_nl_damper
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp

@@ -50,7 +50,7 @@ contains
       real(wp), intent(in) :: coef(lane_count, 3)
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(out) :: power(lane_count)
-      !! [-]
+      !! |v|**exponent, with v in m/s [-]
       integer :: i
 
       ! libm's scalar power, lane by lane: the vectorised power differs in the last bits

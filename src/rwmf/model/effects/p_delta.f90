@@ -1,5 +1,5 @@
-!> Gravity on the displaced frame (P-Delta), `&p_delta`: a massless leaning column that carries m_g
-!> g.
+!> Gravity on the displaced frame (P-Delta), `&p_delta`: a massless leaning column with the weight
+!> m_g g.
 !>
 !> In a storey with relative displacement d it pushes the two floors apart with W d/height, where W
 !> is the weight above. This is a negative storey stiffness. Theory: docs/theory/storeys.md.
@@ -113,7 +113,7 @@ contains
    !> is zero without `&p_delta` [1/s2].
    pure function leaning_loads(case) result(loads)
       type(case_t), intent(in) :: case
-      !! with `&storeys`
+      !! case with `&storeys`
       real(wp) :: loads(size(case%storeys%frame%m))
       real(wp) :: numbers(3)
       integer :: i
@@ -140,7 +140,7 @@ contains
       call fail(error, err_input, 'an element has no &p_delta: the frame is the host''s')
    end subroutine refuse_element
 
-   !> Prepare the P-Delta push on a single degree of freedom, on one mode, or on floors with
+   !> Prepare the P-Delta push on a single degree of freedom, on one mode, or on storeys with
    !> states.
    subroutine prepare_p_delta(case, equation, effect)
       type(case_t), intent(in) :: case
@@ -168,13 +168,12 @@ contains
       effect%n_coef = max(1, 2*effect%n)
    end subroutine prepare_p_delta
 
-   !> Set the constants of a frame with storeys:
+   !> Set the constants of a frame with storeys, in this order.
    !>
-   !>    push per displacement of each storey with states, or of the roof, over m_w [1/s2]
-   !>    without states, part of the roof's push that the links do not bear [1/s2]
-   !>    drifts over the limit per displacement [1/m]
-   !>
-   !> Without wall, the mass of the frame or of the roof replaces m_w.
+   !> The first is the push per displacement of each storey with states, or of the roof, over m_w
+   !> [1/s2]. Without such states, the part of the roof's push that the links do not bear follows
+   !> [1/s2]. The last are the drifts over their limit per displacement [1/m]. Without wall, the
+   !> mass of the frame or of the roof replaces m_w.
    subroutine prepare_storeys(case, equation, limit, effect)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -270,9 +269,9 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp), intent(out) :: d(:)
-      !! [m]
+      !! displacement [m]
       real(wp), intent(out) :: rate(:)
-      !! [m/s]
+      !! velocity [m/s]
 
       if (equation%floors%n > 0) then
          call storey_motion(equation, equation%state%side, y, d, rate)

@@ -19,7 +19,7 @@ module rwmf_model_effects_tendon
 
 contains
 
-   !> Describe the group `&tendon`: its keys and the procedures that check and read them.
+   !> Describe the tendon keys of the group `&cable` and the procedures that check and read them.
    type(case_group_t) function tendon_group() result(group)
       character(*), parameter :: of_strands = 'strands strand_area modulus initial_stress'
 
@@ -139,7 +139,7 @@ contains
    subroutine check_widths(values, eta_0, error)
       type(group_values_t), intent(in) :: values
       real(wp), intent(in) :: eta_0
-      !! [-]
+      !! prestress over m_w g [-]
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem
       real(wp), allocatable :: b(:)

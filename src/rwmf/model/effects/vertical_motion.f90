@@ -121,11 +121,11 @@ contains
    pure real(wp) function lowest_vertical(motion, t_end) result(lowest)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: t_end
-      !! [s]
+      !! end of the time range [s]
       integer, parameter :: most_turns = 8
       !! turning points of an interval; only a harmonic has more, and repeats itself after these
       real(wp) :: t
-      !! [s]
+      !! time [s]
       integer :: i, turn
 
       lowest = 0

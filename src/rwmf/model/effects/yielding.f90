@@ -147,8 +147,7 @@ contains
       if (.not. allocated(error)) call check_rotation(values, error)
    end subroutine check_yielding
 
-   !> Check that smooth storeys with all modes start at zero, since their initial loading is
-   !> undefined.
+   !> Check that smooth storeys with all modes start at zero; their initial loading is undefined.
    subroutine check_law(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -193,7 +192,7 @@ contains
    subroutine check_four(values, key, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: list(:)
 
@@ -294,8 +293,8 @@ contains
       end if
    end subroutine check_storey_strengths
 
-   !> Check the range of rotations with a short link, whose frame displacement reverses at a large
-   !> rotation. The frame's spring is defined only while both grow together.
+   !> Check the range of rotations with a short link. Its frame displacement reverses at a large
+   !> rotation, and the frame's spring is defined only while both grow together.
    subroutine check_rotation(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -315,8 +314,7 @@ contains
 
    !> Rotation to the left at which the displacement of the link's far end is largest [rad].
    !>
-   !> Bisection on the slope of u = 2h sin(phi) - (L - sqrt(L**2 - v**2)) with v = 2h (1 -
-   !> cos(phi)).
+   !> Bisection on the slope of u = 2h sin(phi) - (L - sqrt(L**2 - v**2)), v = 2h (1 - cos(phi)).
    pure real(wp) function turning_rotation(h, L) result(low)
       real(wp), intent(in) :: h
       !! half height [m]
@@ -420,7 +418,7 @@ contains
    !> straight line, the weakest storey determines that of the roof.
    subroutine prepare_collapse(case, equation, yielding)
       type(case_t), intent(in) :: case
-      !! with `&yielding ultimate`
+      !! case with `&yielding ultimate`
       type(equation_t), intent(in) :: equation
       type(contribution_t), intent(inout) :: yielding
       real(wp), allocatable :: u_y(:)

@@ -18,10 +18,10 @@ contains
       !! force at z = 1 over m_w R [1/s2]; R over the yield displacement [-]; lost part [-];
       !! exponent [-]
       real(wp), intent(in) :: z(lane_count)
-      !! [-]
+      !! hysteretic state [-]
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(out) :: z_dot(lane_count)
-      !! [1/s]
+      !! rate of the hysteretic state [1/s]
       real(wp) :: power(lane_count)
       integer :: i
 
@@ -40,9 +40,9 @@ contains
       real(wp), intent(in) :: coef(lane_count, 4)
       !! coefficients of `add_bouc_wen`
       real(wp), intent(in) :: z(lane_count)
-      !! [-]
+      !! hysteretic state [-]
       real(wp), intent(in) :: z_dot(lane_count)
-      !! [1/s]
+      !! rate of the hysteretic state [1/s]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]

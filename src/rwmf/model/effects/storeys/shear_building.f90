@@ -31,7 +31,7 @@ contains
    !> Add the frame's storeys to the equation. In a spectrum all stiffnesses scale with the period.
    subroutine set_storeys(case, equation)
       type(case_t), intent(in) :: case
-      !! with `&storeys` and its modes
+      !! case with `&storeys` and its modes
       type(equation_t), intent(inout) :: equation
       type(shear_frame_t) :: frame
       real(wp) :: unit
@@ -93,7 +93,7 @@ contains
       end associate
    end subroutine storey_coefficients
 
-   !> Coefficient of `add_excited_mass`: mass excited by the ground beyond the mass moving with the
+   !> Coefficient of `add_excited_mass`: mass excited by the ground minus mass moving with the
    !> roof.
    pure subroutine excited_mass_coefficients(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
@@ -121,7 +121,7 @@ contains
    !> Shears of the storeys' columns, without dampers [m/s2].
    pure function column_shears(equation, y) result(shear)
       type(equation_t), intent(in) :: equation
-      !! with all modes of the frame
+      !! equation with all modes of the frame
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: shear(equation%floors%n)
@@ -134,7 +134,7 @@ contains
    pure function shears_at(floors, branches, y, u_roof) result(shear)
       type(floors_t), intent(in) :: floors
       type(branch_t), intent(in) :: branches(:)
-      !! (floors)
+      !! (floors) active branches
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: u_roof
@@ -160,7 +160,7 @@ contains
    pure function resistance_to(floors, branches, y, u_roof, v_roof) result(force)
       type(floors_t), intent(in) :: floors
       type(branch_t), intent(in) :: branches(:)
-      !! (floors)
+      !! (floors) active branches
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: u_roof
@@ -187,7 +187,7 @@ contains
    real(wp) function floor_inertia(equation, t, y, u_ddot) result(inertia)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      !! [s]
+      !! time [s]
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: u_ddot
@@ -208,7 +208,7 @@ contains
    subroutine put_floors(row, equation, y)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
-      !! with all modes of the frame
+      !! equation with all modes of the frame
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: u(0:size(equation%floors%m))

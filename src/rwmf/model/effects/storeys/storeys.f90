@@ -161,8 +161,7 @@ contains
          ! proportional to the height of the roof above the bottom of the storey
          k = [(sum(frame%height(i:)), i=1, size(k))]/sum(frame%height)
       case ('straight_mode')
-         ! each storey bears the inertia of the floors above it, which is proportional to their
-         ! height
+         ! each storey bears the inertia of the floors above it, proportional to their height
          moment = frame%m*[(sum(frame%height(:i)), i=1, size(k))]
          do i = 1, size(k)
             k(i) = sum(moment(i:))/frame%height(i)
@@ -183,7 +182,7 @@ contains
       if (.not. allocated(error)) call check_lists(values, error)
    end subroutine check_storeys
 
-   !> Refuse keys that the storeys determine, and links to a missing wall.
+   !> Refuse keys that the storeys determine, and floors linked to the wall in a case without one.
    subroutine check_excluded(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -266,8 +265,7 @@ contains
       call set_equivalent_frame(case, error)
    end subroutine fill_storeys
 
-   !> Prepare the storeys' contribution: all modes, whose storeys may yield one by one, or one
-   !> mode.
+   !> Prepare the contribution of the storeys: one mode, or all modes, whose storeys may yield.
    subroutine prepare_storeys(case, equation, storeys)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -302,8 +300,7 @@ contains
       has_storeys = allocated(case%storeys)
    end function has_storeys
 
-   !> Add the names of the floor states: with all modes, displacements and velocities below the
-   !> roof.
+   !> Add the names of the floor states: with all modes, displacement and velocity of each floor.
    pure subroutine add_floor_states(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)

@@ -1,5 +1,5 @@
-!> Frame with storeys in the equation of motion, for all lanes. With all modes the floors below the
-!> roof have states; with one mode they have none.
+!> Frame with storeys in the equation of motion, for all lanes. The floors below the roof have
+!> states with all modes, and none with one mode.
 module rwmf_model_effects_storeys_storeys_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
@@ -38,8 +38,8 @@ contains
       if (law /= no_hysteresis) n_states = n_states + n
    end function floor_states
 
-   !> Compute the rates of the floors below the roof and add the force of the uppermost storey to
-   !> the moment.
+   !> Compute the rates of the floors below the roof and add the uppermost storey's force to the
+   !> moment.
    pure subroutine add_floors(n, law, coef, y, motion, y_dot)
       integer, intent(in) :: n
       !! number of storeys, from the ground to the roof
@@ -47,8 +47,8 @@ contains
       !! `no_hysteresis`, or the factors of the power of smooth storeys (`raise_state`)
       real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
       !! R [m]; slope [1/s2] and offset [m/s2] of each storey's line, over the unit of mass;
-      !! reciprocal mass of each floor [-]; damping by rows [1/s]; for smooth storeys force at z =
-      !! 1 [m/s2], reciprocal yield displacement [1/m], lost part [-], exponent [-]
+      !! reciprocal mass of each floor [-]; damping by rows [1/s]. Smooth storeys append the
+      !! force at z = 1 [m/s2], reciprocal yield displacement [1/m], lost part [-], exponent [-]
       real(wp), intent(in) :: y(lane_count, floor_states(n, law))
       !! displacements [m] and velocities [m/s] of the floors below the roof, states z of smooth
       !! storeys [-]
@@ -112,7 +112,7 @@ contains
       real(wp), intent(in) :: u(lane_count, n - 1)
       !! displacements of the floors below the roof [m]
       real(wp), intent(in) :: u_roof(lane_count)
-      !! [m]
+      !! displacement of the roof [m]
       real(wp), intent(inout) :: shear(lane_count, n + 1)
       real(wp) :: below(lane_count)
       integer :: i, j
@@ -140,7 +140,7 @@ contains
       real(wp), intent(in) :: y(lane_count, 3*n - 2)
       !! states of `add_floors`
       real(wp), intent(in) :: v_roof(lane_count)
-      !! [m/s]
+      !! velocity of the roof [m/s]
       real(wp), intent(inout) :: shear(lane_count, n + 1)
       real(wp), intent(inout) :: y_dot(lane_count, 3*n - 2)
       real(wp) :: rate(lane_count), power(lane_count)
@@ -159,8 +159,7 @@ contains
       end do
    end subroutine add_smooth_shears
 
-   !> Add the ground force on the mass that is excited beyond the mass moving with the roof (one
-   !> mode).
+   !> Add the ground force on the excited mass that does not move with the roof (one mode).
    pure subroutine add_excited_mass(coef, motion)
       real(wp), intent(in) :: coef(lane_count)
       !! excited mass minus mass moving with the roof, over m_w [-]
@@ -260,9 +259,9 @@ contains
       real(wp), intent(in) :: v(lane_count, 0:n)
       !! velocities from the ground to the roof [m/s]
       real(wp), intent(in) :: z(lane_count, n)
-      !! [-]
+      !! hysteretic states [-]
       real(wp), intent(in) :: z_dot(lane_count, n)
-      !! [1/s]
+      !! rates of these states [1/s]
       real(wp), intent(inout) :: power(lane_count)
       !! sum of powers over m_w [W/kg]
       integer :: i, j

@@ -30,9 +30,9 @@ contains
    !> Create a spring or a smooth law for each storey of the frame.
    subroutine choose_storey_springs(case, equation)
       type(case_t), intent(in) :: case
-      !! with `&yielding storey_u_y`
+      !! case with `&yielding storey_u_y`
       type(equation_t), intent(inout) :: equation
-      !! with its floors
+      !! equation with its floors
 
       equation%floors%yields = .true.
       if (has_branches(case%yielding)) then
@@ -63,8 +63,8 @@ contains
       end do
    end subroutine choose_laws
 
-   !> Initialise storeys that have not moved: loaded slowly from zero to the initial state, then
-   !> released.
+   !> Initialise storeys that have not moved: load them slowly from zero to the initial state, then
+   !> release them.
    subroutine start_storeys(model, state, y)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -127,8 +127,8 @@ contains
    !> Update the coefficients of the loops after branches of storeys have changed.
    !>
    !> Only the uppermost storey acts on the wall, and a smooth one acts through its state. So the
-   !> cached uplift quantities remain valid unless the uppermost storey has changed its branch.
-   !> Recomputing them costs the cube of the number of storeys.
+   !> cached uplift quantities remain valid unless the uppermost storey has changed its branch. The
+   !> time to recompute them grows with the cube of the number of storeys.
    pure subroutine renew_storeys(model, state, highest)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -258,7 +258,7 @@ contains
    !> Energy dissipated by yielding of storeys on straight lines since t = 0 [J/kg].
    real(wp) function storeys_loss(equation, y) result(loss)
       type(equation_t), intent(in) :: equation
-      !! with storeys that yield one by one
+      !! equation with storeys that yield one by one
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: d(equation%floors%n)
@@ -275,7 +275,7 @@ contains
    subroutine put_shears(row, equation, y)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
-      !! with storeys that yield one by one
+      !! equation with storeys that yield one by one
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: shears(equation%floors%n)
