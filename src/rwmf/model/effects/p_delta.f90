@@ -1,8 +1,8 @@
-!> Gravity on the displaced frame, `&p_delta`: a massless leaning column that carries m_g g.
+!> Gravity on the displaced frame (P-Delta), `&p_delta`: a massless leaning column with the weight
+!> m_g g.
 !>
-!> Between two floors that are displaced by d over the height of their storey it pushes both apart
-!> with W d/height, W the weight above: a negative stiffness of that storey. Theory:
-!> docs/theory/storeys.md.
+!> In a storey with relative displacement d it pushes the two floors apart with W d/height, where W
+!> is the weight above. This is a negative storey stiffness. Theory: docs/theory/storeys.md.
 module rwmf_model_effects_p_delta
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -22,13 +22,13 @@ module rwmf_model_effects_p_delta
 
    integer, parameter :: of_mass = 1
    integer, parameter :: of_height = 2
-   !! 0 for that of the wall or of the storeys
+   !! index of the height; 0 for the height of the wall or of the storeys
    integer, parameter :: of_limit = 3
-   !! places of the keys among the numbers of the group
+   !! indices of the keys among the numbers of the group
 
 contains
 
-   !> The group `&p_delta`: its keys, and how they are checked and read.
+   !> Describe the group `&p_delta`: its keys and the procedures that check and read them.
    type(case_group_t) function p_delta_group() result(group)
       group%name = 'p_delta'
       group%needs(1) = 'frame'
@@ -98,7 +98,7 @@ contains
       has_p_delta = has_numbers(case, 'p_delta')
    end function has_p_delta
 
-   !> Height of the frame that a case gives; 0 for none [m].
+   !> Height of the frame given by a case; 0 if it gives none [m].
    pure real(wp) function leaning_height(case) result(height)
       type(case_t), intent(in) :: case
       real(wp) :: numbers(3)
@@ -109,11 +109,11 @@ contains
       height = numbers(of_height)
    end function leaning_height
 
-   !> Push of the weights above each storey over what it is displaced by, over the unit of the
-   !> floors' masses; zero without `&p_delta` [1/s2].
+   !> P-Delta push on each storey per storey displacement, over the unit of the floors' masses. It
+   !> is zero without `&p_delta` [1/s2].
    pure function leaning_loads(case) result(loads)
       type(case_t), intent(in) :: case
-      !! with `&storeys`
+      !! case with `&storeys`
       real(wp) :: loads(size(case%storeys%frame%m))
       real(wp) :: numbers(3)
       integer :: i
@@ -140,8 +140,8 @@ contains
       call fail(error, err_input, 'an element has no &p_delta: the frame is the host''s')
    end subroutine refuse_element
 
-   !> What each storey is pushed by: weights over heights of a single degree of freedom, of one
-   !> mode, or of floors that move by themselves.
+   !> Prepare the P-Delta push on a single degree of freedom, on one mode, or on storeys with
+   !> states.
    subroutine prepare_p_delta(case, equation, effect)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -168,14 +168,17 @@ contains
       effect%n_coef = max(1, 2*effect%n)
    end subroutine prepare_p_delta
 
-   !> The constants, push over m_w (without wall over the mass of frame or roof) per displacement of
-   !> each storey that moves by itself, or of the roof [1/s2]; where only the roof does, that of it
-   !> which the links do not bear [1/s2]; drifts over the limit per displacement [1/m].
+   !> Set the constants of a frame with storeys, in this order.
+   !>
+   !> The first is the push per displacement of each storey with states, or of the roof, over m_w
+   !> [1/s2]. Without such states, the part of the roof's push that the links do not bear follows
+   !> [1/s2]. The last are the drifts over their limit per displacement [1/m]. Without wall, the
+   !> mass of the frame or of the roof replaces m_w.
    subroutine prepare_storeys(case, equation, limit, effect)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: limit
-      !! of the drifts [-]
+      !! limit of the drifts [-]
       type(contribution_t), intent(inout) :: effect
       real(wp), allocatable :: load(:), bend(:)
       real(wp) :: push
@@ -197,7 +200,7 @@ contains
       end associate
    end subroutine prepare_storeys
 
-   !> As the loops read them.
+   !> Coefficients of `add_p_delta`.
    pure subroutine p_delta_coefficients(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
@@ -213,7 +216,7 @@ contains
       end associate
    end subroutine p_delta_coefficients
 
-   !> Energy of the weights that sink.
+   !> Potential energy of the sinking weights.
    real(wp) function p_delta_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
@@ -224,7 +227,8 @@ contains
       energy = -sum(effect%constants(:size(d))*d**2)/2
    end function p_delta_energy
 
-   !> What links to the wall do not have to pull back, and what floors are pushed by.
+   !> Force at the links to the wall, and sum of the forces on the floors. They are negative where
+   !> gravity pushes the frame [m/s2].
    function p_delta_force(effect, equation, y) result(force)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
@@ -260,14 +264,14 @@ contains
       end associate
    end subroutine p_delta_drifts
 
-   !> What the storeys that move by themselves, or else the roof, are displaced by, and how fast.
+   !> Displacement and velocity of each storey with states, or else of the roof.
    subroutine displacements(equation, y, d, rate)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp), intent(out) :: d(:)
-      !! [m]
+      !! displacement [m]
       real(wp), intent(out) :: rate(:)
-      !! [m/s]
+      !! velocity [m/s]
 
       if (equation%floors%n > 0) then
          call storey_motion(equation, equation%state%side, y, d, rate)
