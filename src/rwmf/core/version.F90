@@ -1,4 +1,4 @@
-!> Version of the package; the build system knows the number and hands it over as a macro.
+!> Version of the package; the build system supplies the number as a macro.
 module rwmf_core_version
    implicit none
    private
