@@ -1,4 +1,4 @@
-!> Error value: the last argument of every procedure that can fail.
+!> Error value that every procedure that can fail returns as its last argument.
 !>
 !> | stat            | value | meaning                                                    |
 !> |-----------------|-------|------------------------------------------------------------|
@@ -59,7 +59,7 @@ contains
    pure subroutine add_context(error, context)
       type(error_t), intent(inout) :: error
       character(*), intent(in) :: context
-      !! for example the file's name
+      !! context, for example the file's name
 
       error%message = context//': '//error%message
    end subroutine add_context

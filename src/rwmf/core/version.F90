@@ -6,6 +6,6 @@ module rwmf_core_version
    public :: version
 
    character(*), parameter :: version = RWMF_VERSION
-   !! as in the package's metadata, for example '1.2.3'
+   !! version of the package's metadata, for example '1.2.3'
 
 end module rwmf_core_version
