@@ -101,7 +101,7 @@ contains
       digits = buffer(1:1)//buffer(3:letter - 1)//repeat('0', digit_count)
    end subroutine find_digits
 
-   !> Digits and exponent as -0.0125 or -1.25e-20: in plain notation where that is easier to read.
+   !> Number from digits and exponent, as -0.0125 or -1.25e-20 depending on its size.
    pure function plain_number(is_negative, digits, exponent) result(text)
       logical, intent(in) :: is_negative
       character(digit_count), intent(in) :: digits
@@ -295,7 +295,7 @@ contains
       end if
    end subroutine next_line
 
-   !> Find the first word at or after `position`, and advance `position` behind it.
+   !> Find the first word at or after `position`, and advance `position` past it.
    pure subroutine next_word(line, position, first, last)
       character(*), intent(in) :: line
       !! one line, without its line feed
