@@ -183,8 +183,8 @@ contains
       real(wp), intent(in) :: start
       !! inside
       logical, intent(in), optional :: is_near
-      !! `start` is near a maximum of a smooth function: evaluate points close to it first, and stop
-      !! when the parabola through the best points promises a gain below round-off
+      !! `start` is near a maximum of a smooth function. The search first evaluates points close to
+      !! it, and ends when the parabola through the best points promises a gain below round-off.
       real(wp), parameter :: part = 1.0_wp/256
 
       search%low = low

@@ -40,7 +40,7 @@ module rwmf_math_sign_changes
 contains
 
    !> Bernstein coefficients of the quintic through values, rates and second derivatives at both
-   !> ends, or of the cubic through values and rates if no second derivative is known.
+   !> ends. If no second derivative is known, the cubic through values and rates is used.
    pure function points_of(h, a, b) result(p)
       real(wp), intent(in) :: h
       !! length of the span
