@@ -292,12 +292,12 @@ module rwmf_problem_case
       type(initial_t), allocatable :: initial
       type(model_t) :: model
       real(wp) :: unit_mass = 0
-      !! reference mass of all ratios: mass of the wall; without a wall, of the frame; of storeys in
-      !! kg 1 kg; 0 if the case gives none [kg]
+      !! reference mass of all ratios [kg]: mass of the wall; without a wall, mass of the frame. It
+      !! is 1 kg for storeys in kg, and 0 if the case gives no mass.
       logical :: follows_size = .false.
       !! the ratios follow from masses and forces, and hence from the size of the wall
       type(effect_numbers_t), allocatable :: numbers(:)
-      !! effects without a type of their own (`keep_numbers`)
+      !! parameters of the effects that have no type for them (`keep_numbers`)
    end type structure_t
 
    !> One case: structure, motion, time integration and output. The inherited components of

@@ -147,7 +147,7 @@ contains
    pure logical function has_group(values, name)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: name
-      !! its name, without &
+      !! name of the group, without &
       integer :: place
 
       place = group_place(values, name)
@@ -159,9 +159,9 @@ contains
    pure logical function has_key(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       integer :: place
 
       place = key_place(values, group, key)
@@ -173,9 +173,9 @@ contains
    pure integer function key_line(values, group, key) result(line)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       integer :: place
 
       place = key_place(values, group, key)
@@ -220,9 +220,9 @@ contains
    pure function text_of(values, group, key) result(text)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(value_length(values, first_value(values, group, key))) :: text
 
       text = value_text(values, first_value(values, group, key))
@@ -232,9 +232,9 @@ contains
    pure real(wp) function real_of(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       integer :: number
 
       number = first_value(values, group, key)
@@ -246,9 +246,9 @@ contains
    pure integer function integer_of(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
 
       integer_of = nint(real_of(values, group, key))
    end function integer_of
@@ -257,9 +257,9 @@ contains
    pure logical function logical_of(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
 
       logical_of = real_of(values, group, key) > 0
    end function logical_of
@@ -268,9 +268,9 @@ contains
    pure subroutine get_real(values, group, key, value)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       real(wp), allocatable, intent(out) :: value
       !! [unit of the key]
       integer :: number
@@ -283,9 +283,9 @@ contains
    pure subroutine get_text(values, group, key, value)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(:), allocatable, intent(out) :: value
       !! not allocated if the key has no value
       integer :: number
@@ -298,9 +298,9 @@ contains
    pure subroutine get_list(values, group, key, list)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       real(wp), allocatable, intent(out) :: list(:)
       !! (n) [unit of the key]
       integer :: place
@@ -316,9 +316,9 @@ contains
    pure subroutine get_texts(values, group, key, list)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(:), allocatable, intent(out) :: list(:)
       !! (n) padded with blanks
       integer :: place
@@ -340,9 +340,9 @@ contains
    subroutine derive(values, group, key, source, numbers)
       type(group_values_t), intent(inout) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: source
       !! name of the key of the group that the case gives, for messages
       real(wp), intent(in) :: numbers(:)

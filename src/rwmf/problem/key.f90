@@ -51,9 +51,9 @@ contains
    !> Required key.
    pure type(key_t) function required(group, key, type, unit, allowed, help)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: type
       !! component of `key_t`, as the next ones
       character(*), intent(in) :: unit
@@ -69,9 +69,9 @@ contains
    !> Optional key.
    pure type(key_t) function optional_key(group, key, type, unit, default, allowed, help, implies)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: type
       !! component of `key_t`, as the next ones
       character(*), intent(in) :: unit
@@ -116,9 +116,9 @@ contains
    pure type(key_t) function dimensional(group, key, type, unit, gives, needs, help, &
       allowed)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: type
       !! component of `key_t`, as the next ones
       character(*), intent(in) :: unit
@@ -142,7 +142,7 @@ contains
       character(*), intent(in) :: kinds
       !! names of the kinds of motion that have the key, separated by blanks; '' for all
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: type
       !! component of `key_t`, as the next ones
       character(*), intent(in) :: unit

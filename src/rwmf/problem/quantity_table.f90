@@ -11,8 +11,8 @@ module rwmf_problem_quantity_table
    public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
    public :: of_envelopes, of_verification
 
-   ! The observer skips what no requested quantity needs. A quantity whose row lists too few needs
-   ! is therefore wrong when it is requested without others.
+   ! The observer skips calculations that no requested quantity needs. A quantity whose row lists
+   ! too few needs is therefore wrong when it is requested without others.
    character(*), parameter :: of_nothing = 'nothing'
    !! known before the run or independent of it
    character(*), parameter :: of_displacement = 'displacement'
@@ -121,8 +121,8 @@ module rwmf_problem_quantity_table
       !! 'real', 'int', 'logical', 'text' or 'list'
       character(8) :: found
       !! way it is found: 'row' (in each row of a history), 'peak' (located supremum), 'time' (of a
-      !! peak), 'end' (final value), 'count', 'whether', 'before' (known before the run), 'axis' (of
-      !! a grid), 'work' (computational work) or 'error' (estimate or comparison)
+      !! peak), 'end' (final value), 'count' or 'whether'. Others are 'before' (known before the
+      !! run), 'axis' (of a grid), 'work' (computational work) and 'error' (estimate or comparison).
       character(32) :: outputs
       !! outputs that contain it: 'history', 'run', 'ordinate' (of a spectrum, on request),
       !! 'spectrum', 'sweep', 'cost'

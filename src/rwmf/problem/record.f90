@@ -55,7 +55,7 @@ contains
    subroutine fill_source(values, group, source)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       class(record_source_t), intent(inout) :: source
 
       source%scale = real_of(values, group, 'scale')

@@ -38,7 +38,7 @@ contains
    subroutine check_needs(values, group, other, reason, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: other
       !! name of the required group, without &
       character(*), intent(in) :: reason
@@ -54,7 +54,7 @@ contains
    subroutine check_one_of(values, group, a, b, condition, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: a
       !! name of one key
       character(*), intent(in) :: b
@@ -77,7 +77,7 @@ contains
    subroutine fail_group(values, group, problem, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: problem
       !! description of the error, which continues the message
       type(error_t), allocatable, intent(out) :: error
@@ -93,9 +93,9 @@ contains
    subroutine fail_key(values, group, key, problem, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: problem
       !! description of the error, which continues the message
       type(error_t), allocatable, intent(out) :: error
@@ -160,9 +160,9 @@ contains
    !> Report a key with its values: `&frame: gamma = -1.0 (line 7): must be ...`.
    subroutine fail_at_key(group, key, shown_values, line, problem, error)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: shown_values
       !! its values as `append_value` lists them
       integer, intent(in) :: line
@@ -179,7 +179,7 @@ contains
    !> Report a group with its line: `&frame (line 5): ...`.
    subroutine fail_at_group(group, line, problem, error)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       integer, intent(in) :: line
       !! line number of the beginning of the group; 0 if it has none
       character(*), intent(in) :: problem

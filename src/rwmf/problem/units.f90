@@ -19,8 +19,8 @@ contains
       if (si == 'N') unit = unit*real_of(values, 'model', 'g')
    end function unit_of
 
-   !> Reference mass of masses, stiffnesses and forces: mass of the wall; without a wall, of the
-   !> frame; 1 kg for storeys in kg; 0 if the case gives none [kg].
+   !> Reference mass of masses, stiffnesses and forces [kg]: mass of the wall, or without a wall of
+   !> the frame. It is 1 kg for storeys in kg, and 0 if the case gives no mass.
    pure real(wp) function unit_mass(values) result(mass)
       type(group_values_t), intent(in) :: values
 

@@ -64,9 +64,9 @@ contains
    pure character(256) function unusual_text(values, group, key, number) result(text)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       real(wp), intent(in) :: number
       !! [unit of the key]
       integer :: i, place

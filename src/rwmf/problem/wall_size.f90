@@ -12,8 +12,8 @@ contains
 
    !> Half diagonal R of a wall [m].
    !>
-   !> Computed in quadruple precision: the last digit of `hypot` depends on the C library, and its
-   !> symbol makes a wheel unusable on systems older than glibc 2.35.
+   !> Computed in quadruple precision instead of by `hypot`, whose last digit depends on the C
+   !> library. Its symbol also makes a wheel unusable on systems older than glibc 2.35.
    pure real(wp) function half_diagonal(h, b)
       real(wp), intent(in) :: h
       !! half height of the wall [m]
