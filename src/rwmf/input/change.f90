@@ -45,9 +45,9 @@ contains
 
    !> Look up the keys to be changed.
    !>
-   !> Errors: a name that is not `group.key`, an unknown group or key (with the closest known name),
-   !> a key without numbers or one that controls how a file is read, a repeated name, a group that
-   !> the case lacks, removal of a required key.
+   !> Errors: a name that is not `group.key`, an unknown group or key, a repeated name, or a group
+   !> that the case lacks. Keys without numbers and keys that control the reading of files cannot
+   !> change. Required keys cannot be removed.
    subroutine find_changes(case, names, changes, error, n_values)
       type(case_t), intent(in) :: case
       !! case that was read or changed

@@ -45,8 +45,8 @@ contains
 
    !> Parse a namelist text.
    !>
-   !> Errors, each with its line: text outside a group, an unclosed group or string, a word that is
-   !> neither key nor value, a key without value, an empty value, a subscript.
+   !> Errors, each with its line: text outside a group, an unclosed group or string, a key without
+   !> value, an empty value, a subscript. A word that is neither key nor value is an error too.
    subroutine parse_namelist(text, groups, error)
       character(*), intent(in) :: text
       !! the whole namelist text, lines with their line feeds

@@ -56,7 +56,7 @@ contains
       type(samples_t), intent(in), optional :: motion
       !! samples of `&motion`; its `file` is then only a name, and no file is read
       type(samples_t), intent(in), optional :: vertical
-      !! samples of `&vertical`, likewise
+      !! samples of `&vertical`; its `file` is then only a name, and no file is read
       type(group_t), allocatable :: given(:)
       type(case_group_t), allocatable :: groups(:)
 

@@ -105,7 +105,8 @@ contains
       end do
    end subroutine convert_units
 
-   !> Divide by mass or weight. A frame without a wall has no such ratios.
+   !> Divide by mass or weight. The reference of a frame without a wall is its own mass: no
+   !> division.
    subroutine divide(values, keys)
       type(group_values_t), intent(inout) :: values
       type(key_t), intent(in) :: keys(:)

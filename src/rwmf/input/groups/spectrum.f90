@@ -59,7 +59,7 @@ contains
       end if
    end subroutine check_spectrum
 
-   !> Check that the scene has periods, and the mass ratios or widths that are given.
+   !> Check that the scene has the period, the mass ratios and the widths that the spectrum varies.
    subroutine check_scene(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error

@@ -14,7 +14,7 @@ contains
    !> Read the columns of a file.
    !>
    !> Errors, each with its line: a word that is not a finite number, more than two columns, lines
-   !> of different lengths, times that do not increase. A file without numbers is an error too.
+   !> of different lengths. Times that do not increase and a file without numbers are errors too.
    subroutine read_columns(bytes, t, a, error)
       character(*), intent(in) :: bytes
       !! text of the file

@@ -44,8 +44,8 @@ contains
 
    !> Read a record from the text of its file.
    !>
-   !> Errors: an invalid line, numbers that do not match NPTS, fewer than two samples, times that do
-   !> not increase, `dt` or `unit` missing or not allowed.
+   !> Errors: an invalid line, numbers that do not match NPTS, and those of `make_record`. Times
+   !> that do not increase are an error too.
    subroutine parse_record(bytes, dt, unit, scale, g, record, error)
       character(*), intent(in) :: bytes
       !! the whole file, lines with their line feeds
