@@ -1,4 +1,4 @@
-!> How a case is computed and what is kept: `&model`, `&solver`, `&output`.
+!> Groups of the numerical model, the integration and the output: `&model`, `&solver`, `&output`.
 module rwmf_input_groups_analysis
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_problem_case, only: case_t, output_t
@@ -15,11 +15,11 @@ module rwmf_input_groups_analysis
    public :: model_group, solver_group, output_group
 
    character(*), parameter :: all_methods = 'auto adams bdf erk54 dop853 extrapolation fast'
-   !! integrators; `rwmf_integrator_factory` says what 'auto' is
+   !! integrators; `rwmf_integrator_factory` defines 'auto'
 
 contains
 
-   !> The group `&model`: its keys, and how they are checked and read.
+   !> Group `&model` with its keys and hooks.
    type(case_group_t) function model_group() result(group)
       group%name = 'model'
       group%is_of_scene = .false.
@@ -42,7 +42,7 @@ contains
       case%model%overturning_angle = real_of(case%values, 'model', 'overturning_angle')
    end subroutine fill_model
 
-   !> The group `&solver`: its keys, and how they are checked and read.
+   !> Group `&solver` with its keys and hooks.
    type(case_group_t) function solver_group() result(group)
       group%name = 'solver'
       group%is_of_scene = .false.
@@ -68,8 +68,8 @@ contains
       group%fill => fill_solver
    end function solver_group
 
-   !> The tolerance is given or chosen for an accuracy, not both; only a record says by itself when
-   !> the simulation ends.
+   !> Check that rtol and accuracy are not both given, and that the end of the simulation is known.
+   !> Without `t_end`, only a record defines it.
    subroutine check_solver(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -92,7 +92,7 @@ contains
       end if
    end subroutine check_solver
 
-   !> A peak of the table, and something that is to be known of it.
+   !> Check that `accuracy_of` is a peak of the table and that accuracy or verify uses it.
    subroutine check_peak(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -126,7 +126,7 @@ contains
       call fail_key(values, 'solver', 'accuracy_of', problem, error)
    end subroutine check_peak
 
-   !> Is there a record to end with, and no pulse that may go on beyond it?
+   !> True if a record defines the end of the simulation, and no pulse can last longer.
    pure logical function ends_with_record(values)
       type(group_values_t), intent(in) :: values
       logical :: is_still
@@ -155,7 +155,7 @@ contains
       call get_real(case%values, 'solver', 't_end', case%solver%t_end)
    end subroutine fill_solver
 
-   !> The group `&output`: its keys, and how they are checked and read.
+   !> Group `&output` with its keys and hooks.
    type(case_group_t) function output_group() result(group)
       group%name = 'output'
       group%is_of_scene = .false.
@@ -172,7 +172,7 @@ contains
       group%fill => fill_output
    end function output_group
 
-   !> A limit of friction belongs to the reactions of a wall.
+   !> Check that a friction limit is given only for the reactions of a wall without a shear key.
    subroutine check_output(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error

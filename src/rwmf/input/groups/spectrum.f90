@@ -1,4 +1,4 @@
-!> The loop over periods, mass ratios and widths, `&spectrum`.
+!> Group of the grid of periods, mass ratios and widths, `&spectrum`.
 module rwmf_input_groups_spectrum
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -18,7 +18,7 @@ module rwmf_input_groups_spectrum
 
 contains
 
-   !> The group `&spectrum`: its keys, and how they are checked and read.
+   !> Group `&spectrum` with its keys and hooks.
    type(case_group_t) function spectrum_group() result(group)
       group%name = 'spectrum'
       group%is_of_scene = .false.
@@ -45,7 +45,7 @@ contains
       group%fill => fill_spectrum
    end function spectrum_group
 
-   !> Periods as a list or a grid; a mass ratio only of wall and frame, a width only of a wall.
+   !> Check scene, quantities and periods; the periods are given as a list or as a grid.
    subroutine check_spectrum(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -59,7 +59,7 @@ contains
       end if
    end subroutine check_spectrum
 
-   !> What the periods are of, and the lists that it has.
+   !> Check that the scene has the period, the mass ratios and the widths that the spectrum varies.
    subroutine check_scene(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -84,7 +84,7 @@ contains
       end if
    end subroutine check_scene
 
-   !> Quantities that the table has, each once.
+   !> Check that all quantities are known and given once.
    subroutine check_quantities(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -120,7 +120,7 @@ contains
       end do
    end subroutine check_quantities
 
-   !> The grid needs all of its keys, and a list of periods none.
+   !> Check that all keys of the grid are given, or none with a list of periods.
    subroutine check_grid_keys(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -143,7 +143,7 @@ contains
       end do
    end subroutine check_grid_keys
 
-   !> Ends in order, and as many periods as ends at least.
+   !> Check the order of the ends, and that different ends have at least two periods.
    subroutine check_grid(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
