@@ -82,7 +82,7 @@ contains
    subroutine read_option(command_line, option, position, error)
       type(command_line_t), intent(inout) :: command_line
       character(*), intent(in) :: option
-      !! as given
+      !! option as typed by the user
       integer, intent(inout) :: position
       !! position of the option; on return of its value, if it has one
       type(error_t), allocatable, intent(out) :: error

@@ -18,7 +18,7 @@ program rwmf_batch
    implicit none
 
    integer, parameter :: warning_length = 256
-   !! room for one
+   !! buffer length of one warning
 
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error
@@ -171,7 +171,7 @@ contains
    !> Compose the beginning of the names of a case's files.
    subroutine name_output(path, command_line, name)
       character(*), intent(in) :: path
-      !! of the namelist
+      !! path of the namelist
       type(command_line_t), intent(in) :: command_line
       character(:), allocatable, intent(out) :: name
 

@@ -1,7 +1,7 @@
 !> Handling of Ctrl-C and of the queue's termination signal in the batch program. The running
 !> computation is cancelled, so that no temporary file remains.
 !>
-!> This module is part of the program, not of the library: a signal handler receives only the number
+!> This module is part of the program, not of the library. A signal handler receives only the number
 !> of the signal, so that the flag must be a module variable.
 module rwmf_app_signals
    use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, &

@@ -97,9 +97,9 @@ contains
       real(c_double), intent(in) :: t
       !! [s]
       logical, intent(in) :: overturned
-      !! it ended because the wall overturned
+      !! the wall overturned
       logical, intent(in) :: collapsed
-      !! it ended because frame or storey passed its limit of drift
+      !! the frame or a storey exceeded its drift limit
 
       ending_of = c_ending_t(t, merge(1_c_int32_t, 0_c_int32_t, overturned), &
          merge(1_c_int32_t, 0_c_int32_t, collapsed))

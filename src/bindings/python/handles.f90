@@ -56,7 +56,7 @@ contains
    !> Return the object behind a handle.
    function find(handle) result(kept)
       integer(c_int64_t), intent(in) :: handle
-      !! from `keep`, not freed
+      !! handle from `keep`, not freed
       type(kept_t), pointer :: kept
 
       call c_f_pointer(transfer(handle, c_null_ptr), kept)
@@ -166,7 +166,7 @@ contains
    !> Return the motion of a case: the tabulated one, or one built in `room`.
    subroutine motion_of(kept, room, motion)
       type(kept_t), pointer, intent(in) :: kept
-      !! a case
+      !! object of a case
       type(motion_t), target, intent(inout) :: room
       type(motion_t), pointer, intent(out) :: motion
 
@@ -183,7 +183,7 @@ contains
    !> Copy a case and the samples of its records.
    subroutine complete_case(kept, case)
       type(kept_t), intent(in) :: kept
-      !! a case
+      !! object of a case
       type(case_t), intent(out) :: case
 
       case = kept%case

@@ -1,9 +1,9 @@
 !> Kernel in quadruple precision as a flat procedure for f2py, in the extension `rwmf._reference`.
 !> It is the reference for the errors of all methods.
 !>
-!> It is compiled from the kernel's own sources with `RWMF_QUAD` into a separate library, so that it
-!> shares nothing with the double-precision kernel in a process. The numbers of the case are read in
-!> double precision.
+!> It is compiled from the kernel's own sources with `RWMF_QUAD`. A separate library shares nothing
+!> with the double-precision kernel in a process. The numbers of the case are read in double
+!> precision.
 module rwmf_bindings_python_reference
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
    use rwmf_baseline_timed_run, only: empty_measured, halve_intervals, measure_method, &

@@ -31,9 +31,8 @@ contains
 
    !> Compute the response of a scene by one of today's procedures.
    !>
-   !> Errors: an unknown name; an invalid step; no period of the frame; a scene with further states
-   !> or with hysteretic springs, which these procedures do not support; the numerical failures of
-   !> the procedure.
+   !> Errors: an unknown name; an invalid step; no period of the frame; the numerical failures of
+   !> the procedure. Scenes with further states or with hysteretic springs are not supported.
    subroutine run_baseline(case, name, dt, rtol, atol, baseline, error)
       type(case_t), intent(in) :: case
       !! valid

@@ -1,7 +1,7 @@
 !> Procedure of the paper, MATLAB's `ode45` with an event function and a restart after each impact.
 !>
-!> It uses Dormand and Prince's pair 5(4) with the step control, the event location and the four
-!> output points per step of Shampine and Reichelt (The MATLAB ODE Suite, SIAM J. Sci. Comput. 18,
+!> It uses Dormand and Prince's pair 5(4). Step control, event location and the four output points
+!> per step are those of Shampine and Reichelt (The MATLAB ODE Suite, SIAM J. Sci. Comput. 18,
 !> 1997). Its steps ignore the samples of a record.
 module rwmf_baseline_ode45
    use rwmf_baseline_problem, only: apply_impact, evaluate, observe, problem_t, try_lift_off
@@ -137,7 +137,7 @@ contains
       end do
    end subroutine follow_flight
 
-   !> First step length [s].
+   !> Compute the first step length [s].
    pure real(wp) function first_length(step, rtol, atol, h_max) result(h)
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: rtol

@@ -2,7 +2,7 @@
 !> uplift, and the reported results.
 !>
 !> The equation of motion is the kernel's own. All other parts follow common practice, not the best
-!> method: the ground motion is an interpolated table, uplift is detected at a sample, and maxima
+!> method. The ground motion is an interpolated table, uplift is detected at a sample, and maxima
 !> are those of the recorded points.
 module rwmf_baseline_problem
    use rwmf_core_kinds, only: i8, wp
@@ -20,7 +20,7 @@ module rwmf_baseline_problem
       usual_interval
 
    real(wp), parameter :: small_velocity = 1.0e-6_wp
-   !! velocity after an impact below which a wall under net closing moment comes to rest [rad/s]
+   !! a wall pressed onto its base stops after an impact below this velocity [rad/s]
    integer(i8), parameter :: most_steps = 1000000_i8
    !! limit of the steps, because every impact of a chatter is followed
    real(wp), parameter :: interval_without_motion = 0.01_wp
@@ -76,7 +76,7 @@ contains
    !> Create the scene of a case at t = 0.
    subroutine create_problem(case, motion, scene)
       type(case_t), intent(in) :: case
-      !! valid, with the frame's T_s given
+      !! valid case, with the frame's T_s
       type(motion_t), intent(in), target :: motion
       !! motion of the case; must outlive the scene
       type(problem_t), intent(out) :: scene

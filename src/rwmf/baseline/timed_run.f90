@@ -182,7 +182,7 @@ contains
    pure subroutine put_measured(measured, values, counts, impact_times)
       type(timed_run_t), intent(in) :: measured
       real(dp), intent(inout) :: values(:)
-      !! in the order and the units of `value_names`; those beyond the eighth stay as they are
+      !! in the order and the units of `value_names`; values beyond the eighth are unchanged
       integer(i8), intent(out) :: counts(5)
       !! steps, right-hand sides, impacts, overturned, repeats
       real(dp), intent(inout) :: impact_times(:)
@@ -197,8 +197,8 @@ contains
          merge(1_i8, 0_i8, measured%overturned), int(measured%repeats, i8)]
    end subroutine put_measured
 
-   !> Compute the differences of two measurements: of their values, and of each impact of the first
-   !> from the nearest impact of the other (chatter changes their numbers).
+   !> Compute the differences of two measurements. Each impact of the first is compared with the
+   !> nearest impact of the other, because chatter changes their numbers.
    pure subroutine put_differences(one, other, differences, impact_differences)
       type(timed_run_t), intent(in) :: one
       type(timed_run_t), intent(in) :: other

@@ -19,7 +19,7 @@ module rwmf_integrator_explicit_pair
       !! work of the ground motion, dampers and smooth plastic flow over the last step, if requested
       !! [J/kg]
       real(wp) :: t_work = 0
-      !! end of that step, which may be cut short later [s]
+      !! end of the last step, which may be shortened later [s]
       real(wp), allocatable :: k(:, :, :)
       !! (1, states, stages) buffer for the rates at the stages of a step
    contains
@@ -39,7 +39,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at t
       real(wp), intent(out) :: work(power_count)
-      !! as the component [J/kg]
+      !! work, as the component `work` [J/kg]
       real(wp), parameter :: close = 2.0e-4_wp
       !! fraction of the step whose third power is negligible [-]
       real(wp) :: y_new(size(y))

@@ -28,13 +28,13 @@ module rwmf_integrator_integrator
       real(wp) :: t0
       !! beginning of the last step [s]
       real(wp) :: t1
-      !! its end [s]
+      !! end of the last step [s]
       real(wp), allocatable :: y0(:)
       !! (states) at t0
       real(wp), allocatable :: y1(:)
       !! (states) at t1
       integer(i8) :: steps = 0
-      !! accepted steps since `create`
+      !! number of accepted steps since `create`
    contains
       procedure(create_i), deferred :: create
       procedure(start_i), deferred :: start
@@ -79,7 +79,7 @@ module rwmf_integrator_integrator
          type(error_t), allocatable, intent(out) :: error
       end subroutine step_i
 
-      !> State at a time inside the last step.
+      !> Return the state at a time inside the last step.
       subroutine state_at_i(self, t, y, error)
          import :: integrator_t, error_t, wp
          implicit none

@@ -21,7 +21,7 @@ contains
    pure subroutine plan_step(pair, table, ground)
       type(pair_t), intent(in) :: pair
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
       !! `of_trial`
       real(wp), intent(out) :: ground(lane_count, most_stages, 2)
       !! accelerations at the nodes, horizontal and vertical [m/s2]
@@ -71,7 +71,7 @@ contains
       integer, intent(in) :: further
       !! number of the state with a window besides the rotation
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
       real(wp), intent(inout) :: y(lane_count, n)
       !! states at the beginnings; on return at the ends of accepted steps
       real(wp), intent(in) :: y_dot(lane_count, n)
@@ -188,9 +188,9 @@ contains
       integer, intent(in) :: n
       !! number of states
       real(wp), intent(in) :: y(lane_count, n), y_new(lane_count, n)
-      !! at both ends of the steps
+      !! states at both ends of the steps
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
       integer :: i
 
       !$omp simd
@@ -209,7 +209,7 @@ contains
       !! (line_columns, intervals) limit [s] (negative if unknown or beyond the last interval), a_0,
       !! slope, t_0, vertical a_0, vertical slope
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
       integer, intent(inout) :: mark(lane_count)
       !! `at_limit`; on return `is_done` after the knot
       integer :: i, next

@@ -48,9 +48,9 @@ contains
       integer, intent(in) :: last
       !! stage at the end of the step
       real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%drifts))
-      !! of the buildings, as `put_constants` sets them, each in its unit
+      !! constants of the buildings from `put_constants`, each in its unit
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the loops, for the current side and branches
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
       !! (states) at the beginning
       real(wp), intent(in) :: k(lane_count, parts%through_link%n, most_stages)

@@ -20,13 +20,13 @@ contains
       type(scene_t), intent(in) :: scene
       type(pair_t), intent(in) :: pair
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the loops, for the current side and branches
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)
       !! acceleration of the ground at the nodes, horizontal and vertical [m/s2]
       real(wp), intent(in) :: h(lane_count)
       !! [s]
       real(wp), intent(in) :: tolerance(lane_count, 0:scene%n)
-      !! relative, and absolute of each state
+      !! relative tolerance, and absolute tolerance of each state
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! (states)
       logical, intent(in) :: has_rates
@@ -34,7 +34,7 @@ contains
       real(wp), intent(inout) :: k(lane_count, scene%n, most_stages)
       !! rates of the states at the nodes; the first ones are those at the beginning
       real(wp), intent(out) :: y_new(lane_count, scene%n)
-      !! states at the end, and before that at each node
+      !! states at the end; during the step, those at each node
       real(wp), intent(out) :: error(lane_count)
       !! square of the norm of the local error over the tolerance [-]
       real(wp), intent(out), optional :: work(lane_count, power_count)

@@ -20,7 +20,7 @@ module rwmf_integrator_one_step
       type(equation_t), pointer :: equation => null()
       type(tolerance_t) :: tolerance
       integer :: error_order = 1
-      !! the estimated local error shrinks as h**error_order
+      !! the estimated local error is proportional to h**error_order
       real(wp), allocatable :: f0(:)
       !! (states) derivative at t0
       real(wp), allocatable :: f1(:)

@@ -16,7 +16,7 @@ module rwmf_integrator_pairs
       integer :: terms = 0
       integer :: stage(most_terms) = 1
       real(wp) :: weight(most_terms) = 0
-      !! (terms) factor of each of these stages [-]
+      !! (terms) weight of each stage [-]
    end type sum_t
 
    !> Method with one or two embedded solutions that estimate its error.
@@ -25,9 +25,9 @@ module rwmf_integrator_pairs
       integer :: order = 1
       !! order of the solution
       integer :: error_order = 1
-      !! the estimated local error shrinks as h**error_order
+      !! the estimated local error is proportional to h**error_order
       real(wp) :: c(most_stages) = 0
-      !! nodes, in parts of the step [-]
+      !! nodes, as fractions of the step [-]
       type(sum_t) :: a(2:most_stages)
       !! weights of the preceding stages in each stage
       type(sum_t) :: b

@@ -29,7 +29,7 @@ module rwmf_motion_ground_motion
    integer, parameter :: shape_given = 2
    !! acceleration computed by a host in interval 1, then constant
    integer, parameter :: shape_pulse = 3
-   !! `curve` between its knots, which may be two among those of a vertical record
+   !! `curve` between its two knots, which may be among those of a vertical record
 
    !> Ground acceleration.
    type :: motion_t
@@ -41,15 +41,15 @@ module rwmf_motion_ground_motion
       real(wp), allocatable :: a(:)
       !! (knots) acceleration just after the knot [m/s2]
       real(wp), allocatable :: slope(:)
-      !! (knots) its rate in the interval after the knot [m/s3]
+      !! (knots) rate of the acceleration in the interval after the knot [m/s3]
       type(curve_t) :: curve
       !! pulse; for lines only the amplitude is set, their largest magnitude
       integer :: last_turning = 1
-      !! interval after which nothing turns inside an interval
+      !! last interval that may have an extremum inside
       class(ground_t), pointer :: ground => null()
       !! function of a host, for the time of one advance
       real(wp) :: vertical_ratio = 0
-      !! of the vertical to the horizontal acceleration [-]
+      !! ratio of the vertical to the horizontal acceleration [-]
       type(lines_t), allocatable :: vertical
       !! independent vertical acceleration, on the same knots [m/s2]
       integer :: parts = 1
@@ -154,9 +154,9 @@ contains
    pure function horizontal_motion(case, unit, record) result(motion)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: unit
-      !! of the samples, or amplitude of the pulse [m/s2]
+      !! unit of the samples, or amplitude of the pulse [m/s2]
       type(record_t), intent(in), optional :: record
-      !! with samples, of kind 'record'
+      !! record with samples, of kind 'record'
       type(motion_t) :: motion
 
       motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
@@ -181,7 +181,7 @@ contains
       real(wp), intent(in) :: a(:)
       !! (n) accelerations [m/s2]
       real(wp), intent(in), optional :: vertical_ratio
-      !! of the vertical to this acceleration, 0 when absent [-]
+      !! ratio of the vertical to this acceleration, 0 if absent [-]
       type(motion_t) :: motion
       type(lines_t) :: lines
 
@@ -282,9 +282,9 @@ contains
    !> limited only by the periods of the scene (`step_parts`).
    function refined_motion(motion, parts) result(refined)
       type(motion_t), intent(in) :: motion
-      !! of a case
+      !! motion of a case
       integer, intent(in) :: parts
-      !! of each interval
+      !! number of parts of each interval
       type(motion_t) :: refined
       type(lines_t) :: lines
       real(wp), allocatable :: knot(:)
@@ -383,7 +383,7 @@ contains
    pure real(wp) function velocity(motion, at_knots, interval, t)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: at_knots(:)
-      !! of `velocities_at_knots` [m/s]
+      !! result of `velocities_at_knots` [m/s]
       integer, intent(in) :: interval
       !! number of the interval, as from `interval_at`
       real(wp), intent(in) :: t
@@ -441,13 +441,13 @@ contains
       vertical = line%a_0 + line%slope*(t - line%t_0)
    end function vertical_acceleration
 
-   !> Straight line of the vertical motion.
+   !> Return the straight line of the vertical motion.
    pure type(line_t) function vertical_line_of(motion, interval, horizontal) result(line)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
       !! number of the interval, as from `interval_at`
       type(line_t), intent(in) :: horizontal
-      !! line of the horizontal motion there
+      !! line of the horizontal motion in this interval
 
       line = horizontal
       line%a_0 = motion%vertical_ratio*line%a_0

@@ -14,7 +14,7 @@ module rwmf_motion_polyline
       real(wp), allocatable :: a(:)
       !! (n) acceleration just after the knot [m/s2]
       real(wp), allocatable :: slope(:)
-      !! (n) its rate in the interval after the knot [m/s3]
+      !! (n) rate of the acceleration in the interval after the knot [m/s3]
    end type lines_t
 
    !> Straight line a_0 + slope*(t - t_0) that the ground acceleration follows in an interval.
@@ -56,7 +56,7 @@ contains
       real(wp), intent(in) :: first(:)
       !! (n) strictly increasing times [s]
       real(wp), intent(in) :: second(:)
-      !! (m) likewise [s]
+      !! (m) strictly increasing times [s]
       real(wp), allocatable :: times(:)
       !! (at most n + m)
       logical :: is_first
@@ -92,7 +92,7 @@ contains
    pure type(lines_t) function on_knots(lines, knots) result(refined)
       type(lines_t), intent(in) :: lines
       real(wp), intent(in) :: knots(:)
-      !! (n) strictly increasing times, those of the lines among them [s]
+      !! (n) strictly increasing times, including those of the lines [s]
       integer :: i, k
 
       allocate (refined%knot(size(knots)), refined%a(size(knots)), refined%slope(size(knots)))
@@ -151,9 +151,9 @@ contains
    !> unknown: each eighth is taken as monotone.
    pure real(wp) function next_eighth(t_begin, t_end, t) result(next)
       real(wp), intent(in) :: t_begin
-      !! of the interval [s]
+      !! beginning of the interval [s]
       real(wp), intent(in) :: t_end
-      !! of the interval [s]
+      !! end of the interval [s]
       real(wp), intent(in) :: t
       !! [s]
       real(wp) :: eighth

@@ -21,7 +21,7 @@ module rwmf_motion_pulse
    type :: curve_t
       logical :: is_harmonic = .true.
       real(wp) :: amplitude = 0
-      !! with its sign [m/s2]
+      !! amplitude with its sign [m/s2]
       real(wp) :: omega = 0
       !! [rad/s]
       real(wp) :: phase = 0
@@ -41,15 +41,16 @@ module rwmf_motion_pulse
 
 contains
 
-   !> Build the pulse of a case: one-sine pulse (16), one-cosine pulse (17), several cycles of a
-   !> sine, the pulse C_n, Ricker pulses, and that of Mavroeidis and Papageorgiou. C_n is a cosine
-   !> of the phase phi that lasts until the ground returns to its initial position. The v_p of
-   !> Mavroeidis and Papageorgiou is A, the amplitude of the velocity's envelope.
+   !> Build the pulse of a case. The kinds are the one-sine pulse (16), the one-cosine pulse (17),
+   !> several cycles of a sine, the pulse C_n, Ricker pulses, and that of Mavroeidis and
+   !> Papageorgiou. C_n is a cosine of the phase phi that lasts until the ground returns to its
+   !> initial position. The v_p of Mavroeidis and Papageorgiou is A, the amplitude of the velocity's
+   !> envelope.
    !>
    !> Eq. (16) has the amplitude omega_p v_p/2, the cosines omega_p v_p.
    pure type(curve_t) function build_curve(spec, g) result(curve)
       type(motion_spec_t), intent(in) :: spec
-      !! of a pulse
+      !! specification of a pulse
       real(wp), intent(in) :: g
       !! unit of `a_max_g` [m/s2]
       real(wp) :: cycles
@@ -169,7 +170,7 @@ contains
       end if
    end function steep_time
 
-   !> First time after t at which the slope of a harmonic has a given magnitude, without an end [s]:
+   !> First time after t at which the slope of a harmonic has a given magnitude [s]. There
    !> |cos(psi)| = slope/(amplitude*omega), where psi is k pi +- the arccosine of this ratio.
    pure real(wp) function steep_time_of_harmonic(curve, slope, t) result(time)
       type(curve_t), intent(in) :: curve
@@ -178,7 +179,7 @@ contains
       real(wp) :: half_turns
       !! integral
       real(wp) :: inside
-      !! of a quarter turn [rad]
+      !! angle inside a quarter turn [rad]
       real(wp) :: candidate
       integer :: i
 

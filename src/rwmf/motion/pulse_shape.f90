@@ -18,8 +18,8 @@ module rwmf_motion_pulse_shape
    integer, parameter :: shape_mavroeidis_papageorgiou = 3
 
    real(wp), parameter :: ricker_ends(2) = [2.1_wp, 2.6_wp]
-   !! half durations of the Ricker pulses over T_p [-]: beyond them the acceleration is below the
-   !! round-off of double precision (3e-17 of its peak); equal in every precision
+   !! half durations of the Ricker pulses over T_p, equal in every precision [-]. Beyond them the
+   !! acceleration is below the round-off of double precision (3e-17 of its peak).
    real(wp), parameter :: beta = sqrt(6*(3 - sqrt(6.0_wp)))*exp((sqrt(6.0_wp) - 3)/2)
    !! largest magnitude of (x**2 - 3) x exp(-x**2/2), 1.3801... [-]
    real(wp), parameter :: hermite_4(4) = [-1, -1, 1, 1]*sqrt(3 + [1, -1, -1, 1]*sqrt(6.0_wp))
@@ -31,12 +31,12 @@ module rwmf_motion_pulse_shape
    real(wp), parameter :: most_of_hermite_7 = 36
    !! largest magnitude of the seventh derivative, rounded up from 35.54 [-]
 
-   !> One pulse.
+   !> Pulse of one kind, in dimensionless form.
    type :: pulse_t
       integer :: shape = 0
       !! one of the `shape_` numbers
       real(wp) :: rate = 0
-      !! position of the shape per time [1/s]
+      !! rate of the position over time [1/s]
       real(wp) :: centre = 0
       !! [s]
       real(wp) :: half = 0
@@ -46,7 +46,7 @@ module rwmf_motion_pulse_shape
       real(wp) :: nu = 0
       !! of Mavroeidis and Papageorgiou, phase [rad]
       real(wp) :: peak = 1
-      !! largest magnitude before division by it [-]
+      !! largest magnitude before normalisation [-]
       real(wp) :: fastest = 0
       !! fourth root of the largest fourth derivative of the unit pulse [1/s]
    end type pulse_t
@@ -298,10 +298,10 @@ contains
 
    !> Extrema and zeros of a pulse of Mavroeidis and Papageorgiou.
    !>
-   !> With u = x/gamma acceleration and rate are the imaginary and the real part of exp(i(x + nu))
-   !> times (1 + p cos(u)) + i q sin(u), with p = 1, q = 1/gamma and p = 1 + 1/gamma**2, q =
-   !> 2/gamma. The phases of both grow with x, so that zeros and extrema alternate and none is
-   !> missed.
+   !> Let u = x/gamma. Acceleration and rate are the imaginary and the real part of exp(i(x + nu))
+   !> times (1 + p cos(u)) + i q sin(u). The acceleration has p = 1, q = 1/gamma, the rate p = 1 +
+   !> 1/gamma**2, q = 2/gamma. The phases of both grow with x, so that zeros and extrema alternate
+   !> and none is missed.
    pure function cycles_cuts(pulse) result(x)
       type(pulse_t), intent(in) :: pulse
       real(wp), allocatable :: x(:)
@@ -325,8 +325,8 @@ contains
       end do
    end function cycles_cuts
 
-   !> Find the position where x + nu + arg((1 + p cos(x/gamma)) + i q sin(x/gamma)) has a given
-   !> value [-], by Newton's method inside a bracket.
+   !> Find the position where a phase has a given value, by Newton's method inside a bracket [-].
+   !> The phase is x + nu + arg((1 + p cos(x/gamma)) + i q sin(x/gamma)).
    pure real(wp) function phase_place(pulse, p, q, phase) result(x)
       type(pulse_t), intent(in) :: pulse
       real(wp), intent(in) :: p
@@ -357,9 +357,9 @@ contains
       end do
    end function phase_place
 
-   !> Phase phi of the pulse C_n, after which the ground returns to its initial position [rad]: (m -
-   !> phi) tan(phi) = 1 with m = (n + 1/2) pi (Makris and Chang, EESD 29, 2000). The fixed-point
-   !> iteration contracts by 1/(1 + (m - phi)**2) < 1/20.
+   !> Phase phi of the pulse C_n, after which the ground returns to its initial position [rad]. It
+   !> solves (m - phi) tan(phi) = 1 with m = (n + 1/2) pi (Makris and Chang, EESD 29, 2000). The
+   !> fixed-point iteration contracts by 1/(1 + (m - phi)**2) < 1/20.
    pure real(wp) function type_c_phase(n) result(phi)
       integer, intent(in) :: n
       !! >= 1

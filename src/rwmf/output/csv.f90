@@ -66,7 +66,7 @@ contains
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(in) :: spectrum
       character(*), intent(in) :: path
-      !! of the file
+      !! path of the file
       type(error_t), allocatable, intent(out) :: error
       !! the file cannot be written, or is an input file of the case (`err_input`); cancelled before
       !! the file was complete (`err_interrupt`)
@@ -105,7 +105,7 @@ contains
    !> Check the output files of a case. Fails if one of them is a folder or an input file.
    subroutine check_outputs(folder, name, case, error, source)
       character(*), intent(in) :: folder
-      !! its path; '' is the current one
+      !! path of the folder; '' is the current one
       character(*), intent(in) :: name
       !! name of the case that writes, see `case_name`
       type(case_t), intent(in) :: case

@@ -23,9 +23,9 @@ module rwmf_output_preview
 
 contains
 
-   !> Write lines with a word and its names, separated by tabs: `effects`, `absent` (effects that
-   !> are not simulated), `states`, `events`, `scalars` (keys of the summary), `columns` (of the
-   !> history; empty without one) and `notes` (sentences).
+   !> Write lines with a word and its names, separated by tabs. The words are `effects`, `absent`
+   !> (effects that are not simulated), `states`, `events`, `scalars` (keys of the summary),
+   !> `columns` (of the history; empty without one) and `notes` (sentences).
    !>
    !> The outputs are those of the case with zero duration. No separate list could therefore differ
    !> from the written outputs. Errors: as `simulate` and `check_asked`.

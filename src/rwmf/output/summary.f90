@@ -25,11 +25,11 @@ module rwmf_output_summary
       character(:), allocatable :: kind
       !! 'real', 'int', 'logical', 'text' or 'list'
       real(wp) :: number = 0
-      !! of a 'real' [unit of the key]
+      !! value of a 'real' [unit of the key]
       integer(i8) :: count = 0
-      !! of an 'int'; 1 for a true 'logical'
+      !! value of an 'int'; 1 for a true 'logical'
       character(:), allocatable :: text
-      !! of a 'text'; items of a 'list' separated by tabs; otherwise ''
+      !! value of a 'text'; items of a 'list' separated by tabs; otherwise ''
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
@@ -77,7 +77,7 @@ contains
    pure subroutine append_numbers(items, n, place, values)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(inout) :: n
-      !! items so far
+      !! number of items so far
       integer, intent(in) :: place
       !! position in the table
       type(values_t), intent(in) :: values
@@ -97,7 +97,7 @@ contains
    pure subroutine append_item(items, n, place, storey, value, text)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(inout) :: n
-      !! items so far
+      !! number of items so far
       integer, intent(in) :: place
       integer, intent(in) :: storey
       !! number of the storey, for a key with '{i}'
@@ -120,7 +120,7 @@ contains
    pure subroutine resize(items, n, new_size)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(in) :: n
-      !! items in use
+      !! number of items in use
       integer, intent(in) :: new_size
       !! >= n
       type(summary_item_t), allocatable :: resized(:)

@@ -83,7 +83,7 @@ contains
       integer, intent(in) :: n
       !! number of states
       real(c_double), pointer, contiguous, intent(out) :: values(:)
-      !! (n) states, in place: the vector's own memory
+      !! (n) states, in the vector's own memory
 
       call c_f_pointer(array_pointer(c_loc(vector)), values, [n])
    end subroutine data_of
@@ -91,7 +91,7 @@ contains
    !> Ignore an error report of SUNDIALS: flags are checked at each call.
    subroutine stay_silent(code, module_name, function_name, message, user_data) bind(c, name='')
       integer(c_int), value :: code
-      !! SUNDIALS' number of the error
+      !! number of the error in SUNDIALS
       type(c_ptr), value :: module_name, function_name, message, user_data
    end subroutine stay_silent
 
@@ -179,7 +179,7 @@ contains
    subroutine free_vector(vector, values)
       type(N_Vector), pointer, intent(inout) :: vector
       real(c_double), pointer, intent(inout) :: values(:)
-      !! (states) data of the vector, which become null as well
+      !! (states) data of the vector, null on return
 
       if (associated(vector)) call FN_VDestroy(vector)
       vector => null()
@@ -189,7 +189,7 @@ contains
    !> Latest end of the first step of a flight [s].
    !>
    !> A first step has a low order. Across a whole flight below the tolerance it returns a velocity
-   !> of the wrong sign, so that the wall would hit its base again and again. Before the top of the
+   !> of the wrong sign. The wall would then hit its base again and again. Before the top of the
    !> flight this is impossible.
    pure real(wp) function first_end(t, span)
       real(wp), intent(in) :: t

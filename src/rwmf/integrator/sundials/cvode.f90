@@ -33,8 +33,8 @@ module rwmf_integrator_sundials_cvode
    real(wp), parameter :: adams_share = 0.03_wp
    real(wp), parameter :: bdf_share = 0.05_wp
    real(wp), parameter :: adams_iteration = 0.3_wp
-   !! part of the Adams tolerance for the functional iteration: with so small a share of the
-   !! caller's tolerance, the iteration need not be more exact than the step
+   !! part of the Adams tolerance for the functional iteration. For so small a share of the caller's
+   !! tolerance the iteration need not be more exact than the step.
    real(wp), parameter :: least_rtol = 1.0e-14_wp
    !! smallest relative tolerance: below it, CVODE's error test detects only round-off
    integer, parameter :: most_stuck = 100
