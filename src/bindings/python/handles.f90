@@ -26,7 +26,7 @@ module rwmf_bindings_python_handles
       !! motion of the case, tabulated once; absent if it is that of `origin`, or its record is
       !! scaled
       type(kept_t), pointer :: origin => null()
-      !! original of a changed case, with the samples of its records; the caller keeps it that long
+      !! original of a changed case, with the samples of its records; the caller keeps it alive
       logical :: is_motion_of_origin = .false.
       !! the ground motion is unchanged
       type(samples_t), allocatable :: samples
