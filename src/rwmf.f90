@@ -1,4 +1,4 @@
-!> The public interface on one screen.
+!> Public interface of the kernel.
 !>
 !>     program example
 !>        use rwmf, only: case_t, error_t, read_case_file, result_t, simulate
@@ -15,16 +15,16 @@
 !>        end if
 !>     end program example
 !>
-!> `error` is allocated when a call failed. Nothing prints or stops, nothing is kept between calls;
-!> any number of threads may call with their own variables. An absent component of `case_t` is an
-!> effect that is not simulated, an absent component of `result_t` one that does not apply.
+!> `error` is allocated when a call failed. The library neither prints nor stops and keeps no data
+!> between calls; any number of threads may call it with their own variables. An absent component of
+!> `case_t` is an effect that is not simulated. An absent component of `result_t` does not apply.
 module rwmf
-   ! a case: from namelist text or file to validated components
+   ! read a case from namelist text or file into validated components
    use rwmf_problem_case, only: case_t
    use rwmf_input_reader, only: read_case_file, read_case_text
-   ! a ground motion from arrays, in place of the record that a case names
+   ! ground motion from arrays, in place of the record of a case
    use rwmf_input_record_samples, only: samples_from_array, samples_t
-   ! the same case with other numbers, in microseconds
+   ! change numbers of a case, in microseconds
    use rwmf_input_change, only: change_case, changes_t, find_changes
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_simulation_simulate, only: simulate_with_motion
@@ -33,7 +33,7 @@ module rwmf
       event_collapsed, event_impact, event_lift_off, event_name, event_overturned, event_peak, &
       event_rest, event_branch, event_rupture, event_t, history_t, reaction_extremes_t, result_t
    use rwmf_simulation_simulate, only: simulate
-   ! maxima over frame period, mass ratio and wall width, in parallel
+   ! spectra: maxima over frame period, mass ratio and wall width, in parallel
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum, spectrum_t, status_of
    ! a wall inside the time loop of a host program
    use rwmf_motion_ground_motion, only: ground_t

@@ -1,4 +1,4 @@
-!> Lengths of the steps of lanes, and which steps are plain: accepted without a look.
+!> Step lengths of lanes, and acceptance of steps that need no inspection.
 module rwmf_integrator_lane_control
    use, intrinsic :: iso_fortran_env, only: int64, real64
    use rwmf_core_kinds, only: wp
@@ -15,28 +15,29 @@ module rwmf_integrator_lane_control
 
 contains
 
-   !> Length of the next step of each lane: an equal share of the way to its limit, so that no
-   !> sliver is left there; and the acceleration of the ground on straight lines at the nodes.
+   !> Compute the length of the next step of each lane and the ground acceleration on straight lines
+   !> at the nodes. The length is an equal share of the time to the limit, so that no sliver
+   !> remains.
    pure subroutine plan_step(pair, table, ground)
       type(pair_t), intent(in) :: pair
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
       !! `of_trial`
       real(wp), intent(out) :: ground(lane_count, most_stages, 2)
-      !! horizontal and vertical [m/s2]
+      !! accelerations at the nodes, horizontal and vertical [m/s2]
       real(wp) :: rest, length
       real(wp), dimension(lane_count) :: line, vertical_line
       !! accelerations at the beginning [m/s2]
       real(wp), dimension(lane_count) :: rise, vertical_rise
-      !! and by how much they grow in the step [m/s2]
+      !! growth of the accelerations in the step [m/s2]
       integer :: i, s
 
       !$omp simd private(rest, length)
       do i = 1, lane_count
          rest = table(i, of_limit) - table(i, of_time)
-         ! of an idle lane any that can be divided by
+         ! an idle lane gets any nonzero length, as a divisor
          length = merge(min(table(i, of_length), rest), 1.0_wp, table(i, of_length) > 0)
-         ! a length far below the rest is not worth equal parts
+         ! a length far below the remaining time needs no equal parts
          length = merge(length, rest/max(1.0_wp, aint(rest/length*(1 - 1.0e-12_wp)) + 1), &
             length < 1.0e-8_wp*rest)
          length = merge(table(i, of_goal), length, table(i, of_goal) > 0)
@@ -57,26 +58,26 @@ contains
       end do
    end subroutine plan_step
 
-   !> Accept the steps that are accurate and in which nothing happens; the lengths of the next ones.
+   !> Accept the accurate steps without an event and set the lengths of the next ones.
    !>
-   !> Something may happen where a state leaves its window, or where theta' may change its sign
-   !> unless a bound of the turn stays inside of all that matters. Both bounds are coefficients in
-   !> Bernstein form of the quartic through both ends, both velocities and the acceleration at the
-   !> beginning, with its error (as in `rwmf_math_sign_changes`) for vibrations of up to 1.4 rad in
-   !> a step.
+   !> An event is possible where a state leaves its window. It is also possible where theta' may
+   !> change its sign, unless a bound of the turning point is inside the window. Both bounds are
+   !> coefficients in Bernstein form of the quartic through both ends, both velocities and the
+   !> acceleration at the beginning. They include its error (as in `rwmf_math_sign_changes`) for
+   !> vibrations of up to 1.4 rad in a step.
    subroutine judge_step(n, further, table, y, y_dot, y_new, error, mark)
       integer, intent(in) :: n
       !! number of states
       integer, intent(in) :: further
-      !! number of the one beside the rotation that has a window
+      !! number of the state with a window besides the rotation
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
       real(wp), intent(inout) :: y(lane_count, n)
       !! states at the beginnings; on return at the ends of accepted steps
       real(wp), intent(in) :: y_dot(lane_count, n)
       !! rates of the states at the beginning
       real(wp), intent(in) :: y_new(lane_count, n)
-      !! states at the ends of the steps that are tried
+      !! states at the ends of the attempted steps
       real(wp), intent(in) :: error(lane_count)
       !! square of the norm of the local error over the tolerance; accurate up to 1 [-]
       integer, intent(out) :: mark(lane_count)
@@ -85,8 +86,8 @@ contains
       real(wp) :: first, second
       !! coefficients of theta' in the middle of the step, times its length like all rates [rad]
       real(wp) :: bend, last_bend
-      !! and differences of their differences [rad]
-      ! 1 where it is so, 0 where not: logical variables would keep the loop from being vectorised
+      !! second differences of these coefficients [rad]
+      ! 1 for true, 0 for false: logical variables would prevent vectorisation of the loop
       real(wp) :: is_accurate, is_inside, turns, is_far
       real(wp) :: is_plain(lane_count), growth(lane_count)
       integer :: i, m
@@ -112,7 +113,7 @@ contains
          bend = second - 2*first + begin
          last_bend = end - 2*second + first
          slack = 0.035_wp*abs(last_bend - bend) + 0.05_wp*max(abs(bend), abs(last_bend))
-         ! theta' where it is least, for one that begins upwards
+         ! smallest theta' of a step that begins upwards
          lowest = sign(1.0_wp, begin)
          lowest = min(abs(begin), lowest*(begin + 3*first), lowest*(first + second) - 2*slack, &
             lowest*(3*second + end) - 4*slack, lowest*end)
@@ -140,7 +141,7 @@ contains
             >= table(i, of_limit)), merge(real(needs_look, wp), real(is_rejected, wp), &
             is_accurate > 0), is_plain(i) > 0))
       end do
-      ! only smooth hysteresis, which has the further state, has a pace
+      ! only smooth hysteresis, which has the further state, limits the rate
       if (further > 1) call keep_pace(n, y, y_new, table)
       do m = 1, n
          !$omp simd
@@ -152,16 +153,16 @@ contains
 
    !> Compute the factor on each step length: the inverse eighth root of the norm of the error.
    !>
-   !> It is accurate to 4 %, and 0 where the error is not finite. The bits of a positive number are
-   !> nearly its logarithm to the base 2. Roots and divisions would take as long as the rest of
-   !> `judge_step`.
+   !> The factor is accurate to 4 %; it is 0 where the error is not finite. The bits of a positive
+   !> number are nearly its logarithm to the base 2. Roots and divisions would take as long as the
+   !> rest of `judge_step`.
    pure subroutine find_growth(error, growth)
       real(wp), intent(in) :: error(lane_count)
       !! square of the norm of the local error over the tolerance [-]
       real(wp), intent(out) :: growth(lane_count)
       !! [-]
       integer(int64), parameter :: one = 17_int64*(1023_int64*2_int64**48) - 6_int64*2_int64**45
-      !! bits of 1, and a sixteenth of them, less half of the largest error of the logarithm
+      !! bits of 1 and a sixteenth of them, less half of the largest error of the logarithm
       real(real64) :: number(lane_count)
       integer(int64) :: bits(lane_count)
       integer :: i
@@ -182,14 +183,14 @@ contains
       end do
    end subroutine find_growth
 
-   !> Limit the lengths of the next steps where a hysteretic state relaxes to its bound.
+   !> Limit the next step lengths while a hysteretic state relaxes to its bound.
    pure subroutine keep_pace(n, y, y_new, table)
       integer, intent(in) :: n
       !! number of states
       real(wp), intent(in) :: y(lane_count, n), y_new(lane_count, n)
-      !! at both ends of the steps
+      !! states at both ends of the steps
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
       integer :: i
 
       !$omp simd
@@ -199,18 +200,18 @@ contains
       end do
    end subroutine keep_pace
 
-   !> Let lanes that have come to their limits enter the next interval of the motion, where that is
-   !> a straight line with a limit of its own.
+   !> Move lanes at their limits to the next interval of the motion, if that interval is a straight
+   !> line with its own limit.
    pure subroutine pass_knots(intervals, lines, table, mark)
       integer, intent(in) :: intervals
-      !! number of the last one that is known
+      !! number of the last known interval
       real(wp), intent(in) :: lines(line_columns, 0:intervals + 1)
-      !! of each interval: limit [s], or a negative number, as beyond the last one; a_0, slope, t_0,
-      !! vertical a_0, slope
+      !! (line_columns, intervals) limit [s] (negative if unknown or beyond the last interval), a_0,
+      !! slope, t_0, vertical a_0, vertical slope
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
       integer, intent(inout) :: mark(lane_count)
-      !! `at_limit`; on return `is_done` where it has been passed
+      !! `at_limit`; on return `is_done` after the knot
       integer :: i, next
 
       do i = 1, lane_count

@@ -1,7 +1,7 @@
-!> The steps of sixteen lanes for the processor at hand.
+!> Step procedures of sixteen lanes for the processor in use.
 !>
-!> On x86-64 they are compiled three times: for every such processor (two lanes an instruction),
-!> with AVX2 (four) and with AVX-512 (eight). The choice is made at run time and changes no bit of a
+!> On x86-64 they are compiled three times: for the baseline (two lanes per instruction), for AVX2
+!> (four) and for AVX-512 (eight). The choice is made at run time and does not affect the bits of a
 !> result.
 module rwmf_integrator_lane_kernels
 #ifdef LANE_LEVELS
@@ -26,7 +26,7 @@ module rwmf_integrator_lane_kernels
 
    public :: lane_kernels_t, lane_kernels_of, team_width, best_level, instruction_set
 
-   !> The loops, compiled for one instruction set.
+   !> Step procedures compiled for one instruction set.
    type :: lane_kernels_t
       procedure(plan_step), pointer, nopass :: plan_step => null()
       procedure(attempt_step), pointer, nopass :: attempt_step => null()
@@ -37,7 +37,7 @@ module rwmf_integrator_lane_kernels
 
 #ifdef LANE_LEVELS
    interface
-      !> 1, 3 or 4: the x86-64 level of this processor that the kernel has code for.
+      !> x86-64 level of this processor with compiled code: 1, 3 or 4.
       function processor_level() bind(c, name='rwmf_processor_level') result(level)
          import :: c_int
          implicit none
@@ -56,7 +56,7 @@ contains
 #endif
    end function best_level
 
-   !> Name of the instructions that spectra use on this processor.
+   !> Name of the instruction set that spectra use on this processor.
    function instruction_set() result(name)
       character(9) :: name
       !! 'x86-64', 'x86-64-v3' (AVX2), 'x86-64-v4' (AVX-512); elsewhere 'generic'
@@ -74,10 +74,10 @@ contains
 #endif
    end function instruction_set
 
-   !> The loops for an instruction set.
+   !> Return the step procedures for an instruction set.
    pure type(lane_kernels_t) function lane_kernels_of(level) result(kernels)
       integer, intent(in) :: level
-      !! 1, 3 or 4, at most that of the processor
+      !! 1, 3 or 4, at most the level of the processor
 
       select case (level)
 #ifdef LANE_LEVELS
