@@ -4,7 +4,7 @@
 !> to zero in proportion, by Newton's method along straight pieces. On the way, springs enter their
 !> next branch or unload.
 !>
-!> If the stiffness is not positive, or branch changes form a cycle, the path follows the damped
+!> If the stiffness is not positive or branch changes form a cycle, the path follows damped
 !> motion instead (implicit Euler steps in a fictitious time). This path releases energy in each
 !> piece and cannot converge to an unstable equilibrium.
 module rwmf_simulation_static_rest
