@@ -1,4 +1,4 @@
-!> Runs to a requested accuracy, with an estimate of their own error.
+!> Runs to a requested accuracy, with an error estimate.
 !>
 !> The estimate compares the peak of a run with the peak of a tighter run. The difference equals the
 !> error of the first run, up to the much smaller error of the second. The first run is therefore

@@ -98,8 +98,7 @@ contains
       real(wp), intent(in) :: level
       !! level of the rotation; unused for a turn [rad]
       real(wp), intent(inout) :: x
-      !! approximate position in the step; on return accurate to more than the error of the quintic
-      !! [-]
+      !! approximate position in the step; on return with less error than the quintic [-]
       logical, intent(out) :: is_found
       !! true if the position converges inside the step; otherwise it is undefined
       real(wp) :: move
