@@ -38,7 +38,7 @@ contains
       type(equation_t), intent(in) :: equation
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: small_angle
-      !! negligible rotation [rad]
+      !! rotation below which bounces are negligible [rad]
       real(wp), intent(in) :: t_limit
       !! end of the current interval, or of the advance [s]
       real(wp) :: begin(2), pull(2)

@@ -28,7 +28,7 @@ contains
       integer, intent(in) :: quantity
       !! number of the quantity in the table
       real(wp), intent(in) :: number
-      !! in the unit of the key
+      !! value in the unit of the key
 
       may_report = is_finite(number) .or. (quantity == id%friction_demand_max .and. number > 0)
    end function may_report

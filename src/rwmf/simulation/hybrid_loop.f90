@@ -45,7 +45,7 @@ contains
    !> Start the hybrid system at time t with the state y.
    subroutine start_hybrid(hybrid, equation, t, y)
       type(hybrid_t), intent(inout) :: hybrid
-      !! with restitution, overturning_angle, rtol and max_steps set
+      !! hybrid system with restitution, overturning_angle, rtol and max_steps set
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
       !! [s]

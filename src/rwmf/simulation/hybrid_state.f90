@@ -103,7 +103,7 @@ contains
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       integer(i8), intent(in) :: steps
-      !! that the integrator has taken
+      !! number of steps of the integrator so far
 
       if (hybrid%t < interval_end(equation%motion, interval_of(equation))) return
       call enter_interval(equation%model_t, equation%state, interval_of(equation) + 1)

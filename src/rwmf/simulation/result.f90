@@ -18,7 +18,7 @@ module rwmf_simulation_result
    integer, parameter :: event_branch = 6
    !! a spring starts to yield, becomes slack or becomes taut again
    integer, parameter :: event_rupture = 7
-   !! the tendon breaks
+   !! the tendon ruptures
    integer, parameter :: event_passage = 8
    !! the hysteretic force of the frame passes zero; ends a piece of motion and is not reported
    integer, parameter :: event_collapsed = 9
@@ -45,7 +45,7 @@ module rwmf_simulation_result
       !! (rows, columns) in the units of the names; rows end at overturning or collapse
    end type history_t
 
-   !> Energy ledger per unit m_w (bare frame: per unit m_s) [J/kg].
+   !> Energy balance per unit m_w (bare frame: per unit m_s) [J/kg].
    type :: energy_t
       real(wp) :: initial
       !! at t = 0
@@ -233,7 +233,7 @@ module rwmf_simulation_result
       character(:), allocatable :: method
       !! integrator in use
       real(wp) :: rtol
-      !! its relative tolerance [-]
+      !! relative tolerance of the integrator [-]
       real(wp), allocatable :: estimated_relative_error
       !! error of u_s_max (without a frame: of theta_max) [-]; absent unless requested
       real(wp), allocatable :: estimate_seconds

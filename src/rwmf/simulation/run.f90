@@ -481,6 +481,7 @@ contains
       call list_case_warnings(case, equation%motion, .false., keys, result%warnings)
    end subroutine collect_warnings
 
+   !> Add the maxima of the wall and its velocity factors to the result.
    subroutine fill_wall(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation

@@ -267,6 +267,7 @@ contains
       values%n = values%n + size(list)
    end subroutine keep_list
 
+   !> Store one number if it is present.
    pure subroutine keep(values, number, value)
       type(values_t), intent(inout) :: values
       integer, intent(in) :: number
@@ -284,6 +285,7 @@ contains
       if (present(list)) call keep_list(values, number, [maxval(abs(list))])
    end subroutine keep_largest
 
+   !> Store a count.
    pure subroutine keep_count(values, number, count)
       type(values_t), intent(inout) :: values
       integer, intent(in) :: number
@@ -292,6 +294,7 @@ contains
       call keep_list(values, number, [real(count, wp)])
    end subroutine keep_count
 
+   !> Store a logical value, if present, as 1 for true and 0 for false.
    pure subroutine keep_logical(values, number, value)
       type(values_t), intent(inout) :: values
       integer, intent(in) :: number

@@ -80,7 +80,7 @@ contains
       real(wp), intent(inout) :: y(:)
       !! (states) at the end of the run; on return at rest
       logical, intent(out) :: is_found
-      !! y is an equilibrium
+      !! true if y is an equilibrium
       type(path_t) :: path
       real(wp) :: largest
       !! largest displacement so far [m]

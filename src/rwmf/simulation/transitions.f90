@@ -39,7 +39,7 @@ contains
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
       integer, intent(in) :: event
-      !! one of the `event_` numbers, or 0
+      !! one of the `event_` numbers, or 0 without an event
       type(error_t), allocatable, intent(out) :: error
       !! the wall jumps
 
@@ -74,7 +74,7 @@ contains
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
       integer, intent(in) :: side
-      !! +1 or -1
+      !! side of the lift-off, +1 or -1
       type(error_t), allocatable, intent(out) :: error
       !! the wall jumps
 
@@ -306,7 +306,7 @@ contains
    !> Return whether the wall rests after an impact.
    logical function settles(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
-      !! after the impact
+      !! hybrid system after the impact
       type(equation_t), intent(inout) :: equation
       !! equation, unchanged on return
       type(recorder_t), intent(inout) :: recorder
@@ -346,7 +346,7 @@ contains
    !> flights, of duration 2 v/a each.
    subroutine observe_end_of_chatter(hybrid, equation, recorder)
       type(hybrid_t), intent(in) :: hybrid
-      !! after the impact
+      !! hybrid system after the impact
       type(equation_t), intent(inout) :: equation
       !! equation, unchanged on return
       type(recorder_t), intent(inout) :: recorder

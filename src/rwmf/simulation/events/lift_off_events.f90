@@ -55,6 +55,7 @@ contains
       stays_down = are_quiet(span_between(reserve, a, b), both_sides(step%equation))
    end function stays_down
 
+   !> Evaluate the reserve against uplift at a state.
    subroutine evaluate_reserve(self, t, y, f)
       class(reserve_t), intent(in) :: self
       real(wp), intent(in) :: t

@@ -27,6 +27,7 @@ module rwmf_simulation_events_turns
 
 contains
 
+   !> Evaluate rotation, velocity and acceleration at a state.
    subroutine evaluate_rotation(self, t, y, f)
       class(rotation_t), intent(in) :: self
       real(wp), intent(in) :: t
@@ -39,6 +40,7 @@ contains
       f(1, :) = [y(1), y(2), y_dot(2)]
    end subroutine evaluate_rotation
 
+   !> Evaluate velocity and acceleration at a state.
    subroutine evaluate_velocity(self, t, y, f)
       class(velocity_t), intent(in) :: self
       real(wp), intent(in) :: t

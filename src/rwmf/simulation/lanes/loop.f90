@@ -649,6 +649,7 @@ contains
       if (equation%has_loading_direction) further_state = equation%hysteresis%place
    end function further_state
 
+   !> Clear the target event of a lane.
    subroutine forget_goal(lane, i, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i

@@ -84,7 +84,7 @@ module rwmf_simulation_lanes_team
       logical :: has_curves
       !! true if the motion is not piecewise linear
       real(wp), allocatable :: lines(:, :)
-      !! (columns of a line, intervals of the motion from 0, with one unused last interval): limit
+      !! (columns, intervals of the motion from 0, with an unused last one). Each line has limit
       !! [s], a_0 [m/s2], slope [m/s3], t_0 [s]; vertical a_0, slope
       real(wp) :: max_steps
       !! largest number of steps of a run [-]
