@@ -1,4 +1,4 @@
-!> A run goes on: explicit pairs as a team of one lane, other methods in the hybrid loop.
+!> Advance a run: explicit pairs as a batch of one lane, other methods in the hybrid loop.
 module rwmf_simulation_advance
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
@@ -18,7 +18,7 @@ module rwmf_simulation_advance
 
 contains
 
-   !> Make ready what a run needs that goes to t_end in one call of `advance`.
+   !> Prepare the batch for a run that reaches t_end in one call of `advance`.
    subroutine begin_advance(hybrid, equation, integrator, t_end, team)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
@@ -34,7 +34,7 @@ contains
       end select
    end subroutine begin_advance
 
-   !> Follow the system to the time t_target, or to overturning or collapse.
+   !> Integrate the system up to t_target, overturning or collapse.
    subroutine advance(hybrid, equation, integrator, recorder, t_target, control, team, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -44,9 +44,9 @@ contains
       !! [s]
       type(control_t), intent(in) :: control
       type(team_t), intent(inout), target :: team
-      !! of a method that steps in lanes; kept from call to call
+      !! used by methods that step in lanes; kept from call to call
       type(error_t), allocatable, intent(out) :: error
-      !! the integrator fails, the wall jumps or stands on its fuses, too many steps, or interrupted
+      !! the integrator fails, the wall jumps or rests on its fuses, too many steps, or an interrupt
 
       select type (integrator)
       type is (explicit_pair_t)

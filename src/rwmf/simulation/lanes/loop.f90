@@ -1,8 +1,8 @@
-!> Steps of lanes that go together, and what happens in them.
+!> Common steps of a batch of lanes, and the events in these steps.
 !>
-!> The lanes of a team step together. A step in which something may happen is looked at alone; where
-!> the rotation does not tell all, as the hybrid loop of other methods does. No number of a lane
-!> depends on the others: a single run is a team of one.
+!> The lanes of a batch step together. A step with a possible event is inspected individually. If
+!> the rotation alone does not show all changes, the search of the hybrid loop inspects it. No
+!> number of a lane depends on the other lanes: a single run is a batch of one lane.
 module rwmf_simulation_lanes_loop
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_error, only: err_numerical, error_t, fail
@@ -48,11 +48,11 @@ module rwmf_simulation_lanes_loop
    public :: advance_lane, join_team, step_team
 
    integer, parameter :: at_state = 3
-   !! beside the events of the rotation: a further state leaves its window
+   !! event in addition to those of the rotation: a further state leaves its window
 
 contains
 
-   !> Follow a single run to the time t_target, or to overturning or collapse.
+   !> Integrate a single run up to t_target, overturning or collapse.
    subroutine advance_lane(hybrid, equation, integrator, recorder, t_target, control, team, error)
       type(hybrid_t), intent(inout), target :: hybrid
       type(equation_t), intent(inout), target :: equation
@@ -62,7 +62,7 @@ contains
       !! [s]
       type(control_t), intent(in) :: control
       type(team_t), intent(inout), target :: team
-      !! of one lane; made here when it is none yet
+      !! batch of one lane; created here if necessary
       type(error_t), allocatable, intent(out) :: error
       !! as `advance`
       type(lane_t), target :: lanes(1)
@@ -88,11 +88,11 @@ contains
       call move_alloc(lanes(1)%error, error)
    end subroutine advance_lane
 
-   !> A lane with a new run, or with the next part of one, comes into the team.
+   !> Add a lane with a new run, or with the next part of a run, to the batch.
    subroutine join_team(lane, i, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      !! number of the lane in the team
+      !! number of the lane in the batch
       type(team_t), intent(inout) :: team
 
       team%is_busy(i) = .true.
@@ -110,8 +110,7 @@ contains
       call enter_team(lane, i, team)
    end subroutine join_team
 
-   !> Bring a lane to where it can step with the team, if its run is not over; else it has no length
-   !> of a step.
+   !> Prepare a lane for a common step. If its run is over, its step length remains 0.
    subroutine enter_team(lane, i, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
@@ -138,7 +137,7 @@ contains
       call load_lane(lane, i, t_limit, span, team)
    end subroutine enter_team
 
-   !> Put a lane into the table of its team.
+   !> Load the state of a lane into the table of its batch.
    subroutine load_lane(lane, i, t_limit, span, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
@@ -183,11 +182,11 @@ contains
       call load_window(lane, i, team)
       call load_line(lane, i, t_limit, team)
       call begin_reactions(lane, i, team)
-      ! under a motion beyond all measure no first step is short enough
+      ! under an extremely strong motion, no first step is short enough
       if (.not. team%table(i, of_length) > 0) call check_length(lane, i, team)
    end subroutine load_lane
 
-   !> Between which states nothing happens.
+   !> Set the window of states without an event.
    subroutine load_window(lane, i, team)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
@@ -198,7 +197,7 @@ contains
          table(i, of_least) = -huge(1.0_wp)
          table(i, of_most) = huge(1.0_wp)
          if (equation%has_loading_direction) then
-            ! the hysteretic force that falls back passes zero
+            ! on unloading, the hysteretic force passes zero
             if (will_pass_zero(equation)) table(i, merge(of_most, of_least, &
                equation%state%signs%loading_direction > 0)) = 0
          end if
@@ -217,7 +216,7 @@ contains
       end associate
    end subroutine load_window
 
-   !> The interval of the motion that is in force.
+   !> Load the current interval of the motion.
    subroutine load_line(lane, i, t_limit, team)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
@@ -226,7 +225,7 @@ contains
       integer :: interval
 
       interval = interval_of(lane%equation)
-      ! mostly an event has changed the course inside of an interval
+      ! in most cases an event has changed the motion inside an interval
       if (interval == int(team%table(i, of_interval)) &
           .and. abs(t_limit - team%table(i, of_limit)) <= 0) return
       team%table(i, of_interval) = interval
@@ -241,7 +240,7 @@ contains
       end associate
    end subroutine load_line
 
-   !> One step of all lanes, and what happens in it.
+   !> Take one step of all lanes and apply its events.
    subroutine step_team(lanes, team)
       type(lane_t), intent(inout), target :: lanes(:)
       type(team_t), intent(inout) :: team
@@ -279,7 +278,7 @@ contains
          call check_progress(lanes(i), i, team)
          select case (team%mark(i))
          case (needs_look)
-            ! an event may keep the next step from that
+            ! an event may prevent this in the next step
             if (team%table(i, of_calm) < 1) team%is_watched(i) = .true.
             if (.not. lanes(i)%is_smooth) then
                call look_at_step(lanes(i), i, team)
@@ -308,7 +307,7 @@ contains
       end if
    end subroutine step_team
 
-   !> Which steps are smooth in spite of limits that lanes have?
+   !> Find the steps that are smooth although their lanes have limits.
    subroutine ask_limits(lanes, team)
       type(lane_t), intent(inout), target :: lanes(:)
       type(team_t), intent(inout), target :: team
@@ -331,7 +330,7 @@ contains
          step%y_b => y_b
          lanes(i)%is_smooth = is_uncut(step, lanes(i)%hybrid%drifts)
          if (lanes(i)%is_smooth .and. lanes(i)%is_held) then
-            ! the last stage knows the rates at the end nearly
+            ! the last stage approximates the rates at the end
             lanes(i)%is_smooth = stays_down(step, team%k(i, :, 1), &
                team%k(i, :, team%pair%stages))
          else if (lanes(i)%is_smooth) then
@@ -345,7 +344,7 @@ contains
       end do
    end subroutine ask_limits
 
-   !> Which steps have to be looked into?
+   !> Select the steps that the requested outputs need.
    subroutine choose_steps(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
@@ -354,7 +353,7 @@ contains
       call find_steps_to_watch(lanes, team)
    end subroutine choose_steps
 
-   !> Let what is asked for be seen in the steps that are accepted.
+   !> Record the requested outputs over the accepted steps.
    subroutine observe_steps(lanes, team)
       type(lane_t), intent(inout), target :: lanes(:)
       type(team_t), intent(inout) :: team
@@ -363,7 +362,7 @@ contains
 
       do i = 1, team%width
          if (team%mark(i) /= at_limit .and. team%mark(i) /= is_done) cycle
-         ! what grows up to the end of the step is seen in the next one
+         ! the next step includes a quantity that increases up to the end of this one
          if (team%table(i, of_calm) > 0) team%table(i, of_calm) = 1
          if (team%is_watched(i)) then
             call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
@@ -376,8 +375,8 @@ contains
       end do
    end subroutine observe_steps
 
-   !> Let what is asked for be seen in a step of a lane that is accepted after a look, or up to
-   !> nearly its end, where an event happens; of one that nobody watches the work.
+   !> Record the requested outputs over an accepted step, or over its part before an event. If no
+   !> output needs this step, accumulate only its work.
    subroutine pass_step(lane, i, team, t, y)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
@@ -399,7 +398,7 @@ contains
       end if
    end subroutine pass_step
 
-   !> Let what is asked for be seen in a step of a lane, or in a part of it.
+   !> Record the requested outputs over a step of a lane, or over a part of it.
    subroutine observe_step(lane, i, team, t_a, y_a, t_b, y_b)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
@@ -434,7 +433,7 @@ contains
       if (allocated(lane%error)) team%table(i, of_length) = 0
    end subroutine observe_step
 
-   !> Bound on the work of one run in the team.
+   !> Check the number of steps of one run in the batch.
    subroutine bound_work(lane, i, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
@@ -447,7 +446,7 @@ contains
       team%table(i, of_length) = 0
    end subroutine bound_work
 
-   !> Let the run of a lane know how far it has come in the team.
+   !> Update the run of a lane with its progress in the batch.
    subroutine catch_up(lane, i, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
@@ -459,7 +458,7 @@ contains
       call follow_interval(lane, i, team)
    end subroutine catch_up
 
-   !> The same of the interval of the motion alone.
+   !> Update the run's interval of the motion.
    subroutine follow_interval(lane, i, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
@@ -471,7 +470,7 @@ contains
       end associate
    end subroutine follow_interval
 
-   !> However round-off leads a lane, it may not look at the same instant for ever.
+   !> Fail if round-off keeps a lane at the same time for too many inspections.
    subroutine check_progress(lane, i, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
@@ -490,7 +489,7 @@ contains
          //' s: the motion is lost in round-off; raise rtol', 'too_many_steps')
    end subroutine check_progress
 
-   !> A step that is too short for the clock.
+   !> Fail if a step is below the resolution of the time.
    subroutine check_length(lane, i, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
@@ -503,7 +502,7 @@ contains
          //trim(real_to_text(team%table(i, of_time)))//' s')
    end subroutine check_length
 
-   !> The lane has come to a knot of the motion or to its end without an event.
+   !> Continue a lane at a knot of the motion, or at its end, without an event.
    subroutine pass_limit(lane, i, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
@@ -528,7 +527,7 @@ contains
       call enter_team(lane, i, team)
    end subroutine pass_limit
 
-   !> What happens first in the step of a lane, by its quartic; nothing: the step is accepted.
+   !> Find the first event in the step of a lane by its quartic; without one, accept the step.
    subroutine look_for_event(lane, i, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
@@ -543,7 +542,7 @@ contains
          call first_event(quartic, [table(i, of_low), table(i, of_high)], &
             [table(i, of_bottom), table(i, of_top)], lane%goal, x)
          call compare_with_further(lane, i, team, x)
-         ! by round-off a motion that turns may be beyond the limit of a branch that begins there
+         ! by round-off, a motion may turn beyond the limit of the branch that begins there
          is_beyond = (lane%goal == at_high .and. y(i, 1) > table(i, of_high)) &
             .or. (lane%goal == at_low .and. y(i, 1) < table(i, of_low))
          if (is_beyond) is_beyond = event_at_level(lane, table(i, merge(of_low, of_high, &
@@ -558,7 +557,7 @@ contains
          end if
          if (abs(lane%goal) == 1 .and. lane%goal*y(i, 2) > 0 &
              .and. x*table(i, of_trial) <= 4*epsilon(x)*table(i, of_time)) then
-            ! within round-off of the clock: a branch may end where the next one or the base begins
+            ! within round-off of the time, a branch may end where the next one or the base begins
             call catch_up(lane, i, team)
             call happen(lane, i, (table(i, of_time)), (y(i, :)), team)
             return
@@ -571,14 +570,16 @@ contains
       end associate
    end subroutine look_for_event
 
-   !> The instant of an event by what also knows the rates at the end, which the last stage knows
-   !> nearly: the quintic of the rotation, the cubic of the further state.
+   !> Refine the time of an event with the rates at the end of the step.
+   !>
+   !> The last stage approximates these rates. The refinement uses the quintic of the rotation or
+   !> the cubic of the further state.
    pure real(wp) function sharpened(lane, i, quartic, x, team) result(at)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
       type(quartic_t), intent(in) :: quartic
       real(wp), intent(in) :: x
-      !! by the quartic [-]
+      !! position of the event in the quartic [-]
       type(team_t), intent(in) :: team
       logical :: is_found
 
@@ -596,8 +597,8 @@ contains
       if (.not. is_found) at = x
    end function sharpened
 
-   !> Does a frame with smooth hysteresis move against the direction that its rates are for, as it
-   !> may from rest?
+   !> Return whether a frame with smooth hysteresis moves against its loading direction, which is
+   !> possible from rest.
    pure logical function is_against_loading(lane, i, team) result(is_against)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
@@ -612,14 +613,16 @@ contains
       end associate
    end function is_against_loading
 
-   !> The further state may leave its window before that: by the parabola through its ends and its
-   !> rate. In the instant of an impact, as long as nothing has yielded, it is the impact.
+   !> Find an earlier exit of the further state from its window, by the parabola through its ends
+   !> and first rate.
+   !>
+   !> Without previous yielding, an exit at the time of an impact is the impact.
    subroutine compare_with_further(lane, i, team, x)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
       type(team_t), intent(in) :: team
       real(wp), intent(inout) :: x
-      !! position of the event that has been found in the step [-]
+      !! position of the event found in the step [-]
       real(wp), parameter :: same = 1.0e-3_wp
       real(wp) :: z, rise, bend, root, at
 
@@ -637,7 +640,8 @@ contains
       end associate
    end subroutine compare_with_further
 
-   !> The state beside the rotation whose window ends a piece of motion: of a smooth hysteresis.
+   !> Index of the further state whose window ends a piece: the state of smooth hysteresis; 1
+   !> without it.
    pure integer function further_state(equation)
       type(equation_t), intent(in) :: equation
 
@@ -645,6 +649,7 @@ contains
       if (equation%has_loading_direction) further_state = equation%hysteresis%place
    end function further_state
 
+   !> Clear the target event of a lane.
    subroutine forget_goal(lane, i, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
@@ -655,7 +660,7 @@ contains
       team%table(i, of_watch) = merge(0, 1, lane%is_smooth)
    end subroutine forget_goal
 
-   !> Accept the step of a lane in which nothing happens.
+   !> Accept the step of a lane without an event.
    subroutine accept_step(lane, i, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
@@ -667,7 +672,7 @@ contains
          if (team%is_watched(i) .or. allocated(team%work)) call pass_step(lane, i, team, &
             table(i, of_time) + table(i, of_trial), team%y_new(i, :))
          if (allocated(lane%error)) return
-         ! what it has come to is where the next one begins
+         ! the next step begins at the end of this one
          team%mark(i) = is_done
          team%y(i, :) = team%y_new(i, :)
          table(i, of_steps) = table(i, of_steps) + 1
@@ -681,14 +686,15 @@ contains
       end associate
    end subroutine accept_step
 
-   !> The lane has stepped to where an event was expected: the rest by Newton's method, or a step.
+   !> Converge to the expected event at the end of a step, by Newton's method or by another trial
+   !> step.
    subroutine meet_event(lane, i, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
       type(team_t), intent(inout) :: team
       integer, parameter :: most_trials = 6
       real(wp) :: short
-      !! part of the step that a Taylor series may go [-]
+      !! fraction of the step for which a Taylor series is accurate [-]
       real(wp) :: rates(lane%equation%n), t, rest
 
       call catch_up(lane, i, team)
@@ -698,7 +704,7 @@ contains
          if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, team)
          if (lane%goal == at_turn) then
             if (y_new(i, 1) < table(i, of_low) .or. y_new(i, 1) > table(i, of_high)) then
-               ! the turn lies beyond an end of the window, which comes before it
+               ! the turn lies beyond an end of the window, which is the earlier event
                call look_for_event(lane, i, team)
                return
             end if
@@ -711,7 +717,7 @@ contains
          short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-5_wp, &
             lane%equation%n == 2))
          if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
-            ! the rates grow as those of the cubic through both ends
+            ! interpolate the rates by the cubic through both ends
             associate (h => table(i, of_trial))
                call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/h*(3*(team%y(i, :) &
                   - y_new(i, :))/h + team%k(i, :, 1) + 2*rates)), team)
@@ -720,13 +726,14 @@ contains
          end if
          lane%trials = lane%trials + 1
          if (rest > 0 .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
-            ! it comes after the knot
+            ! the event lies after the knot
             call accept_step(lane, i, team)
          else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 4*epsilon(t)*t &
                   .or. .not. abs(rest) < table(i, of_length) &
                   .or. table(i, of_trial) + rest > lane%seen_within) then
-            ! back to the beginning leads what began there, the last turn or impact, not the next;
-            ! out of the step where it was seen a turn in round-off of a motion that has died out
+            ! If Newton returns to the start of the step, it has found the previous event: search
+            ! the step. If it leaves the step that showed the event, the turn is round-off of a
+            ! decayed motion.
             call look_at_step(lane, i, team)
          else
             table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) &
@@ -735,16 +742,16 @@ contains
       end associate
    end subroutine meet_event
 
-   !> What was to come after it has come before: an end of the window of the rotation, or that of
-   !> the further state.
+   !> Select an earlier event if one precedes the target: an end of the rotation's window, or of the
+   !> further state's window.
    subroutine choose_first(lane, i, rates, team)
       type(lane_t), intent(inout) :: lane
       integer, intent(in) :: i
       real(wp), intent(in) :: rates(:)
-      !! (states) where the lane has stepped to
+      !! (states) rates at the end of the step
       type(team_t), intent(in) :: team
       real(wp), parameter :: slack = 1.0e-12_wp
-      !! of the further state [-]
+      !! tolerance of the further state [-]
       integer :: level
       real(wp) :: z
 
@@ -756,7 +763,7 @@ contains
          if (level == no_event) then
             if (max(table(i, of_least) - z, z - table(i, of_most)) > slack) lane%goal = at_state
          else if (lane%goal /= at_turn) then
-            ! the further state in the instant in which the rotation has left its window
+            ! further state at the time at which the rotation leaves its window
             z = z + rates(further)*(table(i, merge(of_low, of_high, level == at_low)) - theta) &
                /theta_dot
             lane%goal = merge(at_state, level, max(table(i, of_least) - z, z - table(i, of_most)) &
@@ -765,14 +772,14 @@ contains
       end associate
    end subroutine choose_first
 
-   !> The event that a lane has come to happens.
+   !> Apply the event that a lane has reached.
    subroutine happen(lane, i, t, y, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
-      !! (states) nearly
+      !! (states) approximately at t
       type(team_t), intent(inout) :: team
       integer :: event
 
@@ -806,7 +813,7 @@ contains
       call enter_team(lane, i, team)
    end subroutine happen
 
-   !> What happens at an end of the window.
+   !> Type of event at an end of the window.
    pure integer function event_at_level(lane, level) result(event)
       type(lane_t), intent(in) :: lane
       real(wp), intent(in) :: level
@@ -820,7 +827,7 @@ contains
       end if
    end function event_at_level
 
-   !> Look at the step of one lane as a single run does.
+   !> Inspect the step of one lane as in a single run.
    subroutine look_at_step(lane, i, team)
       type(lane_t), intent(inout), target :: lane
       integer, intent(in) :: i

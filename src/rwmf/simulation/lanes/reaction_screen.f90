@@ -1,4 +1,4 @@
-!> Which steps of the lanes of a team plainly hold no extremum of reactions and demands.
+!> Screen for steps of a batch of lanes that certainly contain no extremum of reactions and demands.
 module rwmf_simulation_lanes_reaction_screen
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: of_calm, of_fastest_demand, of_frequency, &
@@ -19,11 +19,11 @@ module rwmf_simulation_lanes_reaction_screen
 
 contains
 
-   !> A lane begins anew: what is known of its last step no longer holds.
+   !> Initialise the screen for a lane with a new piece; data of its last step are no longer valid.
    subroutine begin_reactions(lane, i, team)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
-      !! number of the lane in the team
+      !! number of the lane in the batch
       type(team_t), intent(inout) :: team
 
       team%table(i, of_plain) = 1
@@ -39,7 +39,7 @@ contains
       call note_extremes(lane, i, team)
    end subroutine begin_reactions
 
-   !> What is asked for of the lanes, all of one scene.
+   !> Set up the screen for the requested outputs of the lanes, which share one scene.
    subroutine choose_screen(lane, team)
       type(lane_t), intent(in) :: lane
       type(team_t), intent(inout) :: team
@@ -61,11 +61,11 @@ contains
       end associate
    end subroutine choose_screen
 
-   !> The extrema of a lane so far.
+   !> Copy the current extrema of a lane.
    subroutine note_extremes(lane, i, team)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
-      !! number of the lane in the team
+      !! number of the lane in the batch
       type(team_t), intent(inout) :: team
 
       if (team%screen%has_reactions) then
@@ -78,7 +78,7 @@ contains
       end if
    end subroutine note_extremes
 
-   !> Ask all lanes, by reactions and demands in the steps that they have tried.
+   !> Screen the trial steps of all lanes for extrema of reactions and demands.
    subroutine screen_reactions(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
@@ -127,10 +127,10 @@ contains
       end do
    end subroutine screen_reactions
 
-   !> Does the ground go on without a jump where the step of a lane ends?
+   !> Return whether the ground motion continues without a jump at the end of a lane's step.
    pure logical function continues(i, team)
       integer, intent(in) :: i
-      !! number of the lane in the team
+      !! number of the lane in the batch
       type(team_t), intent(in) :: team
       real(wp), parameter :: slack = 1.0e-9_wp
       integer :: next
@@ -147,7 +147,8 @@ contains
       end associate
    end function continues
 
-   !> The values at the beginning of the first step of a lane, as if one before had come to them.
+   !> Compute the values at the start of the first step of a lane, as if a previous step had ended
+   !> there.
    subroutine find_begin(lane, i, team)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i

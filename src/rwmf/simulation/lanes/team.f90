@@ -1,4 +1,4 @@
-!> Lanes that step together, and what they have in common: their table, the pair, the lines of the
+!> Batch of lanes that step together (`team_t`), with the shared table, pair and lines of the
 !> motion.
 module rwmf_simulation_lanes_team
    use rwmf_core_error, only: error_t
@@ -23,45 +23,46 @@ module rwmf_simulation_lanes_team
    public :: longest_step, find_steps_to_watch, follow_curves, may_hide_turns
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
-   !! of the vibration in a step, so that its events can be seen; where it only turns [rad]
+   !! phase angle of the vibration in a step that still shows its events; second value for a motion
+   !! without events except turns [rad]
    real(wp), parameter :: no_limit = -1
-   !! of an interval that no lane steps into without a look [s]
+   !! limit of an interval that lanes enter one by one only [s]
 
-   !> One run of a team between its steps. It points to what its owner holds.
+   !> State of one run of a batch between its steps. Its pointers refer to data of their owners.
    type :: lane_t
       type(equation_t), pointer :: equation => null()
       type(hybrid_t), pointer :: hybrid => null()
       type(recorder_t), pointer :: recorder => null()
       type(explicit_pair_t), pointer :: integrator => null()
-      !! the last step of the lane, for whoever looks into it
+      !! holds the last step of the lane, for inspection
       real(wp) :: t_end = 0
-      !! until when it runs [s]
+      !! end time of the run [s]
       type(error_t), allocatable :: error
       logical :: is_smooth = .false.
-      !! between its events all is seen in the rotation
+      !! between events, the rotation alone shows all changes
       logical :: is_held = .false.
-      !! the wall rests while other states move
+      !! the wall is held at rest while other states move
       logical :: has_limits = .false.
-      !! not so where a storey or a drift comes to a limit, or a held wall lifts off
+      !! steps may not be smooth: at a limit of a storey or drift, or at lift-off of a held wall
       integer :: goal = no_event
-      !! event that the lane steps to
+      !! event at the target of the next step
       real(wp) :: seen_within = 0
-      !! length of the step that has shown it [s]
+      !! length of the step that contains the event [s]
       integer :: trials = 0
-      !! steps that it has taken for that
+      !! number of trial steps to this event
       integer :: idle = 0
-      !! looks since the clock has moved last
+      !! number of inspections since the time last advanced
       real(wp) :: t_last = -huge(1.0_wp)
-      !! time of the last look [s]
+      !! time of the last inspection [s]
    end type lane_t
 
-   !> Lanes that step together.
+   !> Batch of lanes that step together.
    type :: team_t
       integer :: width
       type(pair_t) :: pair
       type(lane_kernels_t) :: kernels
       real(wp), allocatable :: room(:)
-      !! memory that the following arrays share, each with units of its own
+      !! buffer shared by the following arrays, each with its own units
       real(wp), pointer, contiguous :: table(:, :) => null()
       !! (width, columns) with the columns and units of `rwmf_integrator_lane_columns`
       real(wp), pointer, contiguous :: coef(:, :) => null()
@@ -77,52 +78,52 @@ module rwmf_simulation_lanes_team
       real(wp), allocatable :: error(:)
       !! (width) norm of the local error over the tolerance [-]
       real(wp), allocatable :: work(:, :)
-      !! (width, powers) in the last step [J/kg]; not allocated: nobody asks for energies
+      !! (width, powers) work in the last step [J/kg]; not allocated without requested energies
       integer, allocatable :: mark(:)
       !! (width)
       logical :: has_curves
-      !! the motion is not one of straight lines
+      !! true if the motion is not piecewise linear
       real(wp), allocatable :: lines(:, :)
-      !! (columns of a line, intervals of the motion from 0, and one more that nobody enters) limit
+      !! (columns, intervals of the motion from 0, with an unused last one). Each line has limit
       !! [s], a_0 [m/s2], slope [m/s3], t_0 [s]; vertical a_0, slope
       real(wp) :: max_steps
-      !! number of steps that a run may take [-]
+      !! largest number of steps of a run [-]
       real(wp) :: steps_left = 0
-      !! no run can have taken more than its steps before so many of the team [-]
+      !! number of batch steps in which no run can exceed its limit of steps [-]
       logical :: has_limits = .false.
-      !! a lane may have: it is asked in every step
+      !! true if a lane may have limits, which are then checked in every step
       logical :: has_ended = .true.
-      !! a lane has no length of a step: its run is over, or it has none
+      !! true if the step length of a lane is 0: its run is over, or it has no run
       logical, allocatable :: is_busy(:)
-      !! (width) the lane has an ordinate
+      !! (width) true for a lane with an ordinate
       logical :: keeps_more = .false.
-      !! more is asked for than the events tell
+      !! true if the requested outputs need more than the events
       logical, allocatable :: is_watched(:)
-      !! (width) the step has to be looked into for it; then the following is set
+      !! (width) true if the outputs need this step; the following arrays are then set
       real(wp), allocatable :: t_before(:), y_before(:, :)
-      !! (width) [s], (width, states) at the beginning of the step
+      !! (width) time [s] and (width, states) states at the start of the step
       type(screen_t) :: screen
-      !! what is asked for inside the steps; the following belongs to it
+      !! requested outputs inside the steps; the following arrays belong to it
       real(wp), allocatable :: values(:, :, :)
-      !! (width, reactions and demands, places) in the step, and the extrema so far, in the units
+      !! (width, reactions and demands, places) values in the step and extrema so far, in the units
       !! of `lane_demands`
       real(wp), allocatable :: constants(:, :)
-      !! (width, constants) of the buildings
+      !! (width, constants) constants of the buildings
       logical, allocatable :: is_known(:)
-      !! (width) those at the beginning of the step are
+      !! (width) true if the values at the start of the step are known
    end type team_t
 
 contains
 
-   !> Work space of a team, with numbers that are finite in idle lanes.
+   !> Create the work arrays of a batch, with finite numbers in idle lanes.
    subroutine create_team(equation, pair, max_steps, width, team)
       type(equation_t), intent(in) :: equation
-      !! of any lane: the scene is the same
+      !! equation of any lane: all share one scene
       type(pair_t), intent(in) :: pair
       integer(i8), intent(in) :: max_steps
-      !! of a run
+      !! largest number of steps of a run
       integer, intent(in) :: width
-      !! number of lanes: 1, or that of the kernels, which are then to be set
+      !! number of lanes: 1, or the width of the kernels, which the caller then sets
       type(team_t), intent(out), target :: team
       integer :: i
 
@@ -146,8 +147,9 @@ contains
       end associate
    end subroutine create_team
 
-   !> The arrays of the kernels, filled with zeros. They begin at lines of the cache, because a
-   !> vector that crosses one is loaded in two pieces.
+   !> Divide the buffer into the arrays of the kernels, all zero.
+   !>
+   !> The arrays start at cache lines, because a vector across two lines needs two loads.
    subroutine divide_room(n, n_coef, team)
       use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
       integer, intent(in) :: n
@@ -156,9 +158,9 @@ contains
       !! number of coefficients
       type(team_t), intent(inout), target :: team
       integer, parameter :: line = 8
-      !! of the cache, in numbers
+      !! length of a cache line, in numbers
       real(wp), pointer, contiguous :: part(:)
-      !! the room that is left
+      !! remaining part of the buffer
       integer(c_intptr_t) :: address
       integer :: first
 
@@ -184,11 +186,11 @@ contains
       end associate
    end subroutine divide_room
 
-   !> A lane goes on between two steps in a team of its own.
+   !> Move a lane between two steps into a new batch of one lane.
    subroutine leave_team(lane, i, team, alone)
       type(lane_t), intent(in) :: lane
       integer, intent(in) :: i
-      !! number of the lane in the team that it leaves
+      !! number of the lane in its present batch
       type(team_t), intent(inout) :: team
       type(team_t), intent(out), target :: alone
 
@@ -210,12 +212,14 @@ contains
       team%is_busy(i) = .false.
    end subroutine leave_team
 
-   !> The straight lines of the motion; without a limit where they are none, or too short for a
-   !> step: such an interval is entered as single runs do.
+   !> Tabulate the straight lines of the motion.
+   !>
+   !> Intervals of a curved motion, and intervals too short or too long for a step, get no limit.
+   !> Lanes enter them one by one, as single runs do.
    subroutine tabulate_lines(motion, has_vertical, t_end, team)
       type(motion_t), intent(in) :: motion
       logical, intent(in) :: has_vertical
-      !! the scene has a vertical motion of the ground
+      !! true if the scene has vertical ground motion
       real(wp), intent(in) :: t_end
       !! [s]
       type(team_t), intent(inout) :: team
@@ -237,22 +241,22 @@ contains
       end do
    end subroutine tabulate_lines
 
-   !> Lines of the ground motion in one interval as a row of the table.
+   !> Row of the table with the lines of the ground motion in one interval.
    pure function line_row(limit, line, vertical) result(row)
       real(wp), intent(in) :: limit
       !! [s]
       type(line_t), intent(in) :: line, vertical
       real(wp) :: row(line_columns)
-      !! `of_limit` and the columns of the lines
+      !! column `of_limit` and the columns of the lines
 
       row = [limit, line%a_0, line%slope, line%t_0, vertical%a_0, vertical%slope]
    end function line_row
 
-   !> Longest step in which the events of a lane can be seen [s].
+   !> Longest step that still shows all events of a lane [s].
    real(wp) function longest_step(equation) result(longest)
       type(equation_t), intent(in) :: equation
       real(wp) :: rate
-      !! the fastest in the scene [rad/s]
+      !! highest angular frequency of the scene [rad/s]
 
       rate = max(equation%p%omega_s, equation%floors%max_frequency/2, fastest_rate( &
          equation%motion))
@@ -264,9 +268,10 @@ contains
       longest = longest/step_parts(equation%motion)
    end function longest_step
 
-   !> Which steps have to be looked into for what no event tells? All of them for histories and
-   !> lists of events, those that are not plain for reactions or demands, and those that may hold
-   !> the peak of |theta'|.
+   !> Select the steps to inspect for outputs that events do not provide.
+   !>
+   !> Histories and event lists need all steps. Reactions and demands need the steps that the screen
+   !> does not exclude. The remaining ones need inspection if they may contain the peak of |theta'|.
    subroutine find_steps_to_watch(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
@@ -287,14 +292,16 @@ contains
       end do
    end subroutine find_steps_to_watch
 
-   !> May a step hold the peak of |theta'|? Not where its bound is below what was largest so far,
-   !> nor where theta'' keeps its sign. The cubic through both ends and velocities mostly shows it,
-   !> the quintic with both accelerations more sharply: the last stage knows that at the end nearly.
+   !> Return whether a step may contain the peak of |theta'|.
+   !>
+   !> It cannot if its bound is below the largest value so far, or if theta'' keeps its sign. In
+   !> most steps the cubic through rotations and velocities at both ends suffices. The quintic with
+   !> both accelerations is more accurate; the last stage approximates the acceleration at the end.
    pure logical function may_be_fastest(team, i, largest) result(may)
       type(team_t), intent(in) :: team
       integer, intent(in) :: i
       real(wp), intent(in) :: largest
-      !! |theta'| so far [rad/s]
+      !! largest |theta'| so far [rad/s]
       type(polygon_t) :: rate
       real(wp) :: middle, bend(2), error, fastest
 
@@ -316,7 +323,7 @@ contains
       end associate
    end function may_be_fastest
 
-   !> theta' in the step of a lane that was tried last, with the error of the interpolation.
+   !> Polygon of theta' in the last trial step of a lane, with the interpolation error.
    pure type(polygon_t) function rate_in_step(team, i) result(rate)
       type(team_t), intent(in) :: team
       integer, intent(in) :: i
@@ -329,7 +336,7 @@ contains
       end associate
    end function rate_in_step
 
-   !> May theta' change its sign in a step where the quartic does not show it?
+   !> Return whether theta' may change its sign in a step although the quartic shows no change.
    pure logical function may_hide_turns(team, i) result(may)
       type(team_t), intent(in) :: team
       integer, intent(in) :: i
@@ -343,15 +350,17 @@ contains
          may = .not. turns_plainly(team, i, noise)
          if (.not. may) return
          rate = rate_in_step(team, i)
-         ! from a turn on the motion goes where it is accelerated to
+         ! after a turn, the motion follows its acceleration
          if (abs(y(i, 2)) <= 0) rate%c(0) = sign(2*noise, rate%c(1))
          rate%c = sign(1.0_wp, rate%c(0))*rate%c
          may = changes_of(rate, noise) == unclear
       end associate
    end function may_hide_turns
 
-   !> Does theta' plainly keep its sign in a step, or change it once? All coefficients of
-   !> `rate_in_step` then lie beyond their margins: the same numbers, written out for most steps.
+   !> Return whether theta' certainly keeps its sign in a step or changes it once.
+   !>
+   !> All coefficients of `rate_in_step` then exceed their margins. The same numbers are written out
+   !> here, because most steps need them.
    pure logical function turns_plainly(team, i, noise) result(is_plain)
       type(team_t), intent(in) :: team
       integer, intent(in) :: i
@@ -384,7 +393,7 @@ contains
       end associate
    end function turns_plainly
 
-   !> Accelerations of the ground where they are not on a straight line.
+   !> Evaluate ground accelerations that are not on a straight line.
    subroutine follow_curves(lanes, team)
       type(lane_t), intent(in) :: lanes(:)
       type(team_t), intent(inout) :: team
