@@ -18,8 +18,8 @@ module rwmf_simulation_recorder_demand_extremes
 
    !> Running maxima of the magnitudes of the demands.
    !>
-   !> In this order: storey drifts [-] and shears [m/s2], floor accelerations [m/s2], overturning
-   !> moment [m], shear [m/s2] and moment [m2/s2] in the wall.
+   !> The order is: storey drifts [-] and shears [m/s2], floor accelerations [m/s2], overturning
+   !> moment [m]. Shear [m/s2] and moment [m2/s2] in the wall follow.
    type, extends(peak_search_t) :: demand_recorder_t
       type(building_t) :: building
       type(demands_t) :: present
@@ -63,7 +63,7 @@ contains
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
       integer, intent(out) :: floors, storeys
-      !! number of them
+      !! numbers of floors and storeys
       logical, intent(out) :: are_known
       !! the loops can compute its demands, except for storeys that follow one mode
 
@@ -106,7 +106,7 @@ contains
       end associate
    end subroutine find_demands
 
-   !> Keep the heights of forces in the wall that exceed the largest so far.
+   !> Note the heights of shear and moment in the wall that exceed the largest so far.
    subroutine note_heights(self, found)
       class(demand_recorder_t), intent(inout) :: self
       real(wp), intent(in) :: found(:)
@@ -185,7 +185,7 @@ contains
       real(wp), intent(in) :: u_s_max
       !! largest |u_s| [m]
       real(wp), intent(in) :: t_u_s_max
-      !! its time [s]
+      !! time of u_s_max [s]
       type(demand_extremes_t), intent(out) :: extremes
       integer :: n
 

@@ -105,7 +105,7 @@ contains
    subroutine place_sections(recorder, equation)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      !! with a wall
+      !! equation of a scene with a wall
       real(wp), parameter :: same = 1.0e-9_wp
       !! distance of a floor from mid-height, over the height [-]
       real(wp), allocatable :: share(:)
@@ -131,7 +131,7 @@ contains
    subroutine mark_equal_sections(recorder, equation)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      !! with a wall
+      !! equation of a scene with a wall
       integer :: i
 
       associate (n => recorder%building%floors)
@@ -180,7 +180,7 @@ contains
    subroutine find_forces(self, equation, t, y, y_ddot)
       class(envelope_recorder_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
-      !! with a wall
+      !! equation of a scene with a wall
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot

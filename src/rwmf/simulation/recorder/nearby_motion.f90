@@ -21,7 +21,7 @@ module rwmf_simulation_recorder_nearby_motion
       real(wp), allocatable :: before(:)
       !! (states) rates before an impact that is still to be applied; otherwise not allocated
       real(wp) :: kept = 1
-      !! velocity factor of that impact [-]
+      !! velocity factor of this impact [-]
       real(wp) :: largest = 0
       !! largest |theta| so far, of a bare frame |u| [rad] or [m]
       real(wp) :: sensitivity = 0

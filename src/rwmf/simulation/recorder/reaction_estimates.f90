@@ -58,9 +58,9 @@ contains
    !> Estimate the reactions at the nodes of a piece.
    subroutine estimate_reactions(piece, found)
       type(step_view_t), intent(in) :: piece
-      !! `has_estimate`
+      !! piece for which `has_estimate` is true
       real(wp), intent(out) :: found(n_quantities, n_nodes)
-      !! -N [m/s2], |H|/N [-] and |V| [m/s2], as `lane_reactions` finds them, at each node
+      !! -N [m/s2], |H|/N [-] and |V| [m/s2] at each node, from `lane_reactions`
       type(quartic_t) :: quintic
       real(wp) :: y_ddot(2), y(1, 2), acceleration(1, 2)
       real(wp) :: at(1, n_quantities)
@@ -194,7 +194,7 @@ contains
    !> Compute first and second derivative of the polynomial through the nodes, by Newton's form.
    pure subroutine derivatives(t, f, at, slope, bend)
       real(wp), intent(in) :: t(n_nodes), f(n_nodes)
-      !! f of any unit at times [s]
+      !! times [s] and values of f in any unit
       real(wp), intent(in) :: at
       !! [s]
       real(wp), intent(out) :: slope, bend

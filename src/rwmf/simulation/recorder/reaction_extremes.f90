@@ -1,9 +1,10 @@
 !> Extrema of the reactions over a run, updated piece by piece.
 !>
 !> Reactions are smooth between two events or knots, but no event marks their extrema. Each span of
-!> smooth motion is sampled at Chebyshev nodes. An extremum between the samples is then refined to
-!> sqrt(epsilon) of the span in time, which makes its value exact to the integration tolerance.
-!> Both ends of a span count with their one-sided values. Impulses at impacts do not count.
+!> smooth motion is sampled at Chebyshev-Lobatto nodes. An extremum between the samples is then
+!> refined to sqrt(epsilon) of the span in time. Its value is then exact to the integration
+!> tolerance. Both ends of a span count with their one-sided values. Impulses at impacts do not
+!> count.
 !>
 !> The friction demand |H|/N has sharp peaks where N is small, which samples can miss. They are
 !> found near the minimum of N, where H N' = H' N.
@@ -45,9 +46,9 @@ module rwmf_simulation_recorder_reaction_extremes
       real(wp) :: smallest(n_quantities) = huge(1.0_wp)
       !! smallest values, for the range of each quantity [m/s2], [-], [m/s2]
       real(wp), allocatable :: limit
-      !! coefficient of friction to compare the demand with [-]
+      !! coefficient of friction, as a limit of the demand [-]
       real(wp), allocatable :: t_exceeded
-      !! first time at which the demand exceeds it [s]
+      !! first time at which the demand exceeds the limit [s]
       real(wp) :: t_rest = -1
       !! end of the last observed span at rest [s]
       real(wp) :: ground_rest(2) = 0
@@ -142,7 +143,7 @@ contains
    subroutine search_estimate(forces, piece, is_settled, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: piece
-      !! `has_estimate`
+      !! piece for which `has_estimate` is true
       logical, intent(out) :: is_settled
       !! the piece needs no further search
       type(error_t), allocatable, intent(out) :: error
@@ -227,7 +228,7 @@ contains
       real(wp), parameter :: slack = 1.0e-12_wp
       real(wp), dimension(n_found) :: at_begin, at_end
       real(wp) :: acceleration(2)
-      !! of the ground [m/s2]
+      !! ground acceleration [m/s2]
       type(step_view_t) :: span
 
       span%equation => equation
@@ -446,7 +447,7 @@ contains
       !! number of the quantity
       real(wp), intent(in) :: t(n_nodes)
       real(wp), intent(in) :: found(n_nodes)
-      !! its samples
+      !! samples of the quantity
       real(wp), intent(out) :: t_peak
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: margin = 0.25_wp

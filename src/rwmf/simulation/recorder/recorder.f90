@@ -149,7 +149,7 @@ contains
    subroutine create_history(recorder, case, equation, t_end, y, error)
       type(recorder_t), intent(inout) :: recorder
       type(case_t), intent(in) :: case
-      !! with an interval of the history
+      !! case with an interval of the history
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_end
       !! [s]
@@ -494,7 +494,7 @@ contains
    !> Fill in the columns that apply to the scene, in their order.
    subroutine put_columns(recorder, equation, t, y, y_ddot, energy)
       type(recorder_t), intent(inout) :: recorder
-      !! gains a row
+      !! its `row` receives the columns
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
@@ -635,7 +635,7 @@ contains
    subroutine observe_event(recorder, kind, t, y)
       type(recorder_t), intent(inout) :: recorder
       integer, intent(in) :: kind
-      !! one of the `event_` numbers
+      !! kind of the event, one of the `event_` numbers
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
@@ -660,7 +660,7 @@ contains
       !! parts of the energy
       real(wp) :: y_ddot, y_dot(size(y))
       integer :: before
-      !! interval of the motion up to the last knot
+      !! interval of the motion that ends at the last knot
 
       ! the ground motion after a knot at the end does not belong to the run
       before = max(0, interval_of(equation) - 1)
@@ -701,7 +701,7 @@ contains
       real(wp), allocatable, intent(inout) :: values(:, :)
       !! (rows, columns)
       integer, intent(in) :: n
-      !! number of rows that are kept
+      !! number of rows to keep
       real(wp), allocatable :: kept(:, :)
 
       if (n == size(values, 1)) return

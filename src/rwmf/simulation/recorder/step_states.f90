@@ -34,7 +34,7 @@ contains
    logical function may_interpolate(piece, frequency) result(may)
       type(step_view_t), intent(in) :: piece
       real(wp), intent(in) :: frequency
-      !! of the fastest vibration [rad/s]
+      !! frequency of the fastest vibration [rad/s]
       real(wp), parameter :: longest = 1.5_wp, shortest = 1.0e-3_wp
       !! [rad]
 
