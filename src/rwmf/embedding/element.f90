@@ -84,7 +84,7 @@ contains
    subroutine create_element(element, case, error)
       type(wall_element_t), intent(out) :: element
       type(case_t), intent(in) :: case
-      !! valid
+      !! valid case
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: wall_alone
       type(motion_t), target :: none
@@ -127,7 +127,7 @@ contains
       end do
    end subroutine check_element
 
-   !> Force and tangents at the motion of the link.
+   !> Compute force and tangents at a motion of the link.
    !>
    !> The displacement may lie slightly on the wrong side of zero: trial states of a host do so
    !> before the host has located the impact. Fails with `err_input` and a zero `response` if the
@@ -213,7 +213,7 @@ contains
       if (.not. element%equation%has_impacts) side_of = 1
    end function side_of
 
-   !> Force and tangents in the direction of the motion (sigma f against sigma u).
+   !> Compute force and tangents in the direction of the motion (sigma f against sigma u).
    pure subroutine fill_force(element, kin, cable, rates, ground, response)
       type(wall_element_t), intent(in) :: element
       type(kinematics_t), intent(in) :: kin
@@ -270,9 +270,9 @@ contains
       real(wp) :: unit
       !! [kg m]
       real(wp) :: moment
-      !! against the motion [1/s2]
+      !! moment against the motion [1/s2]
       real(wp) :: moment_1
-      !! its derivative by phi at fixed w', w''
+      !! derivative of the moment by phi at fixed w', w'' [1/s2]
 
       associate (p => element%equation%p, phi => motion(1), phi_dot => motion(2), &
                  phi_ddot => motion(3))

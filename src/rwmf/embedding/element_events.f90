@@ -29,13 +29,13 @@ contains
       real(wp), intent(in) :: dt
       !! >= 0, length of the step [s]
       real(wp), intent(in) :: u_0
-      !! displacement of the link at its beginning [m]
+      !! displacement of the link at the beginning of the step [m]
       real(wp), intent(in) :: u_dot_0
-      !! velocity there [m/s]
+      !! velocity at the same instant [m/s]
       real(wp), intent(in) :: u_1
-      !! displacement at its end [m]
+      !! displacement of the link at the end of the step [m]
       real(wp), intent(in) :: u_dot_1
-      !! velocity there [m/s]
+      !! velocity at the same instant [m/s]
       logical, intent(out) :: found
       !! an impact occurs within the step
       real(wp), intent(out) :: tau
@@ -117,7 +117,7 @@ contains
 
    !> Find the first uplift of a resting wall within a step of the host.
    !>
-   !> The host's push on the wall and the ground acceleration vary linearly over the step.
+   !> The host's force on the wall and the ground acceleration vary linearly over the step.
    subroutine next_lift_off(element, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, side, tau, error)
       type(wall_element_t), intent(in) :: element
       real(wp), intent(in) :: dt
@@ -125,11 +125,11 @@ contains
       real(wp), intent(in) :: push_0
       !! force of the host on the wall at the beginning, positive towards positive u [N]
       real(wp), intent(in) :: push_1
-      !! at the end [N]
+      !! force of the host on the wall at the end [N]
       real(wp), intent(in) :: u_g_ddot_0
       !! ground acceleration at the beginning [m/s2]
       real(wp), intent(in) :: u_g_ddot_1
-      !! at the end [m/s2]
+      !! ground acceleration at the end [m/s2]
       integer, intent(out) :: side
       !! side to which the wall lifts off; 0 if it rests throughout
       real(wp), intent(out) :: tau

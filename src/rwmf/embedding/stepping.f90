@@ -77,9 +77,9 @@ module rwmf_embedding_stepping
       real(wp) :: theta_max = 0
       !! largest |theta| so far [rad]
       integer(i8) :: impacts
-      !! so far
+      !! number of impacts so far
       integer(i8) :: lift_offs
-      !! so far
+      !! number of uplifts so far
       integer(i8) :: steps
       !! steps of the integrator so far
    end type wall_state_t

@@ -142,7 +142,7 @@ contains
    subroutine use_host_motion(instance, a)
       type(wall_instance_t), pointer, intent(in) :: instance
       real(wp), intent(in) :: a
-      !! its first value [m/s2]
+      !! first value of the ground acceleration [m/s2]
 
       instance%equation%motion => instance%given_motion
       call enter_interval(instance%equation%model_t, instance%equation%state, 1)
