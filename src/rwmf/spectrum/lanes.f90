@@ -48,7 +48,7 @@ module rwmf_spectrum_lanes
    !> A row to run, and its results.
    type :: ordinate_t
       integer :: row = 0
-      !! its number
+      !! number of the row
       real(wp) :: peak = 0
       !! u_s_max [m], without a frame the largest |theta| [rad], or the quantity of `accuracy_of`
       logical :: overturned = .false.
@@ -82,7 +82,7 @@ module rwmf_spectrum_lanes
       !! factor on separate motions of rows, and on their initial states [-]
    end type queue_t
 
-   !> The run of a lane.
+   !> Run of a lane.
    type :: lane_run_t
       integer :: ordinate = 0
       !! number of the ordinate; 0: the lane is idle
@@ -103,9 +103,9 @@ module rwmf_spectrum_lanes
       logical :: has_vertical
       logical :: has_loading_direction
       integer :: place
-      !! of the hysteretic state
+      !! place of the hysteretic state
       integer :: stages
-      !! of the pair
+      !! number of stages of the pair
       integer :: max_steps
       real(wp) :: t_end
       !! [s]
@@ -350,8 +350,8 @@ contains
    !> Runge-Kutta pair for a tolerance, unless the case names one.
    !>
    !> Some runs need the highest order: runs at several tolerances, motions without knots that limit
-   !> the steps, laws with a corner, and frames without a wall, which accumulate the errors of many
-   !> steps. Smooth hysteresis accumulates them too and gets at least one order more.
+   !> the steps, and laws with a corner. Frames without a wall need it, too, because they accumulate
+   !> the errors of many steps. For the same reason smooth hysteresis gets at least one order more.
    pure type(pair_t) function pair_for(case, equation) result(pair)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation

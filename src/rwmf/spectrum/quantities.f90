@@ -36,7 +36,7 @@ module rwmf_spectrum_quantities
       type(output_t), allocatable :: output
       !! outputs that a run must record for them; not allocated: none
       logical :: is_displacement = .true.
-      !! the largest displacement of the frame and nothing else
+      !! only the largest displacement of the frame is requested
       logical :: has_only_peaks = .false.
       !! all of them depend on the largest rotations only
       logical :: is_watched = .false.
@@ -79,7 +79,7 @@ contains
       !! (quantities) keys that apply to its scene, as checked by `check_asked`
       type(output_t) :: output
       character(12), allocatable :: observed(:)
-      !! (quantities, and the peak of `accuracy_of`)
+      !! (quantities, then the peak of `accuracy_of`) kind of output that each needs
       integer :: i, place, number
 
       asked%keys = keys

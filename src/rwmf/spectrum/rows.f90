@@ -97,8 +97,8 @@ contains
 
    !> Define the rows of a table.
    !>
-   !> Errors: a column that is neither an axis nor a key that may vary, two columns that set the
-   !> same key, a frame without a period and without a column for it.
+   !> Errors: a column that is neither an axis nor a key that may vary, or two columns that set the
+   !> same key. A frame without a period and without a column for it is an error, too.
    subroutine rows_of_table(case, columns, values, rows, error)
       type(case_t), intent(in), target :: case
       !! outlives the rows
@@ -162,7 +162,7 @@ contains
    subroutine add_axis(case, axis, column, rows, error)
       type(case_t), intent(in) :: case
       integer, intent(in) :: axis
-      !! its place in `axes`
+      !! place of the axis in `axes`
       integer, intent(in) :: column
       type(rows_t), intent(inout) :: rows
       type(error_t), allocatable, intent(out) :: error
@@ -255,7 +255,7 @@ contains
    pure real(wp) function period_of(rows, number) result(T_s)
       type(rows_t), intent(in) :: rows
       integer, intent(in) :: number
-      !! of the row
+      !! number of the row
 
       T_s = 1
       if (.not. associated(rows%table)) then
@@ -271,7 +271,7 @@ contains
    pure integer function scene_of(rows, number) result(scene)
       type(rows_t), intent(in) :: rows
       integer, intent(in) :: number
-      !! of the row
+      !! number of the row
 
       scene = number
       if (.not. associated(rows%table)) scene = (number - 1)/size(rows%T_s) + 1
@@ -284,9 +284,9 @@ contains
    subroutine take_row(rows, number, row, error)
       type(rows_t), intent(in) :: rows
       integer, intent(in) :: number
-      !! of the row
+      !! number of the row
       type(case_t), intent(inout) :: row
-      !! without text and samples
+      !! case without text and samples
       type(error_t), allocatable, intent(out) :: error
       type(wall_t) :: wall
       integer :: i, n_gamma
@@ -313,7 +313,7 @@ contains
             call set_axes(row, gamma=rows%gamma(mod(i, n_gamma) + 1))
          end if
          if (allocated(rows%b)) call set_axes(row, b=rows%b(i/n_gamma + 1))
-         ! the size of a block follows its width
+         ! the period of a block scales its width, so it is set last
          call set_axes(row, T_s=T_s)
       end associate
    end subroutine take_row
@@ -326,7 +326,7 @@ contains
       real(dp), intent(in) :: numbers(:)
       !! values of the other keys that vary
       type(wall_t), intent(in) :: wall
-      !! with its size
+      !! wall with the new size
       type(case_t), intent(inout) :: row
       type(error_t), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: T_s
@@ -459,7 +459,7 @@ contains
    function row_motion(rows, row) result(motion)
       type(rows_t), intent(in) :: rows
       type(case_t), intent(in) :: row
-      !! from `take_row`
+      !! case from `take_row`
       type(motion_t) :: motion
 
       motion = motion_from_case(row, rows%origin)

@@ -1,5 +1,5 @@
-!> Response spectra: many runs over frame periods, mass ratios and widths of the wall, or over the
-!> rows of a table, in parallel.
+!> Response spectra: parallel runs over frame periods, mass ratios and wall widths, or over the
+!> rows of a table.
 module rwmf_spectrum_spectrum
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int8
@@ -157,7 +157,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(control_t), intent(in), optional :: control
       type(motion_t), intent(in), target, optional :: known_motion
-      !! common to all rows
+      !! motion common to all rows
       type(queue_t) :: queue
       type(motion_t), target :: motion
       type(control_t) :: signals
@@ -338,7 +338,7 @@ contains
    subroutine run_one(queue, number, control, values, status, evaluations)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: number
-      !! of the row
+      !! number of the row
       type(control_t), intent(in) :: control
       real(wp), intent(inout) :: values(:)
       !! (quantities)
