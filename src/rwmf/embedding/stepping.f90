@@ -101,7 +101,7 @@ contains
    !> Fails with `err_input` if the case does not allow stepping.
    subroutine create_stepping(stepping, case, error, t_begin, peak)
       type(stepping_t), intent(inout) :: stepping
-      !! empty: a handle that refers to no wall
+      !! empty handle, which refers to no wall
       type(case_t), intent(in) :: case
       !! valid; `&output`, `&spectrum` and `t_end` are ignored
       type(error_t), allocatable, intent(out) :: error
