@@ -1,5 +1,6 @@
-!> Ordinates that estimate their own error, as runs do (`rwmf_simulation_error_control`): all of
-!> them at one tolerance, then those that need it again at tighter ones.
+!> Error estimates of ordinates, as for single runs (`rwmf_simulation_error_control`).
+!>
+!> All ordinates run at one tolerance; those above the accuracy limit run again at tighter ones.
 module rwmf_spectrum_estimates
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_control, only: control_t, count_done, is_cancelled
@@ -16,7 +17,7 @@ module rwmf_spectrum_estimates
 
 contains
 
-   !> Run all ordinates, and as often again as the case's `accuracy` or what is asked for need.
+   !> Run all ordinates, and repeat them as the case's `accuracy` or requested quantities require.
    subroutine run_with_estimates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
@@ -33,7 +34,7 @@ contains
       if (queue%asked%has_sensitivity) call verify_ordinates(queue, threads, control, ordinates)
       do i = 1, size(ordinates)
          if (.not. allocated(ordinates(i)%values)) cycle
-         ! equal peaks are no estimate
+         ! equal peaks give no estimate
          if (.not. ordinates(i)%estimate > 0) ordinates(i)%estimate = ieee_value(1.0_wp, &
             ieee_quiet_nan)
          where (queue%asked%keys == 'estimated_relative_error') ordinates(i)%values = &
@@ -42,10 +43,10 @@ contains
       end do
    end subroutine run_with_estimates
 
-   !> Run each until the estimated error of its peak is at most what the case asks for.
+   !> Repeat each ordinate until the estimated error of its peak is at most the case's `accuracy`.
    subroutine run_to_accuracy(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
-      !! whose case has `solver%accuracy`
+      !! its case sets `solver%accuracy`
       integer, intent(in) :: threads
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
@@ -59,7 +60,7 @@ contains
       integer :: i, m, round
 
       accuracy = queue%rows%case%solver%accuracy
-      ! an ordinate is done when it needs no further run
+      ! count an ordinate as done only when it needs no further run
       silent%cancel => control%cancel
       ordinates%rtol = first_tolerance(accuracy)
       call run_ordinates(queue, threads, silent, ordinates)
@@ -94,8 +95,9 @@ contains
       ordinates%is_inaccurate = ordinates%estimate > accuracy
    end subroutine run_to_accuracy
 
-   !> Estimate what no run before has estimated, and the sensitivity to the motion, by much tighter
-   !> runs.
+   !> Estimate the sensitivity to the motion, and any missing error estimates.
+   !>
+   !> Both follow from runs at a much tighter tolerance.
    subroutine verify_ordinates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
@@ -133,8 +135,9 @@ contains
       end do
    end subroutine verify_ordinates
 
-   !> Difference of the peaks of two runs over that of the second; 1 when they ended differently
-   !> [-].
+   !> Difference of the peaks of two runs over the peak of the second [-].
+   !>
+   !> The result is 1 if the runs ended differently.
    pure real(wp) function difference(one, other)
       type(ordinate_t), intent(in) :: one
       type(ordinate_t), intent(in) :: other

@@ -1,6 +1,7 @@
-!> Rows in lanes: runs of one scene, sixteen at a time, each with its own numbers, clock, step and
-!> events. A lane whose run is over takes the next ordinate from the queue, the shortest periods
-!> first.
+!> Rows in lanes: runs of one scene, sixteen at a time.
+!>
+!> Each lane has its own numbers, time, step and events. When its run ends, it takes the next
+!> ordinate from the queue, the shortest periods first.
 module rwmf_spectrum_lanes
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: error_t
@@ -34,61 +35,61 @@ module rwmf_spectrum_lanes
    public :: ordinate_t, queue_t, run_ordinates, refused
 
    character(*), parameter :: refused = 'refused'
-   !! name of the failure of a row whose numbers the rules of the case do not allow
+   !! failure name of a row whose numbers the rules of the case do not allow
 
    character(*), parameter :: not_finite = 'not_finite'
-   !! name of the failure of a row with a number that is infinite or NaN
+   !! failure name of a row with an infinite or NaN result
 
    integer, parameter :: most_storeys = 64
-   !! of frames in a team: vectors of its states lie on the stack of a thread
+   !! storeys of a frame in a team: its state vectors are on the stack of a thread
    integer, parameter :: few_lanes = 2
-   !! that are faster alone than in a team
+   !! number of lanes that run faster one by one than in a team
 
-   !> A row that is to be run, and what comes of it.
+   !> A row to run, and its results.
    type :: ordinate_t
       integer :: row = 0
-      !! its number
+      !! number of the row
       real(wp) :: peak = 0
-      !! u_s_max [m], without a frame the largest |theta| [rad], or what `accuracy_of` names
+      !! u_s_max [m], without a frame the largest |theta| [rad], or the quantity of `accuracy_of`
       logical :: overturned = .false.
       logical :: collapsed = .false.
       integer(i8) :: rhs_evaluations = 0
       real(wp) :: rtol = 0
-      !! tolerance, where it is not that of the case [-]
+      !! relative tolerance; 0 for that of the case [-]
       real(wp) :: estimate = -1
-      !! of the relative error of the peak; not positive: there is none [-]
+      !! estimate of the relative error of the peak; not positive: none [-]
       real(wp) :: sensitivity = -1
-      !! relative change of the peak per relative change of the motion, likewise [-]
+      !! relative change of the peak per relative change of the motion; negative: none [-]
       logical :: is_inaccurate = .false.
-      !! no tolerance has brought the error down to what is asked for
+      !! no tolerance has reduced the error to the requested accuracy
       character(24) :: failure = ''
-      !! name of the error
+      !! name of the error; blank: none
       real(wp), allocatable :: values(:)
-      !! (quantities) that were asked for, in their units, where it is more than the displacement
+      !! (quantities) requested values in their units; not allocated for the displacement only
    end type ordinate_t
 
-   !> What all runs of a queue have in common.
+   !> Common data of all runs of a queue.
    type :: queue_t
       type(rows_t), pointer :: rows => null()
       type(motion_t), pointer :: motion => null()
-      !! of all of them that have none of their own
+      !! motion of all runs without a separate one
       type(asked_t) :: asked
       logical :: verifies = .false.
-      !! by the pair of the higher order, at the tolerance of the ordinate alone
+      !! runs use the pair of the highest order and the tolerance of the ordinate only
       integer :: parts = 1
-      !! into which the intervals of its motion are divided
+      !! number of parts of each interval of the motion
       real(wp) :: shaken = 1
-      !! factor on motions that rows have of their own, and on their initial states [-]
+      !! factor on separate motions of rows, and on their initial states [-]
    end type queue_t
 
-   !> The run of a lane.
+   !> Run of a lane.
    type :: lane_run_t
       integer :: ordinate = 0
-      !! its number; 0: the lane is idle
+      !! number of the ordinate; 0: the lane is idle
       integer :: pass = 0
       type(case_t) :: case
       type(motion_t) :: motion
-      !! of a row that has its own
+      !! motion of a row with a separate one
       type(equation_t) :: equation
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
@@ -96,15 +97,15 @@ module rwmf_spectrum_lanes
       real(wp) :: size_guess(2)
    end type lane_run_t
 
-   !> What the runs of a team must have in common.
+   !> Common properties of all runs of a team.
    type :: kind_t
       type(scene_t) :: scene
       logical :: has_vertical
       logical :: has_loading_direction
       integer :: place
-      !! of the hysteretic state
+      !! place of the hysteretic state
       integer :: stages
-      !! of the pair
+      !! number of stages of the pair
       integer :: max_steps
       real(wp) :: t_end
       !! [s]
@@ -112,7 +113,7 @@ module rwmf_spectrum_lanes
 
 contains
 
-   !> Run all ordinates of a queue; the number of threads changes no bit.
+   !> Run all ordinates of a queue. The result is bitwise identical for every number of threads.
    subroutine run_ordinates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
@@ -133,15 +134,17 @@ contains
       !$omp end parallel
    end subroutine run_ordinates
 
-   !> Steps of one team, until the queue is empty and its lanes are idle; the last ones go on alone,
-   !> because a step of sixteen lanes takes as long as two to three of one.
+   !> Step one team until the queue is empty and its lanes are idle.
+   !>
+   !> The last few lanes run one by one, because a step of sixteen lanes takes as long as two to
+   !> three steps of one.
    subroutine run_team(queue, control, width, next, ordinates)
       type(queue_t), intent(in) :: queue
       type(control_t), intent(in) :: control
       integer, intent(in) :: width
       !! number of lanes
       integer, intent(inout) :: next
-      !! number of ordinates that have been taken, by all threads
+      !! number of ordinates taken by all threads
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(lane_t), allocatable, target :: lanes(:)
       type(lane_run_t), allocatable, target :: runs(:)
@@ -157,7 +160,7 @@ contains
       call create_team(runs(1)%equation, pair_for(runs(1)%case, runs(1)%equation), &
          runs(1)%hybrid%max_steps, width, team)
       team%kernels = lane_kernels_of(best_level())
-      ! lanes with motions of their own follow them without a table
+      ! lanes with separate motions use no table
       if (.not. queue%rows%has_own_motion) call tabulate_lines(queue%motion, kind%has_vertical, &
          kind%t_end, team)
       team%keeps_more = queue%asked%is_watched
@@ -202,15 +205,17 @@ contains
       end subroutine step_lanes
    end subroutine run_team
 
-   !> Take the next ordinate from the queue and begin its run; none: the lane stays idle. Rows that
-   !> are refused, and those that cannot step with the team, are done on the way.
+   !> Take the next ordinate from the queue and begin its run.
+   !>
+   !> If the queue is empty, the lane stays idle. Refused rows, and rows that cannot step with the
+   !> team, are completed here.
    subroutine take_ordinate(queue, control, next, ordinates, kind, run, lane)
       type(queue_t), intent(in) :: queue
       type(control_t), intent(in) :: control
       integer, intent(inout) :: next
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(kind_t), allocatable, intent(inout) :: kind
-      !! of the team; not allocated: that of this run
+      !! kind of the team; not allocated: this run sets it
       type(lane_run_t), intent(inout), target :: run
       type(lane_t), intent(inout) :: lane
       type(error_t), allocatable :: error
@@ -238,7 +243,7 @@ contains
       end do
    end subroutine take_ordinate
 
-   !> Put the run of a row together. Errors: as `take_row`.
+   !> Set up the run of a row. Errors: those of `take_row`.
    subroutine set_up(queue, ordinate, run, lane, error)
       type(queue_t), intent(in) :: queue
       type(ordinate_t), intent(in) :: ordinate
@@ -285,7 +290,7 @@ contains
          run%case%solver%max_steps, run%case%solver%t_end)
    end function kind_of
 
-   !> Can a run step with those of a kind?
+   !> True if a run can step in a team of this kind.
    logical function is_of_kind(run, kind)
       type(lane_run_t), intent(in) :: run
       type(kind_t), intent(in) :: kind
@@ -299,7 +304,7 @@ contains
          .and. own%max_steps == kind%max_steps .and. abs(own%t_end - kind%t_end) <= 0
    end function is_of_kind
 
-   !> Run an ordinate in a team of its own.
+   !> Run an ordinate in a separate team of one lane.
    subroutine run_alone(queue, control, run, lane, ordinate)
       type(queue_t), intent(in) :: queue
       type(control_t), intent(in) :: control
@@ -323,29 +328,30 @@ contains
       end do
    end subroutine run_alone
 
-   !> Begin the run of a lane for its expected size.
+   !> Begin the run of a lane, with tolerances for its expected response.
    subroutine begin_lane(asked, run, error)
       type(asked_t), intent(in) :: asked
       type(lane_run_t), intent(inout), target :: run
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: settled = 0.03_wp
-      !! part of the largest rotation so far that chatter may have where it is not followed [-]
+      !! chatter below this part of the largest rotation so far is not resolved [-]
 
       run%integrator%pair = pair_for(run%case, run%equation)
       call begin_run(run%case, run%size_guess, run%equation, run%integrator, run%hybrid, &
          run%recorder, error)
       associate (equation => run%equation)
-         ! by name dop853 has the bits of single runs, which follow all impacts
+         ! an explicit dop853 is bitwise identical to single runs, which resolve all impacts
          if (asked%has_only_peaks .and. run%case%solver%method /= 'dop853' .and. equation%n == 2 &
              .and. .not. (equation%has_bilinear_springs .or. equation%has_loading_direction &
              .or. equation%creep > 0)) run%hybrid%settled_angle = settled
       end associate
    end subroutine begin_lane
 
-   !> The pair for a tolerance, unless the case names it; the one of the highest order for runs at
-   !> several tolerances, under motions without knots that limit the steps, for laws with a corner,
-   !> and for frames alone, which add up the errors of many steps. So does smooth hysteresis: it
-   !> gets one order more.
+   !> Runge-Kutta pair for a tolerance, unless the case names one.
+   !>
+   !> Some runs need the highest order: runs at several tolerances, motions without knots that limit
+   !> the steps, and laws with a corner. Frames without a wall need it, too, because they accumulate
+   !> the errors of many steps. For the same reason smooth hysteresis gets at least one order more.
    pure type(pair_t) function pair_for(case, equation) result(pair)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -363,13 +369,13 @@ contains
       end if
    end function pair_for
 
-   !> The run of a lane is over: keep its result, or run it again for a smaller response.
+   !> Keep the result of a completed run, or restart it for a smaller response.
    subroutine finish_ordinate(asked, control, run, error, ordinate)
       type(asked_t), intent(in) :: asked
       type(control_t), intent(in) :: control
       type(lane_run_t), intent(inout), target :: run
       type(error_t), allocatable, intent(inout) :: error
-      !! that ended the run
+      !! error that ended the run
       type(ordinate_t), intent(inout) :: ordinate
       real(wp) :: size_found(2)
 
@@ -401,7 +407,7 @@ contains
       run%ordinate = 0
    end subroutine finish_ordinate
 
-   !> All that is asked for, as a run reports it.
+   !> Compute the requested quantities, as a single run does.
    subroutine report(asked, run, ordinate)
       type(asked_t), intent(in) :: asked
       type(lane_run_t), intent(inout) :: run
@@ -409,7 +415,7 @@ contains
       type(result_t) :: result
       logical :: are_finite
 
-      ! its warnings are no quantities
+      ! a spectrum reports no warnings of single ordinates
       allocate (result%warnings(0))
       call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
       if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(asked%place)))

@@ -1,5 +1,6 @@
-!> What each ordinate of a spectrum reports: `&spectrum quantities`, keys of the table of quantities
-!> with the numbers of a run (`rwmf_simulation_scalars`).
+!> Quantities that each ordinate of a spectrum reports (`&spectrum quantities`).
+!>
+!> Their keys are in the table of quantities, their values come from `rwmf_simulation_scalars`.
 module rwmf_spectrum_quantities
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -22,34 +23,36 @@ module rwmf_spectrum_quantities
    public :: take_values
 
    character(*), parameter :: displacement = 'u_s_max_m'
-   !! what is reported where nothing is asked for
+   !! default quantity of a scene with a frame
 
-   !> What is asked for.
+   !> Requested quantities.
    type :: asked_t
       character(40), allocatable :: keys(:)
-      !! (quantities) as they stand in the outputs
+      !! (quantities) keys as in the outputs
       integer, allocatable :: place(:)
-      !! (quantities) in the table
+      !! (quantities) index in the table
       integer, allocatable :: storey(:)
-      !! (quantities) its number, for a key that has one
+      !! (quantities) number of the storey, for keys that have one
       type(output_t), allocatable :: output
-      !! what a run has to keep for them; not allocated: nothing
+      !! outputs that a run must record for them; not allocated: none
       logical :: is_displacement = .true.
-      !! the largest displacement of the frame and nothing else
+      !! only the largest displacement of the frame is requested
       logical :: has_only_peaks = .false.
-      !! all of them follow from the largest rotations, whatever smaller ones there are
+      !! all of them depend on the largest rotations only
       logical :: is_watched = .false.
       !! some of them have peaks inside steps
       logical :: has_sensitivity = .false.
-      !! more runs have to be made for them, by `verify`
+      !! `verify` must make more runs for them
       logical :: has_peak = .false.
-      !! their error is that of a peak which the case names
+      !! their error is that of a peak named by the case
    end type asked_t
 
 contains
 
-   !> What is reported where nothing is asked for: the largest displacement of the frame, and
-   !> without one the largest rotation of the wall.
+   !> Key of the default quantity.
+   !>
+   !> This is the largest displacement of the frame, or without a frame the largest rotation of the
+   !> wall.
    pure function default_quantity(case) result(key)
       class(structure_t), intent(in) :: case
       character(20) :: key
@@ -58,7 +61,7 @@ contains
       if (allocated(case%frame)) key = displacement
    end function default_quantity
 
-   !> What the `&spectrum` of a case asks for.
+   !> Keys of the quantities that the `&spectrum` group of a case requests.
    pure function keys_asked_by(case) result(keys)
       type(case_t), intent(in) :: case
       character(40), allocatable :: keys(:)
@@ -69,14 +72,14 @@ contains
       if (allocated(case%spectrum%quantities)) keys = case%spectrum%quantities
    end function keys_asked_by
 
-   !> What a case is asked for.
+   !> Describe the requested quantities of a case.
    pure type(asked_t) function asked_of(case, keys) result(asked)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: keys(:)
-      !! (quantities) keys that apply to its scene (`check_asked`)
+      !! (quantities) keys that apply to its scene, as checked by `check_asked`
       type(output_t) :: output
       character(12), allocatable :: observed(:)
-      !! (quantities, and the peak of `accuracy_of`)
+      !! (quantities, then the peak of `accuracy_of`) kind of output that each needs
       integer :: i, place, number
 
       asked%keys = keys
@@ -105,8 +108,9 @@ contains
       asked%output = output
    end function asked_of
 
-   !> Does all that a case is asked for apply to its scene? Errors: a key that does not, with those
-   !> that do; as `simulate`.
+   !> Check that all requested quantities apply to the scene of a case.
+   !>
+   !> Errors: a key that does not apply (the message lists those that do), and those of `simulate`.
    subroutine check_asked(case, motion, asked_keys, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
@@ -135,7 +139,7 @@ contains
       end do
    end subroutine check_asked
 
-   !> Does the case itself ask for these, or the call?
+   !> True if these quantities come from the case itself, not from the call.
    pure logical function is_of_spectrum(case, asked_keys) result(is_own)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: asked_keys(:)
@@ -149,13 +153,15 @@ contains
       end associate
    end function is_of_spectrum
 
-   !> Keys of what a spectrum of a scene may be asked for: what a run of it reports, and what it
-   !> reports where something happens. Errors: as `simulate`.
+   !> List the keys that apply to a spectrum of a scene.
+   !>
+   !> They include the quantities that a run reports only after certain events. Errors: those of
+   !> `simulate`.
    subroutine list_applicable(case, motion, keys, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       character(40), allocatable, intent(out) :: keys(:)
-      !! (keys) with the number of a storey in the place of '{i}'
+      !! (keys) with the number of a storey in place of '{i}'
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: asking, instant
       type(result_t) :: result
@@ -163,7 +169,7 @@ contains
       asking%structure_t = case%structure_t
       asking%solver = case%solver
       asking%solver%accuracy_of = ''
-      ! the cheapest to begin with
+      ! the method that is cheapest to start
       asking%solver%method = 'dop853'
       asking%output = output_t(energy=.true., reactions=.true., demands=.true., &
          envelopes=.true.)
@@ -186,19 +192,21 @@ contains
       call list_reported(instant, result, is_of_ordinate(all_quantities), keys)
    end subroutine list_applicable
 
-   !> The numbers that were asked for; counts and yes (1) or no (0) as numbers; NaN for what there
-   !> is not, such as the time of what has not happened.
+   !> Fill in the values of the requested quantities.
+   !>
+   !> Counts and flags (1 or 0) are stored as reals. A quantity without a value, such as the time of
+   !> an event that did not occur, is NaN.
    pure subroutine take_values(asked, case, result, values, are_finite)
       type(asked_t), intent(in) :: asked
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       real(wp), intent(inout) :: values(:)
-      !! (quantities, and others behind them that stay) [unit of each]
+      !! (quantities, then others that stay unchanged) [unit of each]
       logical, intent(out) :: are_finite
-      !! no number that there is is infinite or NaN
+      !! no value that is present is infinite or NaN
       type(values_t) :: found
       integer, allocatable :: numbers(:)
-      !! (quantities) in the table
+      !! (quantities) index in the table
 
       call scalars_of(case, result, found)
       numbers = all_quantities(asked%place)%id

@@ -1,7 +1,7 @@
 !> Envelopes of the design forces of wall and links, velocities of floors, travel of fuses.
 !>
-!> Shear and moment are those beside every floor, at the base and at mid-height. The module
-!> `rwmf_simulation_recorder_peak_search` finds the peaks.
+!> Shear and moment are computed below and above every floor, at the base and at mid-height. The
+!> module `rwmf_simulation_recorder_peak_search` finds the peaks.
 module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -31,35 +31,36 @@ module rwmf_simulation_recorder_force_envelopes
    public :: put_envelopes, envelope_extremes
 
    integer, parameter :: of_normal = 1
-   !! places of the quantities behind the velocities of the floors; normal force of the pivot
+   !! places of the quantities after the velocities of the floors; normal force of the pivot
    integer, parameter :: of_base = 2
-   !! and one more: shear and moment at the base
+   !! shear at the base; the next is the moment there
    integer, parameter :: of_middle = 4
-   !! and one more: at mid-height
+   !! shear at mid-height; the next is the moment there
    integer, parameter :: of_sections = 5
-   !! before four of each floor: shear below and above it, moment below and above it
+   !! place before the four of each floor: shear below and above it, moment below and above it
    integer, parameter :: per_floor = 4
 
-   !> Running maxima over m_w: shears [m/s2], moments [m2/s2], forces of links [m/s2], the normal
-   !> force [m/s2]. Velocities of floors [m/s] are not over a mass.
+   !> Running maxima over m_w: shears [m/s2], moments [m2/s2], link forces and normal force [m/s2].
+   !>
+   !> Velocities of floors [m/s] are not divided by a mass.
    type, extends(peak_search_t) :: envelope_recorder_t
       type(building_t) :: building
       real(wp), allocatable :: ground_velocity(:)
-      !! of `velocities_at_knots` [m/s]
+      !! result of `velocities_at_knots` [m/s]
       real(wp) :: velocity_before = 0
-      !! of a ground that moves before the run begins, which begins at rest [m/s]
+      !! velocity of the ground motion at t = 0, where the run begins at rest [m/s]
       real(wp), allocatable :: z(:)
-      !! (sections) heights: base, floors, and mid-height unless a floor is there [m]
+      !! (sections) heights: base, floors, and mid-height unless it is a floor [m]
       integer :: middle = 0
-      !! section at mid-height
+      !! number of the section at mid-height
       integer, allocatable :: of_floor(:)
-      !! (floors) section of each
+      !! (floors) number of the section of each
       type(links_t) :: links
-      !! at the last instant
+      !! link forces at the last instant
       real(wp), allocatable :: below(:, :), above(:, :)
-      !! (2, sections) forces then [m/s2], [m2/s2]
+      !! (2, sections) shear and moment at the last instant [m/s2], [m2/s2]
       real(wp) :: travel(2) = 0
-      !! of the left and the right fuse [m]
+      !! travel of the left and the right fuse [m]
       logical :: has_fuses = .false.
    contains
       procedure :: find => find_envelopes
@@ -67,7 +68,7 @@ module rwmf_simulation_recorder_force_envelopes
 
 contains
 
-   !> Begin, when the case asks for envelopes.
+   !> Initialise the envelopes if the case requests them.
    subroutine create_envelopes(recorder, case, equation, y)
       type(envelope_recorder_t), allocatable, intent(out) :: recorder
       type(case_t), intent(in) :: case
@@ -100,11 +101,11 @@ contains
       end associate
    end subroutine create_envelopes
 
-   !> Heights of the sections, ascending.
+   !> Compute the heights of the sections, in ascending order.
    subroutine place_sections(recorder, equation)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      !! with a wall
+      !! equation of a scene with a wall
       real(wp), parameter :: same = 1.0e-9_wp
       !! distance of a floor from mid-height, over the height [-]
       real(wp), allocatable :: share(:)
@@ -124,12 +125,13 @@ contains
       allocate (recorder%below(2, size(recorder%z)), recorder%above(2, size(recorder%z)))
    end subroutine place_sections
 
-   !> Sections without a link have the same forces on both sides, and above the roof is no wall:
-   !> search for each once.
+   !> Mark forces above a section that need no separate search.
+   !>
+   !> Sections without a link have equal forces on both sides, and the wall ends at the roof.
    subroutine mark_equal_sections(recorder, equation)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      !! with a wall
+      !! equation of a scene with a wall
       integer :: i
 
       associate (n => recorder%building%floors)
@@ -142,7 +144,7 @@ contains
       end associate
    end subroutine mark_equal_sections
 
-   !> Quantities at a state.
+   !> Compute the quantities at a state.
    subroutine find_envelopes(self, equation, t, y, y_dot, found)
       class(envelope_recorder_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
@@ -174,11 +176,11 @@ contains
       end associate
    end subroutine find_envelopes
 
-   !> Forces of the links and at the sections, with their signs.
+   !> Compute the forces of the links and at the sections, with their signs.
    subroutine find_forces(self, equation, t, y, y_ddot)
       class(envelope_recorder_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
-      !! with a wall
+      !! equation of a scene with a wall
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot
@@ -187,7 +189,7 @@ contains
       call links_of(self%building, equation, kinematics_at(equation, y(1)), t, y, y_ddot, &
          self%links)
       call find_forces_beside(equation, t, y, y_ddot, self%links, self%z, self%below, self%above)
-      ! there is no wall above the roof
+      ! the wall ends at the roof
       if (self%building%floors > 0) self%above(:, size(self%z)) = 0
    end subroutine find_forces
 
@@ -211,7 +213,7 @@ contains
          - self%velocity_before
    end function floor_velocities
 
-   !> Smooth motion inside the last step of the integrator.
+   !> Update the envelopes over smooth motion inside the last step of the integrator.
    subroutine observe_envelopes(recorder, piece, error)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
@@ -222,13 +224,13 @@ contains
       if (.not. allocated(error) .and. recorder%has_fuses) call follow_fuses(recorder, piece, error)
    end subroutine observe_envelopes
 
-   !> Travel of the fuses over a piece, there and back at every turn of the rotation.
+   !> Add the travel of the fuses over a piece, with every turning point of the rotation.
    subroutine follow_fuses(recorder, piece, error)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_turns = 20
-      !! more of them in a piece are round-off
+      !! further ones in a piece are round-off
       type(rotation_t) :: rotation
       type(moment_t) :: b
       type(span_t) :: span
@@ -259,8 +261,9 @@ contains
       call add_travel(recorder, piece%equation, span%a%f(1, 0), b%f(1, 0))
    end subroutine follow_fuses
 
-   !> The rotation goes from one value to another: the fuse under the corner that lifts is drawn,
-   !> under a hinged wall both.
+   !> Add the travel of the fuses between two rotations.
+   !>
+   !> A rocking wall stretches the fuse under the lifted corner, a hinged wall moves both fuses.
    pure subroutine add_travel(recorder, equation, theta_a, theta_b)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -278,7 +281,7 @@ contains
       end if
    end subroutine add_travel
 
-   !> Stroke of the fuse under a corner, its chord; of a hinged wall it has half the arm [m].
+   !> Stroke of the fuse under a corner: its chord, with half the arm for a hinged wall [m].
    pure real(wp) function fuse_stroke(equation, theta) result(stroke)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -287,8 +290,9 @@ contains
       stroke = corner_share(equation)*4*equation%p%R*equation%p%sin_alpha*sin(theta/2)
    end function fuse_stroke
 
-   !> Observe an interval of the motion with the wall at rest. Forces are straight lines over the
-   !> ground acceleration. Velocities turn where it is zero.
+   !> Update the envelopes over an interval of the motion with the wall at rest.
+   !>
+   !> Forces are linear in the ground acceleration. Velocities have their extrema at its zeros.
    subroutine observe_envelopes_at_rest(recorder, equation, y, t_a, t_b)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -319,7 +323,7 @@ contains
       end do
    end subroutine observe_envelopes_at_rest
 
-   !> Columns of the history at one instant.
+   !> Fill in the columns of the history at one instant.
    subroutine put_envelopes(row, recorder, equation, t, y, y_ddot)
       type(history_row_t), intent(inout) :: row
       type(envelope_recorder_t), intent(inout) :: recorder

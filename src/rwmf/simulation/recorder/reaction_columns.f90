@@ -1,4 +1,4 @@
-!> Reactions as a run reports them: columns of the history, and extrema.
+!> Reported reactions of a run: columns of the history, and extrema.
 module rwmf_simulation_recorder_reaction_columns
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t
@@ -16,12 +16,12 @@ module rwmf_simulation_recorder_reaction_columns
 
 contains
 
-   !> Columns of the history at one instant.
+   !> Fill in the columns of the history at one instant.
    subroutine put_reactions(row, equation, m_w_g, t, y, y_ddot, u_s)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: m_w_g
-      !! weight of the wall, 0 when it is not known [N]
+      !! weight of the wall, 0 if it is unknown [N]
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
@@ -29,7 +29,7 @@ contains
       real(wp), intent(in) :: y_ddot
       !! theta'' [rad/s2]; without wall u'' [m/s2]
       real(wp), intent(in) :: u_s
-      !! displacement of the frame, if there is one [m]
+      !! displacement of the frame, if present [m]
       type(reactions_t) :: reactions
 
       reactions = reactions_at(equation, t, y, y_ddot)
@@ -49,7 +49,7 @@ contains
       end associate
    end subroutine put_reactions
 
-   !> What the run has seen.
+   !> Extrema of the reactions over the run.
    function force_extremes(forces, equation, theta_min, theta_max, u_s_max) result(extremes)
       type(reaction_extremes_recorder_t), intent(in) :: forces
       type(equation_t), intent(in) :: equation
@@ -81,7 +81,7 @@ contains
          extremes%is_exceeded = allocated(forces%t_exceeded)
          if (extremes%is_exceeded) extremes%t_exceeded = forces%t_exceeded
       end if
-      ! drifts are monotone in the rotation, whose peaks are events
+      ! drifts are monotone in the rotation, whose peaks are located as events
       extremes%wall_drift_max = max(wall_drift(equation, theta_max), &
          -wall_drift(equation, theta_min))
       if (equation%has_frame) extremes%frame_drift_max = u_s_max/roof_height(equation)
@@ -95,7 +95,7 @@ contains
       if (largest >= huge(largest)) shown = ieee_value(largest, ieee_positive_inf)
    end function infinite_where_lifted
 
-   !> Of wall and frame over m_w (bare frame: over m_s) [m/s2].
+   !> Weight of wall and frame over m_w (bare frame: over m_s) [m/s2].
    pure real(wp) function weight(equation)
       type(equation_t), intent(in) :: equation
 
