@@ -41,7 +41,7 @@ module rwmf
       restore_stepping, save_stepping, snapshot_t, stepping_t, query_events, query_forces, &
       query_state, wall_forces_t, wall_state_t
    ! the wall as an element of a host program that owns the frame
-   use rwmf_embedding_element, only: create_element, element_response_t, lift_off_drive_of, &
+   use rwmf_embedding_element, only: create_element, element_response_t, uplift_demand_of, &
       respond, velocity_factor, wall_element_t
    use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
    ! CSV files, written completely or not at all
@@ -68,7 +68,7 @@ module rwmf
    public :: advance_stepping, save_stepping, restore_stepping
    public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
    public :: wall_element_t, element_response_t, create_element, respond, velocity_factor
-   public :: next_impact, next_lift_off, lift_off_drive_of, settles
+   public :: next_impact, next_lift_off, uplift_demand_of, settles
    public :: spectrum_t, compute_spectrum, compute_rows, status_of
    public :: write_result, write_spectrum
    public :: control_t

@@ -2,7 +2,7 @@
 program bits_host
    use, intrinsic :: iso_fortran_env, only: int64
    use rwmf, only: advance_stepping, case_t, compute_spectrum, create_element, create_stepping, &
-      destroy_stepping, element_response_t, error_t, event_name, event_t, lift_off_drive_of, &
+      destroy_stepping, element_response_t, error_t, event_name, event_t, uplift_demand_of, &
       next_impact, next_lift_off, query_events, query_forces, query_state, read_case_file, &
       respond, restore_stepping, result_t, save_stepping, settles, simulate, snapshot_t, &
       spectrum_t, stepping_t, velocity_factor, wall_element_t, wall_forces_t, wall_state_t, wp
@@ -243,7 +243,7 @@ contains
          end if
          call put_list('response', [r%force, r%stiffness, r%damping, r%mass, r%theta, &
             r%theta_dot, r%theta_ddot, r%cable])
-         call put('drive', lift_off_drive_of(element, side, 3.0_wp*i, 0.5_wp*i))
+         call put('drive', uplift_demand_of(element, side, 3.0_wp*i, 0.5_wp*i))
          call next_impact(side, 0.02_wp, side*0.001_wp*i, -side*0.5_wp, -side*0.002_wp, &
             -side*0.3_wp, is_found, tau)
          print '(a, l1)', 'impact ', is_found

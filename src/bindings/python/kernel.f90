@@ -34,7 +34,7 @@ module rwmf_bindings_python_kernel
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
    use rwmf_simulation_warnings, only: list_case_warnings
-   use rwmf_spectrum_quantities, only: default_quantity, keys_asked_by, list_applicable
+   use rwmf_spectrum_quantities, only: default_quantity, requested_keys_of, list_applicable
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum
    use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
    use rwmf_text_strings, only: real_to_text
@@ -227,7 +227,7 @@ contains
       call motion_of(kept, room, motion)
       call split_names(keys, reported)
       if (keys == '') then
-         reported = keys_asked_by(kept%case)
+         reported = requested_keys_of(kept%case)
          if (allocated(kept%case%output)) then
             if (kept%case%output%reactions) reported = all_quantities%key
          end if

@@ -7,7 +7,7 @@
 module rwmf_baseline_problem
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
-      frame_displacement, lift_off_drive, rhs
+      frame_displacement, uplift_demand, rhs
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_model_restitution, only: factor_at, restitution_t
    use rwmf_motion_ground_motion, only: interval_at, motion_t
@@ -186,8 +186,8 @@ contains
 
       interval = interval_at(scene%equation%motion, t)
       side = 0
-      if (lift_off_drive(scene%equation, 1, interval, t) > 0) side = 1
-      if (lift_off_drive(scene%equation, -1, interval, t) > 0) side = -1
+      if (uplift_demand(scene%equation, 1, interval, t) > 0) side = 1
+      if (uplift_demand(scene%equation, -1, interval, t) > 0) side = -1
    end function lifting_side
 
    !> Start uplift of the resting wall if the ground motion lifts it at the current time.

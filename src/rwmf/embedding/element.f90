@@ -36,7 +36,7 @@ module rwmf_embedding_element
    private
 
    public :: wall_element_t, element_response_t
-   public :: create_element, respond, velocity_factor, lift_off_drive_of, resting_inertia
+   public :: create_element, respond, velocity_factor, uplift_demand_of, resting_inertia
    public :: require_element
 
    !> Wall and cable without frame. Assignment copies an element.
@@ -372,7 +372,7 @@ contains
    !>
    !> A positive value means uplift. A hinged wall has no capacity: any force turns it at once. The
    !> result is NaN for an element that was never created, and for a side other than +1 or -1.
-   real(wp) function lift_off_drive_of(element, side, push, u_g_ddot) result(drive)
+   real(wp) function uplift_demand_of(element, side, push, u_g_ddot) result(drive)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
       !! +1 or -1
@@ -396,7 +396,7 @@ contains
       drive = drive - element%m_w/kin%lever*element%vertical_ratio*u_g_ddot*kin%s
       effects = moment_of_effects(element, s, 0.0_wp, 0.0_wp)
       drive = s*side*(drive + element%m_w/kin%lever*element%equation%p%R*effects(1))
-   end function lift_off_drive_of
+   end function uplift_demand_of
 
    !> Inertia that the wall adds to the link at uplift [kg].
    real(wp) function resting_inertia(element)

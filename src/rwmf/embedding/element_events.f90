@@ -7,7 +7,7 @@ module rwmf_embedding_element_events
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_embedding_element, only: lift_off_drive_of, require_element, resting_inertia, &
+   use rwmf_embedding_element, only: uplift_demand_of, require_element, resting_inertia, &
       velocity_factor, wall_element_t
    use rwmf_embedding_ranges, only: not_negative, require_number, require_numbers
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
@@ -154,8 +154,8 @@ contains
       end if
       tau = dt
       do s = -1, 1, 2
-         drive_0 = lift_off_drive_of(element, s, push_0, u_g_ddot_0)
-         drive_1 = lift_off_drive_of(element, s, push_1, u_g_ddot_1)
+         drive_0 = uplift_demand_of(element, s, push_0, u_g_ddot_0)
+         drive_1 = uplift_demand_of(element, s, push_1, u_g_ddot_1)
          if (max(drive_0, drive_1) <= 0) cycle
          root = 0
          if (drive_0 < 0) root = dt*drive_0/(drive_0 - drive_1)
@@ -197,8 +197,8 @@ contains
          if (present(error)) call move_alloc(refusal, error)
          return
       end if
-      pull = -max(lift_off_drive_of(element, 1, push, u_g_ddot), &
-         lift_off_drive_of(element, -1, push, u_g_ddot))/(resting_inertia(element) + host_mass)
+      pull = -max(uplift_demand_of(element, 1, push, u_g_ddot), &
+         uplift_demand_of(element, -1, push, u_g_ddot))/(resting_inertia(element) + host_mass)
       settles = pull > 0 .and. 2*abs(u_dot) <= pull*(1 - velocity_factor(element))*dt
    end function settles
 

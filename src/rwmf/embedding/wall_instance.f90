@@ -18,7 +18,7 @@ module rwmf_embedding_wall_instance
    use rwmf_simulation_finite_check, only: check_numbers
    use rwmf_simulation_hybrid_loop, only: start_hybrid
    use rwmf_simulation_hybrid_state, only: has_ended, hybrid_state_t, hybrid_t
-   use rwmf_simulation_lanes_team, only: team_t
+   use rwmf_simulation_lanes_batch, only: batch_t
    use rwmf_simulation_recorder_recorder, only: create_recorder, peaks_t, recorder_t
    use rwmf_simulation_run, only: guess_size, initial_state, tolerances
    implicit none
@@ -41,8 +41,8 @@ module rwmf_embedding_wall_instance
       class(integrator_t), allocatable :: integrator
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
-      type(team_t) :: team
-      !! team of one lane, for methods that step in lanes
+      type(batch_t) :: batch
+      !! batch of one lane, for methods that step in lanes
       real(wp) :: t
       !! time reached by the host; after overturning or collapse the motion ended earlier [s]
       real(wp) :: ground
@@ -176,7 +176,7 @@ contains
       instance%integrator%steps = 0_i8
       instance%recorder%n_events = 0
       call advance(instance%hybrid, instance%equation, instance%integrator, instance%recorder, t, &
-         no_control, instance%team, error)
+         no_control, instance%batch, error)
       call check_numbers('the state of the wall', instance%hybrid%y, error)
       if (allocated(error)) then
          call restore_state(instance, before)

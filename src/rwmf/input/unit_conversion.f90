@@ -35,7 +35,7 @@ contains
       values%has_units = .false.
       do i = 1, size(keys)
          if (.not. values%keys(i)%is_given) cycle
-         if (keys(i)%needs /= '') call check_company(values, keys(i), error)
+         if (keys(i)%needs /= '') call check_required_keys(values, keys(i), error)
          if (allocated(error)) return
          if (keys(i)%gives == '') cycle
          values%has_units = .true.
@@ -53,7 +53,7 @@ contains
    end subroutine check_units
 
    !> Check that the other keys that a key requires are given.
-   subroutine check_company(values, key, error)
+   subroutine check_required_keys(values, key, error)
       type(group_values_t), intent(in) :: values
       type(key_t), intent(in) :: key
       type(error_t), allocatable, intent(out) :: error
@@ -77,7 +77,7 @@ contains
             //names, error)
          return
       end do
-   end subroutine check_company
+   end subroutine check_required_keys
 
    !> Set the keys that are derived from dimensional ones, group by group.
    !>

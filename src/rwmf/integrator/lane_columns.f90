@@ -5,10 +5,11 @@ module rwmf_integrator_lane_columns
 
    public :: column_count, screen_t
    public :: of_time, of_limit, of_length, of_trial, of_line, of_vertical_line, of_low, of_high, &
-      of_bottom, of_top, of_longest, of_fastest, of_rejected, of_watch, of_goal, of_least, of_most
-   public :: of_interval, of_steps, of_pace, of_frequency, of_ground_end, of_plain, of_calm, &
+      of_bottom, of_top, of_longest, of_fastest, of_rejected, of_inspection, of_target, of_least, &
+      of_most
+   public :: of_interval, of_steps, of_max_rate, of_frequency, of_ground_end, of_plain, of_calm, &
       of_next, of_middle, of_fastest_demand, line_columns
-   public :: is_done, is_rejected, needs_look, at_limit
+   public :: is_done, is_rejected, needs_inspection, at_limit
 
    integer, parameter :: of_time = 1
    !! current time [s]
@@ -36,9 +37,9 @@ module rwmf_integrator_lane_columns
    !! largest |theta'| at the ends of steps [rad/s]
    integer, parameter :: of_rejected = 16
    !! 1 if the last attempt was rejected
-   integer, parameter :: of_watch = 17
+   integer, parameter :: of_inspection = 17
    !! 1 if every step is inspected
-   integer, parameter :: of_goal = 18
+   integer, parameter :: of_target = 18
    !! length of the step to an event; 0 without a target event [s]
    integer, parameter :: of_least = 19
    !! lower limit of a further state without an event
@@ -48,7 +49,7 @@ module rwmf_integrator_lane_columns
    !! number of the current interval of the motion
    integer, parameter :: of_steps = 22
    !! number of accepted steps
-   integer, parameter :: of_pace = 23
+   integer, parameter :: of_max_rate = 23
    !! steps per rotation that a hysteretic state needs while it relaxes to its bound [1/rad]
    integer, parameter :: of_frequency = 24
    !! frequency of the fastest vibration [rad/s]
@@ -91,7 +92,7 @@ module rwmf_integrator_lane_columns
    !! the step is accepted and has no event
    integer, parameter :: is_rejected = 1
    !! the error of the step is too large
-   integer, parameter :: needs_look = 2
+   integer, parameter :: needs_inspection = 2
    !! the step may have an event and is neither accepted nor rejected yet
    integer, parameter :: at_limit = 3
    !! as `is_done`, with the lane at its limit

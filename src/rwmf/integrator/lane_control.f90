@@ -3,15 +3,16 @@ module rwmf_integrator_lane_control
    use, intrinsic :: iso_fortran_env, only: int64, real64
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
-      line_columns, needs_look, of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
+      line_columns, needs_inspection, of_bottom, of_fastest, of_target, of_high, of_interval, &
+      of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
-      of_pace, of_top, of_trial, of_vertical_line, of_watch
+      of_max_rate, of_top, of_trial, of_vertical_line, of_inspection
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_lanes, only: lane_count
    implicit none
    private
 
-   public :: plan_step, judge_step, pass_knots
+   public :: plan_step, accept_or_reject, advance_intervals
 
 contains
 
@@ -40,7 +41,7 @@ contains
          ! a length far below the remaining time needs no equal parts
          length = merge(length, rest/max(1.0_wp, aint(rest/length*(1 - 1.0e-12_wp)) + 1), &
             length < 1.0e-8_wp*rest)
-         length = merge(table(i, of_goal), length, table(i, of_goal) > 0)
+         length = merge(table(i, of_target), length, table(i, of_target) > 0)
          length = merge(length, 0.0_wp, table(i, of_length) > 0)
          table(i, of_trial) = length
          rest = table(i, of_time) - table(i, of_line + 2)
@@ -65,7 +66,7 @@ contains
    !> coefficients in Bernstein form of the quartic through both ends, both velocities and the
    !> acceleration at the beginning. They include its error (as in `rwmf_math_sign_changes`) for
    !> vibrations of up to 1.4 rad in a step.
-   subroutine judge_step(n, further, table, y, y_dot, y_new, error, mark)
+   subroutine accept_or_reject(n, further, table, y, y_dot, y_new, error, mark)
       integer, intent(in) :: n
       !! number of states
       integer, intent(in) :: further
@@ -81,7 +82,7 @@ contains
       real(wp), intent(in) :: error(lane_count)
       !! square of the norm of the local error over the tolerance; accurate up to 1 [-]
       integer, intent(out) :: mark(lane_count)
-      !! `is_done`, `is_rejected`, `needs_look` or `at_limit`
+      !! `is_done`, `is_rejected`, `needs_inspection` or `at_limit`
       real(wp) :: h, h_new, way, begin, end, reach, lowest, top, bottom, slack
       real(wp) :: first, second
       !! coefficients of theta' in the middle of the step, times its length like all rates [rad]
@@ -125,7 +126,7 @@ contains
          top = max(max(y(i, 1), y_new(i, 1)) + reach, max(bottom, first, second) + slack)
          bottom = min(min(y(i, 1), y_new(i, 1)) - reach, min(bottom, first, second) - slack)
          is_inside = merge(1.0_wp, 0.0_wp, max(table(i, of_low) - y_new(i, 1), y_new(i, 1) &
-            - table(i, of_high), table(i, of_watch) - 0.5_wp) < 0)
+            - table(i, of_high), table(i, of_inspection) - 0.5_wp) < 0)
          is_inside = merge(is_inside, 0.0_wp, max(table(i, of_least) - y_new(i, further), &
             y_new(i, further) - table(i, of_most)) <= 0)
          is_far = merge(1.0_wp, 0.0_wp, max(top - min(table(i, of_top), table(i, of_high)), &
@@ -138,24 +139,24 @@ contains
          table(i, of_time) = merge(h_new, table(i, of_time), is_plain(i) > 0)
          table(i, of_steps) = table(i, of_steps) + is_plain(i)
          mark(i) = int(merge(merge(real(at_limit, wp), real(is_done, wp), table(i, of_time) &
-            >= table(i, of_limit)), merge(real(needs_look, wp), real(is_rejected, wp), &
+            >= table(i, of_limit)), merge(real(needs_inspection, wp), real(is_rejected, wp), &
             is_accurate > 0), is_plain(i) > 0))
       end do
       ! only smooth hysteresis, which has the further state, limits the rate
-      if (further > 1) call keep_pace(n, y, y_new, table)
+      if (further > 1) call limit_rate(n, y, y_new, table)
       do m = 1, n
          !$omp simd
          do i = 1, lane_count
             y(i, m) = merge(y_new(i, m), y(i, m), is_plain(i) > 0)
          end do
       end do
-   end subroutine judge_step
+   end subroutine accept_or_reject
 
    !> Compute the factor on each step length: the inverse eighth root of the norm of the error.
    !>
    !> The factor is accurate to 4 %; it is 0 where the error is not finite. The bits of a positive
    !> number are nearly its logarithm to the base 2. Roots and divisions would take as long as the
-   !> rest of `judge_step`.
+   !> rest of `accept_or_reject`.
    pure subroutine find_growth(error, growth)
       real(wp), intent(in) :: error(lane_count)
       !! square of the norm of the local error over the tolerance [-]
@@ -184,7 +185,7 @@ contains
    end subroutine find_growth
 
    !> Limit the next step lengths while a hysteretic state relaxes to its bound.
-   pure subroutine keep_pace(n, y, y_new, table)
+   pure subroutine limit_rate(n, y, y_new, table)
       integer, intent(in) :: n
       !! number of states
       real(wp), intent(in) :: y(lane_count, n), y_new(lane_count, n)
@@ -195,14 +196,14 @@ contains
 
       !$omp simd
       do i = 1, lane_count
-         table(i, of_length) = min(table(i, of_length), 1/max(tiny(y), table(i, of_pace) &
+         table(i, of_length) = min(table(i, of_length), 1/max(tiny(y), table(i, of_max_rate) &
             *max(abs(y(i, 2)), abs(y_new(i, 2)))))
       end do
-   end subroutine keep_pace
+   end subroutine limit_rate
 
    !> Move lanes at their limits to the next interval of the motion, if that interval is a straight
    !> line with its own limit.
-   pure subroutine pass_knots(intervals, lines, table, mark)
+   pure subroutine advance_intervals(intervals, lines, table, mark)
       integer, intent(in) :: intervals
       !! number of the last known interval
       real(wp), intent(in) :: lines(line_columns, 0:intervals + 1)
@@ -227,6 +228,6 @@ contains
          table(i, of_vertical_line + 1) = lines(6, next)
          mark(i) = is_done
       end do
-   end subroutine pass_knots
+   end subroutine advance_intervals
 
 end module rwmf_integrator_lane_control

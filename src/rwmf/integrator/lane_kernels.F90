@@ -7,15 +7,15 @@ module rwmf_integrator_lane_kernels
 #ifdef LANE_LEVELS
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
-   use rwmf_integrator_lane_control_l16, only: judge_step, pass_knots, plan_step
+   use rwmf_integrator_lane_control_l16, only: accept_or_reject, advance_intervals, plan_step
    use rwmf_integrator_lane_reactions_l16, only: screen_steps
    use rwmf_integrator_lane_step_l16, only: attempt_step
-   use rwmf_model_lanes_l16, only: team_width => lane_count
+   use rwmf_model_lanes_l16, only: batch_width => lane_count
 #ifdef LANE_LEVELS
-   use rwmf_integrator_lane_control_l16_v3, only: judge_step_v3 => judge_step, &
-      pass_knots_v3 => pass_knots, plan_step_v3 => plan_step
-   use rwmf_integrator_lane_control_l16_v4, only: judge_step_v4 => judge_step, &
-      pass_knots_v4 => pass_knots, plan_step_v4 => plan_step
+   use rwmf_integrator_lane_control_l16_v3, only: accept_or_reject_v3 => accept_or_reject, &
+      advance_intervals_v3 => advance_intervals, plan_step_v3 => plan_step
+   use rwmf_integrator_lane_control_l16_v4, only: accept_or_reject_v4 => accept_or_reject, &
+      advance_intervals_v4 => advance_intervals, plan_step_v4 => plan_step
    use rwmf_integrator_lane_reactions_l16_v3, only: screen_steps_v3 => screen_steps
    use rwmf_integrator_lane_reactions_l16_v4, only: screen_steps_v4 => screen_steps
    use rwmf_integrator_lane_step_l16_v3, only: attempt_step_v3 => attempt_step
@@ -24,14 +24,14 @@ module rwmf_integrator_lane_kernels
    implicit none
    private
 
-   public :: lane_kernels_t, lane_kernels_of, team_width, best_level, instruction_set
+   public :: lane_kernels_t, lane_kernels_of, batch_width, best_level, instruction_set
 
    !> Step procedures compiled for one instruction set.
    type :: lane_kernels_t
       procedure(plan_step), pointer, nopass :: plan_step => null()
       procedure(attempt_step), pointer, nopass :: attempt_step => null()
-      procedure(judge_step), pointer, nopass :: judge_step => null()
-      procedure(pass_knots), pointer, nopass :: pass_knots => null()
+      procedure(accept_or_reject), pointer, nopass :: accept_or_reject => null()
+      procedure(advance_intervals), pointer, nopass :: advance_intervals => null()
       procedure(screen_steps), pointer, nopass :: screen_steps => null()
    end type lane_kernels_t
 
@@ -82,14 +82,14 @@ contains
       select case (level)
 #ifdef LANE_LEVELS
       case (4)
-         kernels = lane_kernels_t(plan_step_v4, attempt_step_v4, judge_step_v4, &
-            pass_knots_v4, screen_steps_v4)
+         kernels = lane_kernels_t(plan_step_v4, attempt_step_v4, accept_or_reject_v4, &
+            advance_intervals_v4, screen_steps_v4)
       case (3)
-         kernels = lane_kernels_t(plan_step_v3, attempt_step_v3, judge_step_v3, &
-            pass_knots_v3, screen_steps_v3)
+         kernels = lane_kernels_t(plan_step_v3, attempt_step_v3, accept_or_reject_v3, &
+            advance_intervals_v3, screen_steps_v3)
 #endif
       case default
-         kernels = lane_kernels_t(plan_step, attempt_step, judge_step, pass_knots, &
+         kernels = lane_kernels_t(plan_step, attempt_step, accept_or_reject, advance_intervals, &
             screen_steps)
       end select
    end function lane_kernels_of

@@ -15,7 +15,7 @@ module rwmf_model_assembly
    use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
       frame_displacement, ground, has_further_effects, interval_of, kinematics_at, &
-      lift_off_drive, renew_coefficients, vertical_ground
+      uplift_demand, renew_coefficients, vertical_ground
    use rwmf_model_hysteresis_laws, only: new_branch, new_spring
    use rwmf_model_kinematics, only: geometry_of
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
@@ -31,7 +31,7 @@ module rwmf_model_assembly
 
    public :: equation_t, build_equation, enter_interval, enter_side, interval_of
    public :: rhs, rates_at, ground_at, moment_at_rest, second_derivative, kinematics_at, cable_at
-   public :: lift_off_drive, frame_displacement
+   public :: uplift_demand, frame_displacement
 
 contains
 

@@ -20,7 +20,7 @@ module rwmf_model_equation
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of, enter_side, renew_coefficients, renew_effects
    public :: vertical_ground, has_further_effects
-   public :: ground, kinematics_at, cable_at, lift_off_drive, lift_off_drives
+   public :: ground, kinematics_at, cable_at, uplift_demand, uplift_demands
    public :: frame_displacement
    public :: frame_acceleration, frame_motion, frame_travel, frame_mass, corner_share
 
@@ -203,9 +203,9 @@ module rwmf_model_equation
       !! `rwmf_model_lift_off` [m/s2]
       real(wp) :: inertia_at_rest = 1
       !! inertia of the wall and all coupled masses at theta = 0, over m_w R**2 [-]
-      logical :: bearing_is_known = .false.
+      logical :: capacity_is_known = .false.
       !! the following component is valid until a branch changes
-      real(wp), allocatable :: bearing(:, :)
+      real(wp), allocatable :: uplift_capacity(:, :)
       !! (2, 2:states) uplift acceleration to the right and to the left. Column 2 holds the value
       !! with all further states zero; the other columns hold its increase per unit of each state.
       real(wp), allocatable :: coef(:, :)
@@ -408,7 +408,7 @@ contains
       type(discrete_state_t), intent(inout) :: state
 
       state%uplift_is_known = .false.
-      state%bearing_is_known = .false.
+      state%capacity_is_known = .false.
       if (.not. allocated(state%coef)) return
       if (model%has_wall) call put_row(wall_coefficients, wall_row(model%geometry, state%side, &
          model%p%R, model%inertia, model%p%g), state%coef(1, first_wall))
@@ -539,7 +539,7 @@ contains
    !> Uplift demand on one side: ground acceleration beyond the uplift acceleration of the resting
    !> wall [m/s2]. A positive value means lift-off, a negative one contact (paper's Eq. (8) at theta
    !> = 0).
-   pure real(wp) function lift_off_drive(equation, side, interval, t) result(drive)
+   pure real(wp) function uplift_demand(equation, side, interval, t) result(drive)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: side
       !! +1 or -1
@@ -553,10 +553,10 @@ contains
       if (equation%has_vertical) then
          drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
       end if
-   end function lift_off_drive
+   end function uplift_demand
 
    !> Uplift demand on both sides.
-   pure function lift_off_drives(equation, interval, t) result(drive)
+   pure function uplift_demands(equation, interval, t) result(drive)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
       !! of the motion
@@ -571,7 +571,7 @@ contains
       drive(2) = -push - equation%state%uplift_acceleration(1)
       if (equation%has_vertical) drive = drive - equation%weight_share &
          *vertical_acceleration(equation%motion, interval, t)
-   end function lift_off_drives
+   end function uplift_demands
 
    !> Displacement of the frame u_s on a side [m].
    pure real(wp) function frame_displacement(model, side, theta) result(u_s)

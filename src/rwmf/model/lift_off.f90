@@ -3,18 +3,18 @@
 !>
 !> The uplift demand is monotone where the horizontal motion is monotone in two cases. Both motions
 !> are straight lines on the same knots, or one is a multiple of the other. For a pulse with a
-!> vertical record the demand has turning points where the slopes are equal (`drive_turns`).
+!> vertical record the demand has turning points where the slopes are equal (`demand_turns`).
 module rwmf_model_lift_off
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
-   use rwmf_model_assembly, only: enter_side, interval_of, lift_off_drive, moment_at_rest
-   use rwmf_model_equation, only: discrete_state_t, equation_t, lift_off_drives, model_t
+   use rwmf_model_assembly, only: enter_side, interval_of, uplift_demand, moment_at_rest
+   use rwmf_model_equation, only: discrete_state_t, equation_t, uplift_demands, model_t
    use rwmf_motion_ground_motion, only: interval_end, line_of, line_t, steep_point, turning_point
    implicit none
    private
 
-   public :: lifting_side, find_lift_off, jumps, pull_duration, drive_turns
-   public :: find_uplift_acceleration, find_bearing
+   public :: lifting_side, find_lift_off, jumps, pull_duration, demand_turns
+   public :: find_uplift_acceleration, find_uplift_capacity
 
 contains
 
@@ -50,7 +50,7 @@ contains
       do
          side = lifting_side(equation, interval, t)
          if (side /= 0 .or. t >= t_limit) return
-         t_end = min(drive_turns(equation, interval, t), t_limit)
+         t_end = min(demand_turns(equation, interval, t), t_limit)
          side = lifting_side(equation, interval, t_end)
          if (side /= 0) then
             if (jumps(equation, interval, t_end)) side = first_side(equation, interval, t, t_end)
@@ -64,17 +64,17 @@ contains
 
    !> First turning point of the uplift demand after t in the interval, or the end of the interval
    !> [s].
-   pure real(wp) function drive_turns(equation, interval, t)
+   pure real(wp) function demand_turns(equation, interval, t)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
       !! of the motion
       real(wp), intent(in) :: t
       !! [s]
 
-      drive_turns = turning_point(equation%motion, interval, t)
-      if (equation%has_vertical) drive_turns = min(drive_turns, steep_point(equation%motion, &
+      demand_turns = turning_point(equation%motion, interval, t)
+      if (equation%has_vertical) demand_turns = min(demand_turns, steep_point(equation%motion, &
          interval, t, equation%weight_share))
-   end function drive_turns
+   end function demand_turns
 
    !> Side on which the wall lifts off at an instant, 0 if it stays. Compressed fuses may push up
    !> both corners; the side with the larger demand is then returned.
@@ -87,7 +87,7 @@ contains
       real(wp) :: drive(2)
       !! demand on the negative and on the positive side [m/s2]
 
-      drive = lift_off_drives(equation, interval, t)
+      drive = uplift_demands(equation, interval, t)
       side = merge(1, -1, drive(2) >= drive(1))
       if (.not. lifts(max(drive(1), drive(2)), equation%threshold)) side = 0
    end function lifting_side
@@ -100,7 +100,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      jumps = lifts(minval(lift_off_drives(equation, interval, t)), equation%threshold)
+      jumps = lifts(minval(uplift_demands(equation, interval, t)), equation%threshold)
    end function jumps
 
    !> Side that lifts off first, if both do so between two times.
@@ -141,8 +141,8 @@ contains
       bracket = bracket_between(t, t_end)
       line = line_of(equation%motion, interval)
       if (line%is_straight) then
-         drive = [lift_off_drive(equation, side, interval, t), &
-            lift_off_drive(equation, side, interval, t_end)]
+         drive = [uplift_demand(equation, side, interval, t), &
+            uplift_demand(equation, side, interval, t_end)]
          guess = t + (t_end - t)*(drive(1)/(drive(1) - drive(2)))
          do i = -2, 2, 4
             call narrow_at(equation, interval, side, guess + i*spacing(t_end), bracket)
@@ -164,7 +164,7 @@ contains
       type(bracket_t), intent(inout) :: bracket
 
       if (t > bracket%low .and. t < bracket%high) call narrow(bracket, &
-         lifts(lift_off_drive(equation, side, interval, t), equation%threshold), t)
+         lifts(uplift_demand(equation, side, interval, t), equation%threshold), t)
    end subroutine narrow_at
 
    !> Remaining time during which the ground motion pulls the wall off its base on the current side
@@ -183,14 +183,14 @@ contains
          low = high
          if (low >= interval_end(equation%motion, interval_of(equation))) return
          if (low >= huge(low)) return
-         high = drive_turns(equation, interval_of(equation), low)
-         if (lift_off_drive(equation, equation%state%side, interval_of(equation), high) <= 0) exit
+         high = demand_turns(equation, interval_of(equation), low)
+         if (uplift_demand(equation, equation%state%side, interval_of(equation), high) <= 0) exit
       end do
       bracket = bracket_between(low, high)
       do while (is_wider(bracket, 4) .and. bracket%high - bracket%low &
           > 1.0e-3_wp*(bracket%low - t_begin))
          call narrow(bracket, &
-            lift_off_drive(equation, equation%state%side, interval_of(equation), &
+            uplift_demand(equation, equation%state%side, interval_of(equation), &
             bracket%middle) <= 0)
       end do
       duration = bracket%low - t_begin
@@ -213,11 +213,11 @@ contains
       integer :: i
 
       if (.not. model%effects_act_at_rest .or. state%uplift_is_known) return
-      if (state%bearing_is_known) then
-         state%uplift_acceleration([1, -1]) = state%bearing(:, 2)
+      if (state%capacity_is_known) then
+         state%uplift_acceleration([1, -1]) = state%uplift_capacity(:, 2)
          do i = 3, model%n
             state%uplift_acceleration([1, -1]) = state%uplift_acceleration([1, -1]) &
-               + state%bearing(:, i)*y(i)
+               + state%uplift_capacity(:, i)*y(i)
          end do
          return
       end if
@@ -239,22 +239,23 @@ contains
 
    !> Compute the dependence of the uplift acceleration on the further states. The storey forces on
    !> the wall are linear in them until a branch changes.
-   subroutine find_bearing(model, state)
+   subroutine find_uplift_capacity(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       real(wp) :: y(model%n)
       integer :: i
 
-      if (state%bearing_is_known .or. .not. model%effects_act_at_rest) return
-      if (.not. allocated(state%bearing)) allocate (state%bearing(2, 2:model%n))
+      if (state%capacity_is_known .or. .not. model%effects_act_at_rest) return
+      if (.not. allocated(state%uplift_capacity)) allocate (state%uplift_capacity(2, 2:model%n))
       do i = 2, model%n
          y = 0
          y(i) = 1
          call find_uplift_acceleration(model, state, y)
-         state%bearing(:, i) = state%uplift_acceleration([1, -1])
-         if (i > 2) state%bearing(:, i) = state%bearing(:, i) - state%bearing(:, 2)
+         state%uplift_capacity(:, i) = state%uplift_acceleration([1, -1])
+         if (i > 2) state%uplift_capacity(:, i) = state%uplift_capacity(:, i) &
+            - state%uplift_capacity(:, 2)
       end do
-      state%bearing_is_known = .true.
-   end subroutine find_bearing
+      state%capacity_is_known = .true.
+   end subroutine find_uplift_capacity
 
 end module rwmf_model_lift_off

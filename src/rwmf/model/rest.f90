@@ -3,8 +3,8 @@
 module rwmf_model_rest
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: enter_side, rhs, second_derivative
-   use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, lift_off_drives
-   use rwmf_model_lift_off, only: drive_turns, find_uplift_acceleration
+   use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, uplift_demands
+   use rwmf_model_lift_off, only: demand_turns, find_uplift_acceleration
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until
    implicit none
    private
@@ -48,7 +48,7 @@ contains
       t = t_begin
       press = pressing_at(equation, interval, t)
       do while (t < t_end .and. press > 0)
-         t = min(drive_turns(equation, interval, t), t_end)
+         t = min(demand_turns(equation, interval, t), t_end)
          press = min(press, pressing_at(equation, interval, t))
          if (t >= interval_end(equation%motion, interval)) then
             interval = interval + 1
@@ -63,7 +63,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      associate (drive => lift_off_drives(equation, interval, t))
+      associate (drive => uplift_demands(equation, interval, t))
          press = -max(drive(1), drive(2))
       end associate
    end function pressing_at
@@ -250,7 +250,7 @@ contains
       real(wp) :: drive(2), gain, pressure, least, variation, span, w
 
       will = .false.
-      drive = lift_off_drives(equation, interval_of(equation), t)
+      drive = uplift_demands(equation, interval_of(equation), t)
       gain = inverse_inertia(equation)
       pressure = -gain*maxval(drive)
       if (pressure <= 0 .or. e >= 1) return
@@ -286,19 +286,19 @@ contains
 
       interval = interval_of(equation)
       t = t_begin
-      drive = lift_off_drives(equation, interval, t)
+      drive = uplift_demands(equation, interval, t)
       least = -maxval(drive)
       variation = 0
       do while (t < t_end .and. variation <= most_varied*least)
          before = drive
-         t = min(drive_turns(equation, interval, t), t_end)
-         drive = lift_off_drives(equation, interval, t)
+         t = min(demand_turns(equation, interval, t), t_end)
+         drive = uplift_demands(equation, interval, t)
          variation = variation + maxval(abs(drive - before))
          least = min(least, -maxval(drive))
          if (t < interval_end(equation%motion, interval)) cycle
          interval = interval + 1
          before = drive
-         drive = lift_off_drives(equation, interval, t)
+         drive = uplift_demands(equation, interval, t)
          variation = variation + maxval(abs(drive - before))
          least = min(least, -maxval(drive))
       end do

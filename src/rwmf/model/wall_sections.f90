@@ -96,10 +96,11 @@ contains
          z(1) = 0
          if (i > 0) z(1) = links%place(2, i)
          s = stationary_places(loads)
-         call look_at(z(1))
-         call look_at(z(2))
+         call inspect_section(z(1))
+         call inspect_section(z(2))
          do j = 1, size(s)
-            if (2*loads%h - s(j) > z(1) .and. 2*loads%h - s(j) < z(2)) call look_at(2*loads%h &
+            if (2*loads%h - s(j) > z(1) .and. 2*loads%h - s(j) < z(2)) &
+               call inspect_section(2*loads%h &
                - s(j))
          end do
          if (i > 0) call add_link(loads, links, i)
@@ -108,7 +109,7 @@ contains
    contains
 
       !> Include a section of the piece in the search.
-      subroutine look_at(at)
+      subroutine inspect_section(at)
          real(wp), intent(in) :: at
          real(wp) :: force(2)
 
@@ -121,7 +122,7 @@ contains
             extremes%moment = force(2)
             extremes%z_moment = at
          end if
-      end subroutine look_at
+      end subroutine inspect_section
    end subroutine find_section_extremes
 
    !> Compute shear and bending moment just below and just above sections. They are the forces of

@@ -10,7 +10,7 @@ module rwmf_output_preview
    use rwmf_problem_group_values, only: group_values_t, has_group, has_key, text_of
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate_instant
-   use rwmf_spectrum_quantities, only: check_asked, keys_asked_by
+   use rwmf_spectrum_quantities, only: check_request, requested_keys_of
    use rwmf_spectrum_threads, only: choose_threads
    use rwmf_text_text_buffer, only: append, text_buffer_t
    implicit none
@@ -28,7 +28,7 @@ contains
    !> `columns` (of the history; empty without one) and `notes` (sentences).
    !>
    !> The outputs are those of the case with zero duration. No separate list could therefore differ
-   !> from the written outputs. Errors: as `simulate` and `check_asked`.
+   !> from the written outputs. Errors: as `simulate` and `check_request`.
    subroutine preview_text(case, text, error)
       type(case_t), intent(in) :: case
       !! valid
@@ -69,8 +69,8 @@ contains
       type(motion_t) :: motion
 
       motion = motion_from_case(case)
-      if (allocated(case%spectrum)) call check_asked(case, motion, &
-         keys_asked_by(case), error)
+      if (allocated(case%spectrum)) call check_request(case, motion, &
+         requested_keys_of(case), error)
       if (.not. allocated(error)) call simulate_instant(case, motion, instant, result, error)
    end subroutine look_ahead
 

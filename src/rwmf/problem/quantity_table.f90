@@ -6,8 +6,8 @@ module rwmf_problem_quantity_table
    implicit none
    private
 
-   public :: quantity_t, id, key_of, all_quantities, look_up, spelled, is_of_ordinate, is_peak
-   public :: asked_by, quantities_text
+   public :: quantity_t, id, key_of, all_quantities, look_up, canonical_key, is_of_ordinate, is_peak
+   public :: requested_by, quantities_text
    public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
    public :: of_envelopes, of_verification
 
@@ -666,27 +666,27 @@ contains
 
    !> Key in the spelling of the outputs. Capitals are accepted, and names of Python, which have no
    !> units. An unknown key is returned in lower case.
-   elemental character(40) function spelled(key)
+   elemental character(40) function canonical_key(key)
       character(*), intent(in) :: key
       !! key in the user's spelling
       character(40) :: row
       integer :: place, first, behind, braces
 
-      spelled = to_lower(key)
-      place = place_of(trim(spelled))
+      canonical_key = to_lower(key)
+      place = place_of(trim(canonical_key))
       if (place > 0) then
-         spelled = all_quantities(place)%key
+         canonical_key = all_quantities(place)%key
          return
       end if
-      call find_number(spelled, first, behind)
+      call find_number(canonical_key, first, behind)
       if (behind == first) return
-      row = spelled(:first - 1)//'{i}'//spelled(behind:)
+      row = canonical_key(:first - 1)//'{i}'//canonical_key(behind:)
       place = place_of(trim(row))
       if (place == 0) return
       row = all_quantities(place)%key
       braces = index(row, '{i}')
-      spelled = row(:braces - 1)//spelled(first:behind - 1)//row(braces + 3:)
-   end function spelled
+      canonical_key = row(:braces - 1)//canonical_key(first:behind - 1)//row(braces + 3:)
+   end function canonical_key
 
    !> Row of a key or of a name in Python; 0 if there is none.
    pure integer function place_of(key) result(place)
@@ -736,16 +736,16 @@ contains
    end function is_peak
 
    !> Key of `&output` that requests a quantity; '' for one that every run reports.
-   elemental character(12) function asked_by(quantity)
+   elemental character(12) function requested_by(quantity)
       type(quantity_t), intent(in) :: quantity
 
-      asked_by = ''
+      requested_by = ''
       if (any(quantity%observed == [character(12) :: of_reactions, of_demands, of_envelopes])) then
-         asked_by = 'reactions'
+         requested_by = 'reactions'
       else if (quantity%observed == of_energy) then
-         asked_by = 'energy'
+         requested_by = 'energy'
       end if
-   end function asked_by
+   end function requested_by
 
    !> Write the table as text: tab-separated components in their order, one quantity per line.
    pure subroutine quantities_text(text)
@@ -760,7 +760,8 @@ contains
          row = all_quantities(i)
          text = text//trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab &
             //trim(row%kind)//tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group) &
-            //tab//trim(asked_by(row))//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
+            //tab//trim(requested_by(row))//tab//trim(row%needs)//tab//trim(row%meaning) &
+            //new_line('a')
       end do
    end subroutine quantities_text
 

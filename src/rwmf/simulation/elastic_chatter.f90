@@ -10,9 +10,9 @@ module rwmf_simulation_elastic_chatter
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
    use rwmf_model_energy, only: impact_loss
-   use rwmf_model_equation, only: lift_off_drives
+   use rwmf_model_equation, only: uplift_demands
    use rwmf_model_lanes, only: of_input, of_viscous, power_count
-   use rwmf_model_lift_off, only: drive_turns
+   use rwmf_model_lift_off, only: demand_turns
    use rwmf_model_rest, only: inverse_inertia
    use rwmf_model_restitution, only: factor_at
    use rwmf_simulation_hybrid_state, only: hybrid_t, mode_rocking
@@ -53,7 +53,7 @@ contains
       begin = decelerations(equation, hybrid%t)
       if (minval(begin) <= 0) return
       if (v**2 > 2*minval(begin)*small_angle) return
-      span = min(t_limit, drive_turns(equation, interval_of(equation), hybrid%t)) - hybrid%t
+      span = min(t_limit, demand_turns(equation, interval_of(equation), hybrid%t)) - hybrid%t
       if (span < least_flights*2*v/minval(begin)) return
       e = factor_at(hybrid%restitution, v)
       damping = damping_at(hybrid, equation, v)
@@ -131,7 +131,7 @@ contains
       !! within the current interval [s]
       real(wp) :: pull(2)
 
-      pull = -lift_off_drives(equation, interval_of(equation), t)*inverse_inertia(equation)
+      pull = -uplift_demands(equation, interval_of(equation), t)*inverse_inertia(equation)
    end function decelerations
 
    !> Equivalent deceleration for the total duration of the flights to both sides [rad/s2].

@@ -20,8 +20,8 @@ module rwmf_simulation_error_control
    private
 
    public :: run_to_accuracy, verify_run
-   public :: first_tolerance, next_tolerance, is_close_enough, verifying_tolerance, shake
-   public :: relative_change, most_refinements, refinement, tightest, shake_step
+   public :: first_tolerance, next_tolerance, is_close_enough, verifying_tolerance, perturb
+   public :: relative_change, most_refinements, refinement, tightest, perturb_step
 
    real(wp), parameter :: tighter = 0.03_wp
    !! ratio of the tolerances of the two compared runs
@@ -31,7 +31,7 @@ module rwmf_simulation_error_control
    integer, parameter :: most_refinements = 12
    integer, parameter :: refinement = 2
    !! number of parts of each interval of the motion in a verifying run
-   real(wp), parameter :: shake_step = 1.0e-6_wp
+   real(wp), parameter :: perturb_step = 1.0e-6_wp
    !! relative change of the motion for the sensitivity of the peak
 
 contains
@@ -126,7 +126,7 @@ contains
    end function verifying_tolerance
 
    !> Scale the initial state like the motion, for the sensitivity of the peak.
-   pure subroutine shake(case, factor)
+   pure subroutine perturb(case, factor)
       class(structure_t), intent(inout) :: case
       real(wp), intent(in) :: factor
       !! factor of the motion [-]
@@ -134,7 +134,7 @@ contains
       if (.not. allocated(case%initial)) return
       case%initial%theta_over_alpha = case%initial%theta_over_alpha*factor
       case%initial%theta_dot = case%initial%theta_dot*factor
-   end subroutine shake
+   end subroutine perturb
 
    !> Estimate the error of a finished run by one independent, much tighter run. A third, slightly
    !> stronger run gives the sensitivity of its peak to the motion.
@@ -164,11 +164,11 @@ contains
          found = relative_difference(case, result, tight)
          if (found > 0) result%estimated_relative_error = found
       end if
-      refined = scaled_motion(refined, 1 + shake_step)
-      call shake(trial, 1 + shake_step)
+      refined = scaled_motion(refined, 1 + perturb_step)
+      call perturb(trial, 1 + perturb_step)
       call run_once(trial, refined, control, larger, error)
       if (allocated(error)) return
-      result%sensitivity = relative_difference(case, larger, tight)/shake_step
+      result%sensitivity = relative_difference(case, larger, tight)/perturb_step
       if (.not. allocated(result%estimate_seconds)) result%estimate_seconds = 0
       result%estimate_seconds = result%estimate_seconds + tight%seconds + larger%seconds
    end subroutine verify_run

@@ -17,7 +17,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_effects_storeys_yielding_storeys, only: start_storeys
    use rwmf_model_hysteresis_bouc_wen, only: load_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: fuse_uplift, load_to, reset_springs
-   use rwmf_model_lift_off, only: find_bearing, find_lift_off, find_uplift_acceleration
+   use rwmf_model_lift_off, only: find_uplift_capacity, find_lift_off, find_uplift_acceleration
    use rwmf_model_rest, only: release_wall
    use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
    use rwmf_simulation_elastic_chatter, only: skip_chatter
@@ -28,7 +28,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_free_vibration, only: follow_free_vibration
    use rwmf_simulation_hybrid_state, only: count_steps, has_ended, hybrid_t, mode_collapsed, &
-      mode_held, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
+      mode_held, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, advance_interval
    use rwmf_simulation_recorder_recorder, only: observe_piece, observe_rest, recorder_t, sees_rest
    use rwmf_simulation_result, only: event_lift_off
    use rwmf_simulation_transitions, only: apply_event, begin_piece, change_storey, enter_rest, &
@@ -291,11 +291,11 @@ contains
          ! An event within round-off of a knot: the remaining interval is too short for a step.
          hybrid%flight = 0
          hybrid%t = t_limit
-         call pass_knot(hybrid, equation, steps)
+         call advance_interval(hybrid, equation, steps)
          return
       end if
       if (hybrid%must_restart) call begin_piece(hybrid, equation, span)
-      if (hybrid%mode == mode_held) call find_bearing(equation%model_t, equation%state)
+      if (hybrid%mode == mode_held) call find_uplift_capacity(equation%model_t, equation%state)
    end subroutine begin_step
 
    !> Search the integrator's last step and apply its first event.
@@ -327,7 +327,7 @@ contains
       if (allocated(error)) return
       ! Without any other event, the flight continues with the next step.
       if (event == 0 .and. ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
-      call pass_knot(hybrid, equation, integrator%steps)
+      call advance_interval(hybrid, equation, integrator%steps)
    end subroutine end_step
 
 end module rwmf_simulation_hybrid_loop

@@ -7,7 +7,7 @@ module rwmf_simulation_hybrid_state
    implicit none
    private
 
-   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, is_at_rest, pass_knot
+   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, is_at_rest, advance_interval
    public :: mode_rest, mode_held, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
 
    integer, parameter :: mode_rest = 0
@@ -99,7 +99,7 @@ contains
    !> step into a pulse could then reach the pulse's end, where the acceleration is zero again, and
    !> miss it. `count_steps` therefore starts with the cost of a restart. At later knots, for
    !> example of a vertical record before a pulse, a state of zeros triggers the restart.
-   subroutine pass_knot(hybrid, equation, steps)
+   subroutine advance_interval(hybrid, equation, steps)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       integer(i8), intent(in) :: steps
@@ -111,6 +111,6 @@ contains
       if (steps - hybrid%steps_at_knot > cost_of_restart) hybrid%must_restart = .true.
       if (all(abs(hybrid%y) <= 0)) hybrid%must_restart = .true.
       hybrid%steps_at_knot = steps
-   end subroutine pass_knot
+   end subroutine advance_interval
 
 end module rwmf_simulation_hybrid_state

@@ -6,7 +6,7 @@ module rwmf_simulation_peak
    use rwmf_core_kinds, only: wp
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t, output_t
-   use rwmf_problem_quantity_table, only: all_quantities, asked_by, look_up, of_demands, &
+   use rwmf_problem_quantity_table, only: all_quantities, requested_by, look_up, of_demands, &
       of_envelopes
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
@@ -24,7 +24,7 @@ contains
 
       call look_up(trim(case%solver%accuracy_of), place, number)
       if (place == 0) return
-      if (asked_by(all_quantities(place)) /= 'reactions') return
+      if (requested_by(all_quantities(place)) /= 'reactions') return
       if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
       if (all_quantities(place)%observed == of_demands) then
          case%output%demands = .true.

@@ -25,7 +25,7 @@ module rwmf_simulation_run
    use rwmf_simulation_hybrid_loop, only: start_hybrid
    use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, is_at_rest, mode_collapsed, &
       mode_overturned
-   use rwmf_simulation_lanes_team, only: team_t
+   use rwmf_simulation_lanes_batch, only: batch_t
    use rwmf_problem_quantity_table, only: all_quantities
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_force_envelopes, only: envelope_extremes
@@ -139,7 +139,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
-      type(team_t), target :: team
+      type(batch_t), target :: batch
 
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
@@ -149,8 +149,8 @@ contains
          allocate (recorder%nearby)
          call begin_nearby(recorder%nearby, equation%n)
       end if
-      call begin_advance(hybrid, equation, integrator, case%solver%t_end, team)
-      call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, team, error)
+      call begin_advance(hybrid, equation, integrator, case%solver%t_end, batch)
+      call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, batch, error)
       if (allocated(error)) return
       call finish_recorder(recorder, equation, hybrid%t, hybrid%y, is_at_rest(hybrid))
       size_found = response_size(recorder)

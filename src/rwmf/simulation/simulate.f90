@@ -48,18 +48,18 @@ contains
       type(case_t), allocatable :: asking
 
       if (case%solver%accuracy_of == '') then
-         call run_as_asked(case, motion, control, result, error)
+         call run_requested(case, motion, control, result, error)
       else
          call check_peak(case, motion, error)
          if (allocated(error)) return
          asking = case
          call ask_for_peak(asking)
-         call run_as_asked(asking, motion, control, result, error)
+         call run_requested(asking, motion, control, result, error)
       end if
    end subroutine simulate_with_motion
 
    !> Run a case that stores all outputs that the error estimate needs.
-   subroutine run_as_asked(case, motion, control, result, error)
+   subroutine run_requested(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
@@ -73,7 +73,7 @@ contains
       end if
       if (allocated(error)) return
       if (case%solver%verify) call verify_run(case, motion, control, result, error)
-   end subroutine run_as_asked
+   end subroutine run_requested
 
    !> Check that the scene has the peak of `accuracy_of`.
    !>

@@ -17,7 +17,7 @@ module rwmf_simulation_transitions
    use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
    use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_held, &
       mode_overturned, mode_rest, mode_rocking
-   use rwmf_simulation_recorder_nearby_motion, only: meet_impact
+   use rwmf_simulation_recorder_nearby_motion, only: note_impact
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
       observe_state, observe_still, recorder_t, sees_forces
    use rwmf_simulation_result, only: event_branch, event_collapsed, event_impact, event_lift_off, &
@@ -259,11 +259,11 @@ contains
       ! spectrum ordinates of peaks alone have no such warning
       if (hybrid%settled_angle <= 0 &
           .and. abs(hybrid%y(2)) < slow*sqrt(hybrid%rtol)*recorder%theta_dot_ends) then
-         call look_for_grazing(hybrid, equation, recorder)
+         call check_grazing(hybrid, equation, recorder)
       end if
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
-      if (allocated(recorder%nearby)) call meet_impact(recorder%nearby, equation, hybrid%y, &
+      if (allocated(recorder%nearby)) call note_impact(recorder%nearby, equation, hybrid%y, &
          factor_at(hybrid%restitution, abs(hybrid%y(2))))
       call land_effects(equation, hybrid%y, after, stays)
       call observe_impact(recorder, equation, hybrid%y(2), after)
@@ -378,7 +378,7 @@ contains
 
    !> Record a grazing impact: so slow that the acceleration away from the base nearly prevents
    !> contact.
-   subroutine look_for_grazing(hybrid, equation, recorder)
+   subroutine check_grazing(hybrid, equation, recorder)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
       type(recorder_t), intent(inout) :: recorder
@@ -387,7 +387,7 @@ contains
 
       away = equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
       if (away > 0) call observe_grazing(recorder, hybrid%rtol, hybrid%t, hybrid%y(2)**2/(2*away))
-   end subroutine look_for_grazing
+   end subroutine check_grazing
 
    !> Start the motion of a wall that touches its base without velocity while one side is pulled up.
    subroutine leave_without_velocity(hybrid, equation)

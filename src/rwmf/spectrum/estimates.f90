@@ -7,9 +7,9 @@ module rwmf_spectrum_estimates
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
-      next_tolerance, refinement, relative_change, shake_step, tightest, verifying_tolerance
+      next_tolerance, refinement, relative_change, perturb_step, tightest, verifying_tolerance
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, run_ordinates
-   use rwmf_spectrum_quantities, only: asked_of
+   use rwmf_spectrum_quantities, only: request_of
    implicit none
    private
 
@@ -31,15 +31,15 @@ contains
       else
          call run_ordinates(queue, threads, control, ordinates)
       end if
-      if (queue%asked%has_sensitivity) call verify_ordinates(queue, threads, control, ordinates)
+      if (queue%request%has_sensitivity) call verify_ordinates(queue, threads, control, ordinates)
       do i = 1, size(ordinates)
          if (.not. allocated(ordinates(i)%values)) cycle
          ! equal peaks give no estimate
          if (.not. ordinates(i)%estimate > 0) ordinates(i)%estimate = ieee_value(1.0_wp, &
             ieee_quiet_nan)
-         where (queue%asked%keys == 'estimated_relative_error') ordinates(i)%values = &
+         where (queue%request%keys == 'estimated_relative_error') ordinates(i)%values = &
             ordinates(i)%estimate
-         where (queue%asked%keys == 'sensitivity') ordinates(i)%values = ordinates(i)%sensitivity
+         where (queue%request%keys == 'sensitivity') ordinates(i)%values = ordinates(i)%sensitivity
       end do
    end subroutine run_with_estimates
 
@@ -111,7 +111,7 @@ contains
 
       silent%cancel => control%cancel
       trial = queue
-      trial%asked = asked_of(queue%rows%case, [character(40) ::])
+      trial%request = request_of(queue%rows%case, [character(40) ::])
       trial%verifies = .true.
       trial%parts = refinement
       refined = refined_motion(queue%motion, refinement)
@@ -121,7 +121,7 @@ contains
       tight%rtol = verifying_tolerance(tight%rtol)
       call run_ordinates(trial, threads, silent, tight)
       larger = tight
-      trial%shaken = 1 + shake_step
+      trial%shaken = 1 + perturb_step
       refined = scaled_motion(refined, trial%shaken)
       call run_ordinates(trial, threads, silent, larger)
       do i = 1, size(ordinates)
@@ -130,7 +130,7 @@ contains
             if (larger(i)%failure /= '') ordinates(i)%failure = larger(i)%failure
          end if
          if (ordinates(i)%estimate <= 0) ordinates(i)%estimate = difference(ordinates(i), tight(i))
-         ordinates(i)%sensitivity = difference(larger(i), tight(i))/shake_step
+         ordinates(i)%sensitivity = difference(larger(i), tight(i))/perturb_step
          ordinates(i)%rhs_evaluations = larger(i)%rhs_evaluations
       end do
    end subroutine verify_ordinates

@@ -19,14 +19,15 @@ module rwmf_spectrum_quantities
    implicit none
    private
 
-   public :: asked_t, asked_of, keys_asked_by, check_asked, default_quantity, list_applicable
+   public :: request_t, request_of, requested_keys_of, check_request, default_quantity, &
+      list_applicable
    public :: take_values
 
    character(*), parameter :: displacement = 'u_s_max_m'
    !! default quantity of a scene with a frame
 
    !> Requested quantities.
-   type :: asked_t
+   type :: request_t
       character(40), allocatable :: keys(:)
       !! (quantities) keys as in the outputs
       integer, allocatable :: place(:)
@@ -45,7 +46,7 @@ module rwmf_spectrum_quantities
       !! `verify` must make more runs for them
       logical :: has_peak = .false.
       !! their error is that of a peak named by the case
-   end type asked_t
+   end type request_t
 
 contains
 
@@ -62,7 +63,7 @@ contains
    end function default_quantity
 
    !> Keys of the quantities that the `&spectrum` group of a case requests.
-   pure function keys_asked_by(case) result(keys)
+   pure function requested_keys_of(case) result(keys)
       type(case_t), intent(in) :: case
       character(40), allocatable :: keys(:)
       !! (quantities)
@@ -70,86 +71,86 @@ contains
       keys = [character(40) :: default_quantity(case)]
       if (.not. allocated(case%spectrum)) return
       if (allocated(case%spectrum%quantities)) keys = case%spectrum%quantities
-   end function keys_asked_by
+   end function requested_keys_of
 
    !> Describe the requested quantities of a case.
-   pure type(asked_t) function asked_of(case, keys) result(asked)
+   pure type(request_t) function request_of(case, keys) result(request)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: keys(:)
-      !! (quantities) keys that apply to its scene, as checked by `check_asked`
+      !! (quantities) keys that apply to its scene, as checked by `check_request`
       type(output_t) :: output
       character(12), allocatable :: observed(:)
       !! (quantities, then the peak of `accuracy_of`) kind of output that each needs
       integer :: i, place, number
 
-      asked%keys = keys
-      allocate (asked%place(size(asked%keys)), asked%storey(size(asked%keys)))
-      do i = 1, size(asked%keys)
-         call look_up(trim(asked%keys(i)), asked%place(i), asked%storey(i))
+      request%keys = keys
+      allocate (request%place(size(request%keys)), request%storey(size(request%keys)))
+      do i = 1, size(request%keys)
+         call look_up(trim(request%keys(i)), request%place(i), request%storey(i))
       end do
       call look_up(trim(case%solver%accuracy_of), place, number)
-      asked%has_peak = place > 0
-      observed = all_quantities([asked%place, pack([place], asked%has_peak)])%observed
+      request%has_peak = place > 0
+      observed = all_quantities([request%place, pack([place], request%has_peak)])%observed
       output%reactions = any(observed == of_reactions)
       output%demands = any(observed == of_demands)
       output%envelopes = any(observed == of_envelopes)
       output%energy = any(observed == of_energy)
-      asked%is_watched = output%reactions .or. output%demands .or. output%envelopes &
+      request%is_watched = output%reactions .or. output%demands .or. output%envelopes &
          .or. any(observed == of_velocity .or. observed == of_storeys)
-      asked%is_displacement = all(asked%keys == displacement) .and. .not. asked%has_peak
-      asked%has_only_peaks = all(observed == of_displacement)
-      asked%has_sensitivity = case%solver%verify .and. any(observed == of_verification)
+      request%is_displacement = all(request%keys == displacement) .and. .not. request%has_peak
+      request%has_only_peaks = all(observed == of_displacement)
+      request%has_sensitivity = case%solver%verify .and. any(observed == of_verification)
       if (.not. (output%reactions .or. output%demands .or. output%envelopes &
          .or. output%energy)) return
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) output%friction_limit = &
             case%output%friction_limit
       end if
-      asked%output = output
-   end function asked_of
+      request%output = output
+   end function request_of
 
    !> Check that all requested quantities apply to the scene of a case.
    !>
    !> Errors: a key that does not apply (the message lists those that do), and those of `simulate`.
-   subroutine check_asked(case, motion, asked_keys, error)
+   subroutine check_request(case, motion, requested_keys, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
-      character(*), intent(in) :: asked_keys(:)
+      character(*), intent(in) :: requested_keys(:)
       !! (quantities)
       type(error_t), allocatable, intent(out) :: error
       character(40), allocatable :: keys(:)
       character(:), allocatable :: problem
       integer :: i, j
 
-      if (allocated(case%frame) .and. all(asked_keys == displacement)) return
+      if (allocated(case%frame) .and. all(requested_keys == displacement)) return
       call list_applicable(case, motion, keys, error)
       if (allocated(error)) return
-      do i = 1, size(asked_keys)
-         if (any(keys == asked_keys(i))) cycle
-         problem = trim(asked_keys(i))//' does not apply to this scene; allowed:'
+      do i = 1, size(requested_keys)
+         if (any(keys == requested_keys(i))) cycle
+         problem = trim(requested_keys(i))//' does not apply to this scene; allowed:'
          do j = 1, size(keys)
             problem = problem//' '//trim(keys(j))
          end do
-         if (is_of_spectrum(case, asked_keys)) then
+         if (is_of_spectrum(case, requested_keys)) then
             call fail_key(case%values, 'spectrum', 'quantities', problem, error)
          else
             call fail(error, err_input, 'quantities: '//problem)
          end if
          return
       end do
-   end subroutine check_asked
+   end subroutine check_request
 
    !> True if these quantities come from the case itself, not from the call.
-   pure logical function is_of_spectrum(case, asked_keys) result(is_own)
+   pure logical function is_of_spectrum(case, requested_keys) result(is_own)
       type(case_t), intent(in) :: case
-      character(*), intent(in) :: asked_keys(:)
+      character(*), intent(in) :: requested_keys(:)
       !! (quantities)
 
       is_own = has_key(case%values, 'spectrum', 'quantities') .and. allocated(case%spectrum)
       if (.not. is_own) return
-      associate (own => keys_asked_by(case))
-         is_own = size(own) == size(asked_keys)
-         if (is_own) is_own = all(own == asked_keys)
+      associate (own => requested_keys_of(case))
+         is_own = size(own) == size(requested_keys)
+         if (is_own) is_own = all(own == requested_keys)
       end associate
    end function is_of_spectrum
 
@@ -196,8 +197,8 @@ contains
    !>
    !> Counts and flags (1 or 0) are stored as reals. A quantity without a value, such as the time of
    !> an event that did not occur, is NaN.
-   pure subroutine take_values(asked, case, result, values, are_finite)
-      type(asked_t), intent(in) :: asked
+   pure subroutine take_values(request, case, result, values, are_finite)
+      type(request_t), intent(in) :: request
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       real(wp), intent(inout) :: values(:)
@@ -209,11 +210,12 @@ contains
       !! (quantities) index in the table
 
       call scalars_of(case, result, found)
-      numbers = all_quantities(asked%place)%id
-      associate (asked_values => values(:size(numbers)))
-         asked_values = value_of(found, numbers, asked%storey)
-         are_finite = all(may_report(numbers, asked_values) .or. .not. is_present(found, numbers, &
-            asked%storey))
+      numbers = all_quantities(request%place)%id
+      associate (requested_values => values(:size(numbers)))
+         requested_values = value_of(found, numbers, request%storey)
+         are_finite = all(may_report(numbers, requested_values) .or. .not. is_present(found, &
+            numbers, &
+            request%storey))
       end associate
    end subroutine take_values
 

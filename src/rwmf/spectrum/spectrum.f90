@@ -11,13 +11,13 @@ module rwmf_spectrum_spectrum
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_tolerance
-   use rwmf_problem_quantity_table, only: spelled
+   use rwmf_problem_quantity_table, only: canonical_key
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: check_peak, simulate_with_motion
    use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_estimates, only: run_with_estimates
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, refused
-   use rwmf_spectrum_quantities, only: asked_of, check_asked, keys_asked_by, take_values
+   use rwmf_spectrum_quantities, only: request_of, check_request, requested_keys_of, take_values
    use rwmf_spectrum_rows, only: period_of, row_motion, rows_of_grid, &
       rows_of_table, rows_t, spectrum_periods, take_row
    use rwmf_spectrum_threads, only: choose_threads
@@ -140,9 +140,9 @@ contains
       !! (quantities) keys; of size 0 for those of the case
       character(40), allocatable :: keys(:)
 
-      keys = keys_asked_by(case)
+      keys = requested_keys_of(case)
       if (.not. present(quantities)) return
-      if (size(quantities) > 0) keys = spelled(quantities)
+      if (size(quantities) > 0) keys = canonical_key(quantities)
    end function wanted_keys
 
    !> Compute all rows.
@@ -174,12 +174,12 @@ contains
          motion = motion_from_case(rows%case, rows%origin)
          queue%motion => motion
       end if
-      call check_asked(rows%case, queue%motion, keys, error)
+      call check_request(rows%case, queue%motion, keys, error)
       if (.not. allocated(error)) call check_peak(rows%case, queue%motion, error)
       if (.not. allocated(error)) call make_room(sizes, keys, spectrum, error)
       if (allocated(error)) return
       queue%rows => rows
-      queue%asked = asked_of(rows%case, keys)
+      queue%request = request_of(rows%case, keys)
       call list_case_warnings(rows%case, queue%motion, .not. associated(rows%table), keys, &
          spectrum%warnings)
       call run_rows(queue, signals, spectrum)
@@ -357,7 +357,7 @@ contains
          return
       end if
       if (allocated(row%output)) deallocate (row%output)
-      if (allocated(queue%asked%output)) row%output = queue%asked%output
+      if (allocated(queue%request%output)) row%output = queue%request%output
       if (queue%rows%has_own_motion) then
          call simulate_with_motion(row, row_motion(queue%rows, row), control, result, error)
       else
@@ -369,7 +369,7 @@ contains
          return
       end if
       ! the run has already been checked for finite numbers
-      call take_values(queue%asked, row, result, values, are_finite)
+      call take_values(queue%request, row, result, values, are_finite)
       status = ending_name(result)
       if (allocated(row%solver%accuracy) .and. allocated(result%estimated_relative_error)) then
          if (result%estimated_relative_error > row%solver%accuracy) status = 'inaccurate'

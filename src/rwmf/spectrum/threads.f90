@@ -16,8 +16,8 @@ contains
    !> Choose the number of threads.
    !>
    !> Fails with `err_input` if the number is negative or above `most_threads`.
-   subroutine choose_threads(asked, threads, error)
-      integer, intent(in) :: asked
+   subroutine choose_threads(request, threads, error)
+      integer, intent(in) :: request
       !! number of threads; 0 for all that OpenMP offers, limited by OMP_NUM_THREADS
       integer, intent(out) :: threads
       !! >= 1
@@ -25,11 +25,11 @@ contains
       integer :: most
 
       most = most_threads()
-      threads = max(1, asked)
-      !$ if (asked == 0) threads = omp_get_max_threads()
-      if (asked >= 0 .and. threads >= 1 .and. threads <= most) return
-      if (asked /= 0) then
-         call fail(error, err_input, 'threads = '//trim(integer_to_text(asked)) &
+      threads = max(1, request)
+      !$ if (request == 0) threads = omp_get_max_threads()
+      if (request >= 0 .and. threads >= 1 .and. threads <= most) return
+      if (request /= 0) then
+         call fail(error, err_input, 'threads = '//trim(integer_to_text(request)) &
             //': must be 0 (all) to '//trim(integer_to_text(most))//' on this machine')
       else
          call fail(error, err_input, 'OMP_NUM_THREADS = '//trim(integer_to_text(threads)) &

@@ -4,7 +4,7 @@ program test_element
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_positive_inf, ieee_quiet_nan, &
       ieee_value
    use rwmf, only: case_t, create_element, element_response_t, err_input, error_t, &
-      lift_off_drive_of, next_impact, next_lift_off, read_case_text, respond, settles, &
+      uplift_demand_of, next_impact, next_lift_off, read_case_text, respond, settles, &
       velocity_factor, wall_element_t, wp
    use rwmf_problem_case, only: fuse_t, inerter_t
    use scenes, only: rwmf_scene
@@ -127,7 +127,7 @@ contains
       call checks%close_to(response%force, expected, 'static force', rtol=1.0e-13_wp)
       call respond(element, -1, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
       call checks%close_to(response%force, -expected, 'on the other side', rtol=1.0e-13_wp)
-      call checks%close_to(lift_off_drive_of(element, 1, expected, 0.0_wp), 0.0_wp, &
+      call checks%close_to(uplift_demand_of(element, 1, expected, 0.0_wp), 0.0_wp, &
          'the push that lifts', atol=1.0e-9_wp*expected)
       ! u = 2h sin(theta) for theta < 0
       call respond(element, -1, -4*sin(0.3_wp), 0.0_wp, 0.0_wp, 0.0_wp, response, error)
@@ -166,7 +166,7 @@ contains
       integer :: side
 
       element = element_of('symmetric', 'linear', '')
-      hold = -lift_off_drive_of(element, 1, 0.0_wp, 0.0_wp)
+      hold = -uplift_demand_of(element, 1, 0.0_wp, 0.0_wp)
       call next_lift_off(element, 0.1_wp, 0.0_wp, 0.9_wp*hold, 0.0_wp, 0.0_wp, side, tau)
       call checks%that(side == 0, 'stays at rest')
       call next_lift_off(element, 0.1_wp, 0.0_wp, -2*hold, 0.0_wp, 0.0_wp, side, tau)
@@ -213,8 +213,8 @@ contains
          end do
          call next_lift_off(element, 0.1_wp, -1.0_wp, -2.0_wp, 0.0_wp, 0.0_wp, side, tau)
          call checks%that(side == -1 .and. tau <= 0, 'hinged: turns at once')
-         call checks%close_to(lift_off_drive_of(element, 1, 3.0_wp, 1.7_wp), &
-            -lift_off_drive_of(element, -1, 3.0_wp, 1.7_wp), 'hinged: drive', rtol=1.0e-15_wp)
+         call checks%close_to(uplift_demand_of(element, 1, 3.0_wp, 1.7_wp), &
+            -uplift_demand_of(element, -1, 3.0_wp, 1.7_wp), 'hinged: drive', rtol=1.0e-15_wp)
          call checks%that(.not. settles(element, 0.1_wp, 0.0_wp, 0.0_wp, 0.0_wp, 5.0e4_wp), &
             'hinged: never rests')
       end do
@@ -307,8 +307,8 @@ contains
       call checks%that(ieee_is_nan(tau) .and. .not. found, 'no side')
       call next_lift_off(none, 0.1_wp, 0.0_wp, 1.0e6_wp, 0.0_wp, 0.0_wp, side, tau, error)
       call checks%has_error(error, err_input, 'never created', 'lift-off of no element')
-      bad(1) = lift_off_drive_of(element, 0, 1.0_wp, 0.0_wp)
-      bad(2) = lift_off_drive_of(none, 1, 1.0_wp, 0.0_wp)
+      bad(1) = uplift_demand_of(element, 0, 1.0_wp, 0.0_wp)
+      bad(2) = uplift_demand_of(none, 1, 1.0_wp, 0.0_wp)
       bad(3) = velocity_factor(none)
       call checks%that(all(ieee_is_nan(bad(:3))), 'no side, no element, no number')
    end subroutine test_bad_steps

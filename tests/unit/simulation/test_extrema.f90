@@ -157,16 +157,16 @@ contains
    subroutine check_only_if_asked()
       type(case_t) :: case
       type(result_t) :: plain
-      type(result_t) :: asked
+      type(result_t) :: request
       type(error_t), allocatable :: error
 
       case = scene('exact', 'truss')
       call simulate(case, plain, error)
       call checks%that(.not. allocated(plain%reactions), 'no reactions unless asked')
       case%output = output_t(dt=0.01_wp, energy=.true., reactions=.true.)
-      call simulate(case, asked, error)
-      call checks%that(abs(asked%u_s_max - plain%u_s_max) <= 0 &
-         .and. all(abs(asked%final_state - plain%final_state) <= 0), 'the same bits')
+      call simulate(case, request, error)
+      call checks%that(abs(request%u_s_max - plain%u_s_max) <= 0 &
+         .and. all(abs(request%final_state - plain%final_state) <= 0), 'the same bits')
    end subroutine check_only_if_asked
 
 end program test_extrema

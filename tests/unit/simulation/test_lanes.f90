@@ -6,7 +6,7 @@ program test_lanes
    use rwmf_core_kinds, only: pi, wp
    use rwmf_input_reader, only: read_case_text
    use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, lane_kernels_t, &
-      team_width
+      batch_width
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, &
       step_tolerance, tsitouras_papakostas_64, tsitouras_papakostas_75
@@ -183,8 +183,8 @@ contains
       type(pair_t) :: pair
       real(wp), allocatable :: coef(:, :), y(:, :), y_new(:, :), k(:, :, :), tolerance(:, :)
       real(wp), allocatable :: alone(:, :), k_alone(:, :, :)
-      real(wp) :: ground(team_width, most_stages, 2), h(team_width), norm(team_width), one(1)
-      real(wp) :: work(team_width, power_count), work_alone(1, power_count)
+      real(wp) :: ground(batch_width, most_stages, 2), h(batch_width), norm(batch_width), one(1)
+      real(wp) :: work(batch_width, power_count), work_alone(1, power_count)
       integer :: i, level, n
 
       if (.not. checks%wants('bits, '//name)) return
@@ -193,11 +193,11 @@ contains
       call build_equation(case, motion, equation)
       n = equation%n
       pair = dormand_prince_853()
-      coef = spread(equation%state%coef(1, :), 1, team_width)
-      allocate (y(team_width, n), y_new(team_width, n), k(team_width, n, most_stages), &
-         tolerance(team_width, 0:n), alone(1, n), k_alone(1, n, most_stages))
+      coef = spread(equation%state%coef(1, :), 1, batch_width)
+      allocate (y(batch_width, n), y_new(batch_width, n), k(batch_width, n, most_stages), &
+         tolerance(batch_width, 0:n), alone(1, n), k_alone(1, n, most_stages))
       tolerance = 1.0e-6_wp
-      do i = 1, team_width
+      do i = 1, batch_width
          y(i, :) = 0.01_wp*[(sin(real(7*i*level + i, wp)), level=1, n)]
          ground(i, :, 1) = sin(real(i, wp))
          ground(i, :, 2) = cos(real(i, wp))
@@ -208,7 +208,7 @@ contains
          kernels = lane_kernels_of(levels(level))
          call kernels%attempt_step(equation%scene, pair, coef, ground, h, tolerance, y, .false., &
             k, y_new, norm, work)
-         do i = 1, team_width
+         do i = 1, batch_width
             call attempt_one(equation%scene, pair, equation%state%coef, ground(i:i, :, :), h(i:i), &
                tolerance(i:i, :), y(i:i, :), .false., k_alone, alone, one, work_alone)
             call checks%that(all(abs(work_alone(1, :) - work(i, :)) <= 0) &

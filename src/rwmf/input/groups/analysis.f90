@@ -7,7 +7,7 @@ module rwmf_input_groups_analysis
       logical_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_problem_quantity_table, only: all_quantities, is_peak, look_up, spelled
+   use rwmf_problem_quantity_table, only: all_quantities, is_peak, look_up, canonical_key
    use rwmf_simulation_quantity_words, only: meant_quantity
    implicit none
    private
@@ -97,7 +97,7 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem
-      character(40) :: asked, near
+      character(40) :: request, near
       integer :: place, number
 
       if (.not. has_key(values, 'solver', 'accuracy_of')) return
@@ -107,13 +107,13 @@ contains
             //'the same group', error)
          return
       end if
-      asked = text_of(values, 'solver', 'accuracy_of')
-      call look_up(trim(spelled(asked)), place, number)
+      request = text_of(values, 'solver', 'accuracy_of')
+      call look_up(trim(canonical_key(request)), place, number)
       if (place > 0) then
          if (is_peak(all_quantities(place))) return
       end if
-      problem = trim(asked)//' is no peak of a run'
-      near = meant_quantity(trim(asked))
+      problem = trim(request)//' is no peak of a run'
+      near = meant_quantity(trim(request))
       call look_up(trim(near), place, number)
       if (place > 0 .and. near /= '') then
          if (is_peak(all_quantities(place))) problem = problem//', did you mean '//trim(near)//'?'
@@ -150,7 +150,7 @@ contains
       case%solver%verify = logical_of(case%values, 'solver', 'verify')
       call get_real(case%values, 'solver', 'accuracy', case%solver%accuracy)
       if (has_key(case%values, 'solver', 'accuracy_of')) case%solver%accuracy_of = &
-         spelled(text_of(case%values, 'solver', 'accuracy_of'))
+         canonical_key(text_of(case%values, 'solver', 'accuracy_of'))
       call get_real(case%values, 'solver', 'atol', case%solver%atol)
       call get_real(case%values, 'solver', 't_end', case%solver%t_end)
    end subroutine fill_solver

@@ -8,7 +8,7 @@ module rwmf_input_groups_spectrum
       has_key, integer_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, spelled
+   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, canonical_key
    use rwmf_simulation_quantity_words, only: meant_quantity
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -88,16 +88,16 @@ contains
    subroutine check_quantities(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: asked(:)
+      character(:), allocatable :: request(:)
       character(:), allocatable :: known
       character(40) :: near
       integer :: place, storey
       integer :: i
 
-      call get_texts(values, 'spectrum', 'quantities', asked)
-      if (.not. allocated(asked)) return
-      do i = 1, size(asked)
-         call look_up(trim(spelled(asked(i))), place, storey)
+      call get_texts(values, 'spectrum', 'quantities', request)
+      if (.not. allocated(request)) return
+      do i = 1, size(request)
+         call look_up(trim(canonical_key(request(i))), place, storey)
          if (place > 0) then
             if (.not. is_of_ordinate(all_quantities(place))) place = 0
          end if
@@ -107,13 +107,14 @@ contains
                if (is_of_ordinate(all_quantities(place))) known = known//' ' &
                   //trim(all_quantities(place)%key)
             end do
-            near = meant_quantity(trim(asked(i)))
+            near = meant_quantity(trim(request(i)))
             if (near /= '') known = ', did you mean '//trim(near)//'? Allowed'//known
             if (near == '') known = '; allowed'//known
-            call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is unknown'//known, &
+            call fail_key(values, 'spectrum', 'quantities', trim(request(i)) &
+               //' is unknown'//known, &
                error)
-         else if (any(spelled(asked(:i - 1)) == spelled(asked(i)))) then
-            call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is given twice', &
+         else if (any(canonical_key(request(:i - 1)) == canonical_key(request(i)))) then
+            call fail_key(values, 'spectrum', 'quantities', trim(request(i))//' is given twice', &
                error)
          end if
          if (allocated(error)) return
@@ -164,13 +165,13 @@ contains
    subroutine fill_spectrum(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: asked(:)
+      character(:), allocatable :: request(:)
 
       allocate (case%spectrum)
-      call get_texts(case%values, 'spectrum', 'quantities', asked)
-      if (allocated(asked)) then
-         allocate (character(40) :: case%spectrum%quantities(size(asked)))
-         case%spectrum%quantities(:) = spelled(asked)
+      call get_texts(case%values, 'spectrum', 'quantities', request)
+      if (allocated(request)) then
+         allocate (character(40) :: case%spectrum%quantities(size(request)))
+         case%spectrum%quantities(:) = canonical_key(request)
       end if
       call get_list(case%values, 'spectrum', 'gamma', case%spectrum%gamma)
       call get_list(case%values, 'spectrum', 'b', case%spectrum%b)

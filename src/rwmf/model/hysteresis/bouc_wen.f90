@@ -23,7 +23,7 @@ module rwmf_model_hysteresis_bouc_wen
    private
 
    public :: prepare_bouc_wen, new_hysteresis, follow_loading_direction, follow_signs
-   public :: will_pass_zero, stable_pace, load_bouc_wen, bouc_wen_sizes
+   public :: will_pass_zero, stable_rate, load_bouc_wen, bouc_wen_sizes
    public :: bouc_wen_energy, bouc_wen_residual, bouc_wen_force, lagging_displacement
 
 contains
@@ -114,7 +114,7 @@ contains
 
    !> Steps per radian that keep an explicit Runge-Kutta pair stable while z relaxes to its bound
    !> [1/rad]. With fewer steps the true error far exceeds the embedded error estimate.
-   pure real(wp) function stable_pace(equation) result(pace)
+   pure real(wp) function stable_rate(equation) result(pace)
       type(equation_t), intent(in) :: equation
       real(wp), parameter :: longest = 4.5_wp
       !! largest stable step over the time constant of z at its bound [-]
@@ -123,7 +123,7 @@ contains
          pace = law%exponent*abs(equation%state%signs%lost)*frame_travel(equation) &
             /(longest*law%u_y)
       end associate
-   end function stable_pace
+   end function stable_rate
 
    !> Estimate the size of z: u/u_y while the frame is elastic, at most 1.
    subroutine bouc_wen_sizes(effect, equation, size_guess, sizes)

@@ -197,32 +197,32 @@ contains
       real(wp), intent(in) :: x
       integer, intent(in) :: first
       !! kind of the first branch to try
-      real(wp) :: start(2), goal(2), slope
+      real(wp) :: start(2), target_event(2), slope
       integer :: kind
 
       associate (side => branch%side, worn => branch%wear%sides(branch%side))
          start = side*[x, line_force(branch, x)]
          kind = first
          do
-            goal = goal_of(spring, branch, worn, kind)
-            if (goal(1) > start(1) + slack(spring, x)) exit
+            target_event = target_of(spring, branch, worn, kind)
+            if (target_event(1) > start(1) + slack(spring, x)) exit
             kind = merge(after_pinch(branch), kind + 1, kind == to_pinch)
          end do
-         if (kind == remains .and. .not. goal(2) > 0) then
+         if (kind == remains .and. .not. target_event(2) > 0) then
             call break_down(branch, x)
             return
          end if
          slope = 0
-         if (kind < remains) slope = (goal(2) - start(2))/(goal(1) - start(1))
+         if (kind < remains) slope = (target_event(2) - start(2))/(target_event(1) - start(1))
          if (kind >= hardens) start(2) = envelope(spring, worn, start(1))
          if (kind == hardens) slope = worn%slope
          if (kind == softens) slope = -softening(spring)
          call lay_line(branch, kind, side, x, side*start(2), slope)
          if (side > 0) then
             branch%low = x - slack(spring, x)
-            branch%high = goal(1)
+            branch%high = target_event(1)
          else
-            branch%low = -goal(1)
+            branch%low = -target_event(1)
             branch%high = x + slack(spring, x)
          end if
       end associate
@@ -238,32 +238,32 @@ contains
    end function slack
 
    !> Elongation and force at the end of a branch, on the current side.
-   pure function goal_of(spring, branch, worn, kind) result(goal)
+   pure function target_of(spring, branch, worn, kind) result(target_event)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
       type(worn_side_t), intent(in) :: worn
       !! wear of the current side
       integer, intent(in) :: kind
       !! kind of the branch
-      real(wp) :: goal(2)
+      real(wp) :: target_event(2)
 
       select case (kind)
       case (to_pinch)
-         goal = branch%wear%pinch
+         target_event = branch%wear%pinch
       case (to_last)
-         goal = worn%last
+         target_event = worn%last
       case (to_peak)
-         goal = worn%peak
+         target_event = worn%peak
       case (hardens)
-         goal(1) = capping_point(spring, worn)
-         goal(2) = envelope(spring, worn, goal(1))
+         target_event(1) = capping_point(spring, worn)
+         target_event(2) = envelope(spring, worn, target_event(1))
       case (softens)
-         goal = [(worn%falling - spring%backbone%residual)/softening(spring), &
+         target_event = [(worn%falling - spring%backbone%residual)/softening(spring), &
             spring%backbone%residual]
       case default
-         goal = [huge(1.0_wp), spring%backbone%residual]
+         target_event = [huge(1.0_wp), spring%backbone%residual]
       end select
-   end function goal_of
+   end function target_of
 
    !> First target on the way from a point to the peak. It is the last reversal if this is lower
    !> than the peak and the line to it is stiffer, else the peak.

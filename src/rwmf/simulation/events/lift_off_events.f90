@@ -7,7 +7,7 @@ module rwmf_simulation_events_lift_off_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: rates_at
-   use rwmf_model_equation, only: equation_t, interval_of, lift_off_drives
+   use rwmf_model_equation, only: equation_t, interval_of, uplift_demands
    use rwmf_model_lift_off, only: find_uplift_acceleration, lifting_side
    use rwmf_simulation_events_first_change, only: are_quiet, functions_t, moment_t, &
       sample_functions, span_between, span_t, stop_at_first, watch_t
@@ -85,11 +85,11 @@ contains
       associate (equation => step%equation, interval => interval_of(step%equation))
          h = step%t_b - step%t_a
          call find_uplift_acceleration(equation%model_t, equation%state, y + h*rates)
-         later = -lift_off_drives(equation, interval, t)
+         later = -uplift_demands(equation, interval, t)
          call find_uplift_acceleration(equation%model_t, equation%state, y)
-         f(:, 0) = -lift_off_drives(equation, interval, t)
-         f(:, 1) = (later - f(:, 0))/h - (lift_off_drives(equation, interval, t + part*h) &
-            - lift_off_drives(equation, interval, t - part*h))/(2*part*h)
+         f(:, 0) = -uplift_demands(equation, interval, t)
+         f(:, 1) = (later - f(:, 0))/h - (uplift_demands(equation, interval, t + part*h) &
+            - uplift_demands(equation, interval, t - part*h))/(2*part*h)
       end associate
    end function reserve_at
 

@@ -12,7 +12,7 @@ module rwmf_simulation_recorder_nearby_motion
    implicit none
    private
 
-   public :: nearby_t, begin_nearby, follow_nearby, meet_impact
+   public :: nearby_t, begin_nearby, follow_nearby, note_impact
 
    !> Derivative of the states, and sensitivity of the peak.
    type :: nearby_t
@@ -116,7 +116,7 @@ contains
    end subroutine rates_of
 
    !> Note an impact, before the wall changes its side.
-   subroutine meet_impact(nearby, equation, y, kept)
+   subroutine note_impact(nearby, equation, y, kept)
       type(nearby_t), intent(inout) :: nearby
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -130,7 +130,7 @@ contains
          nearby%kept = 1
       end if
       nearby%kept = nearby%kept*kept
-   end subroutine meet_impact
+   end subroutine note_impact
 
    !> Apply an impact to the derivative, with the shift of its time.
    subroutine pass_impact(nearby, piece)

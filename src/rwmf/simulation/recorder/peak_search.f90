@@ -161,7 +161,7 @@ contains
       real(wp) :: t(2), angle
       integer :: i, n
 
-      call look_at_ends(self, piece)
+      call sample_ends(self, piece)
       n = 1
       angle = (piece%t_b - piece%t_a)*self%frequency
       if (may_interpolate(piece, self%frequency)) then
@@ -188,7 +188,7 @@ contains
    !> Update the maxima with both ends of a piece.
    !>
    !> The beginning is the end of the previous piece, unless states or rates have jumped.
-   subroutine look_at_ends(self, piece)
+   subroutine sample_ends(self, piece)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
       real(wp), parameter :: slack = 1.0e-12_wp
@@ -212,7 +212,7 @@ contains
       end associate
       self%t_end = piece%t_b
       self%y_end(:) = piece%y_b
-   end subroutine look_at_ends
+   end subroutine sample_ends
 
    !> Return true if samples of a short step exclude a larger value between them.
    pure logical function is_plain(self, angle, highest)

@@ -136,10 +136,10 @@ contains
       !! highest storey whose branch has changed, from the ground up
       logical :: is_known
 
-      is_known = state%bearing_is_known .and. (allocated(state%storey_signs) &
+      is_known = state%capacity_is_known .and. (allocated(state%storey_signs) &
          .or. highest < model%floors%n)
       call renew_coefficients(model, state)
-      state%bearing_is_known = is_known
+      state%capacity_is_known = is_known
    end subroutine renew_storeys
 
    !> Displacements between which the branch of a storey is valid; a smooth storey has no limits.

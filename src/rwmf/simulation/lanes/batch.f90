@@ -1,6 +1,6 @@
-!> Batch of lanes that step together (`team_t`), with the shared table, pair and lines of the
+!> Batch of lanes that step together (`batch_t`), with the shared table, pair and lines of the
 !> motion.
-module rwmf_simulation_lanes_team
+module rwmf_simulation_lanes_batch
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
@@ -19,8 +19,8 @@ module rwmf_simulation_lanes_team
    implicit none
    private
 
-   public :: lane_t, team_t, create_team, leave_team, tabulate_lines, line_row
-   public :: longest_step, find_steps_to_watch, follow_curves, may_hide_turns
+   public :: lane_state_t, batch_t, create_batch, leave_batch, tabulate_lines, line_row
+   public :: longest_step, find_steps_to_inspect, follow_curves, may_hide_turns
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
    !! phase angle of the vibration in a step that still shows its events; second value for a motion
@@ -29,7 +29,7 @@ module rwmf_simulation_lanes_team
    !! limit of an interval that lanes enter one by one only [s]
 
    !> State of one run of a batch between its steps. Its pointers refer to data of their owners.
-   type :: lane_t
+   type :: lane_state_t
       type(equation_t), pointer :: equation => null()
       type(hybrid_t), pointer :: hybrid => null()
       type(recorder_t), pointer :: recorder => null()
@@ -44,7 +44,7 @@ module rwmf_simulation_lanes_team
       !! the wall is held at rest while other states move
       logical :: has_limits = .false.
       !! steps may not be smooth: at a limit of a storey or drift, or at lift-off of a held wall
-      integer :: goal = no_event
+      integer :: target_event = no_event
       !! event at the target of the next step
       real(wp) :: seen_within = 0
       !! length of the step that contains the event [s]
@@ -54,10 +54,10 @@ module rwmf_simulation_lanes_team
       !! number of inspections since the time last advanced
       real(wp) :: t_last = -huge(1.0_wp)
       !! time of the last inspection [s]
-   end type lane_t
+   end type lane_state_t
 
    !> Batch of lanes that step together.
-   type :: team_t
+   type :: batch_t
       integer :: width
       type(pair_t) :: pair
       type(lane_kernels_t) :: kernels
@@ -111,12 +111,12 @@ module rwmf_simulation_lanes_team
       !! (width, constants) constants of the buildings
       logical, allocatable :: is_known(:)
       !! (width) true if the values at the start of the step are known
-   end type team_t
+   end type batch_t
 
 contains
 
    !> Create the work arrays of a batch, with finite numbers in idle lanes.
-   subroutine create_team(equation, pair, max_steps, width, team)
+   subroutine create_batch(equation, pair, max_steps, width, batch)
       type(equation_t), intent(in) :: equation
       !! equation of any lane: all share one scene
       type(pair_t), intent(in) :: pair
@@ -124,39 +124,39 @@ contains
       !! largest number of steps of a run
       integer, intent(in) :: width
       !! number of lanes: 1, or the width of the kernels, which the caller then sets
-      type(team_t), intent(out), target :: team
+      type(batch_t), intent(out), target :: batch
       integer :: i
 
-      team%width = width
-      team%pair = pair
-      call divide_room(equation%n, equation%scene%n_coef, team)
+      batch%width = width
+      batch%pair = pair
+      call divide_room(equation%n, equation%scene%n_coef, batch)
       do i = 1, width
-         team%coef(i, :) = equation%state%coef(1, :)
+         batch%coef(i, :) = equation%state%coef(1, :)
       end do
-      team%tolerance(:, :) = 1
+      batch%tolerance(:, :) = 1
       associate (n => equation%n)
-         allocate (team%error(width), source=0.0_wp)
-         allocate (team%mark(width), source=0)
-         allocate (team%is_busy(width), team%is_watched(width), source=.false.)
-         allocate (team%t_before(width), team%y_before(width, n))
-         team%table(:, [of_plain, of_calm]) = 1
-         allocate (team%is_known(width), source=.false.)
-         team%max_steps = real(max_steps, wp)
-         team%has_curves = .not. is_piecewise_linear(equation%motion)
-         allocate (team%lines(line_columns, 0:1), source=no_limit)
+         allocate (batch%error(width), source=0.0_wp)
+         allocate (batch%mark(width), source=0)
+         allocate (batch%is_busy(width), batch%is_watched(width), source=.false.)
+         allocate (batch%t_before(width), batch%y_before(width, n))
+         batch%table(:, [of_plain, of_calm]) = 1
+         allocate (batch%is_known(width), source=.false.)
+         batch%max_steps = real(max_steps, wp)
+         batch%has_curves = .not. is_piecewise_linear(equation%motion)
+         allocate (batch%lines(line_columns, 0:1), source=no_limit)
       end associate
-   end subroutine create_team
+   end subroutine create_batch
 
    !> Divide the buffer into the arrays of the kernels, all zero.
    !>
    !> The arrays start at cache lines, because a vector across two lines needs two loads.
-   subroutine divide_room(n, n_coef, team)
+   subroutine divide_room(n, n_coef, batch)
       use, intrinsic :: iso_c_binding, only: c_intptr_t, c_loc
       integer, intent(in) :: n
       !! number of states
       integer, intent(in) :: n_coef
       !! number of coefficients
-      type(team_t), intent(inout), target :: team
+      type(batch_t), intent(inout), target :: batch
       integer, parameter :: line = 8
       !! length of a cache line, in numbers
       real(wp), pointer, contiguous :: part(:)
@@ -164,79 +164,79 @@ contains
       integer(c_intptr_t) :: address
       integer :: first
 
-      allocate (team%room(team%width*(column_count + n_coef + 2*most_stages + 3*n + 1 &
+      allocate (batch%room(batch%width*(column_count + n_coef + 2*most_stages + 3*n + 1 &
          + n*most_stages) + line), source=0.0_wp)
-      address = transfer(c_loc(team%room(1)), address)
+      address = transfer(c_loc(batch%room(1)), address)
       first = 1 + int(modulo(-address/(storage_size(0.0_wp)/8), int(line, c_intptr_t)))
-      part => team%room(first:)
-      associate (w => team%width)
-         team%table(1:w, 1:column_count) => part
+      part => batch%room(first:)
+      associate (w => batch%width)
+         batch%table(1:w, 1:column_count) => part
          part => part(w*column_count + 1:)
-         team%coef(1:w, 1:n_coef) => part
+         batch%coef(1:w, 1:n_coef) => part
          part => part(w*n_coef + 1:)
-         team%tolerance(1:w, 0:n) => part
+         batch%tolerance(1:w, 0:n) => part
          part => part(w*(n + 1) + 1:)
-         team%ground(1:w, 1:most_stages, 1:2) => part
+         batch%ground(1:w, 1:most_stages, 1:2) => part
          part => part(w*2*most_stages + 1:)
-         team%y(1:w, 1:n) => part
+         batch%y(1:w, 1:n) => part
          part => part(w*n + 1:)
-         team%y_new(1:w, 1:n) => part
+         batch%y_new(1:w, 1:n) => part
          part => part(w*n + 1:)
-         team%k(1:w, 1:n, 1:most_stages) => part
+         batch%k(1:w, 1:n, 1:most_stages) => part
       end associate
    end subroutine divide_room
 
    !> Move a lane between two steps into a new batch of one lane.
-   subroutine leave_team(lane, i, team, alone)
-      type(lane_t), intent(in) :: lane
+   subroutine leave_batch(lane, i, batch, alone)
+      type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
       !! number of the lane in its present batch
-      type(team_t), intent(inout) :: team
-      type(team_t), intent(out), target :: alone
+      type(batch_t), intent(inout) :: batch
+      type(batch_t), intent(out), target :: alone
 
-      call create_team(lane%equation, team%pair, int(team%max_steps, i8), 1, alone)
-      alone%lines = team%lines
-      alone%keeps_more = team%keeps_more
-      alone%has_limits = team%has_limits
-      if (allocated(team%work)) alone%work = team%work(i:i, :)
-      alone%screen = team%screen
-      alone%values = team%values(i:i, :, :)
-      alone%constants = team%constants(i:i, :)
-      alone%is_known = team%is_known(i)
-      alone%mark = team%mark(i)
-      alone%table(1, :) = team%table(i, :)
-      alone%coef(1, :) = team%coef(i, :)
-      alone%tolerance(1, :) = team%tolerance(i, :)
-      alone%y(1, :) = team%y(i, :)
+      call create_batch(lane%equation, batch%pair, int(batch%max_steps, i8), 1, alone)
+      alone%lines = batch%lines
+      alone%keeps_more = batch%keeps_more
+      alone%has_limits = batch%has_limits
+      if (allocated(batch%work)) alone%work = batch%work(i:i, :)
+      alone%screen = batch%screen
+      alone%values = batch%values(i:i, :, :)
+      alone%constants = batch%constants(i:i, :)
+      alone%is_known = batch%is_known(i)
+      alone%mark = batch%mark(i)
+      alone%table(1, :) = batch%table(i, :)
+      alone%coef(1, :) = batch%coef(i, :)
+      alone%tolerance(1, :) = batch%tolerance(i, :)
+      alone%y(1, :) = batch%y(i, :)
       alone%is_busy = .true.
-      team%is_busy(i) = .false.
-   end subroutine leave_team
+      batch%is_busy(i) = .false.
+   end subroutine leave_batch
 
    !> Tabulate the straight lines of the motion.
    !>
    !> Intervals of a curved motion, and intervals too short or too long for a step, get no limit.
    !> Lanes enter them one by one, as single runs do.
-   subroutine tabulate_lines(motion, has_vertical, t_end, team)
+   subroutine tabulate_lines(motion, has_vertical, t_end, batch)
       type(motion_t), intent(in) :: motion
       logical, intent(in) :: has_vertical
       !! true if the scene has vertical ground motion
       real(wp), intent(in) :: t_end
       !! [s]
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       type(line_t) :: line, vertical
       real(wp) :: begin, limit
       integer :: i
 
-      deallocate (team%lines)
-      allocate (team%lines(line_columns, 0:interval_last(motion) + 1), source=no_limit)
+      deallocate (batch%lines)
+      allocate (batch%lines(line_columns, 0:interval_last(motion) + 1), source=no_limit)
       begin = 0
       do i = 0, interval_last(motion)
          line = line_of(motion, i)
          if (has_vertical) vertical = vertical_line_of(motion, i, line)
          limit = min(t_end, interval_end(motion, i))
-         if (team%has_curves .or. limit - begin <= 16*epsilon(limit)*limit &
+         if (batch%has_curves .or. limit - begin <= 16*epsilon(limit)*limit &
              .or. limit - begin > long_rest) limit = no_limit
-         team%lines(:, i) = line_row(limit, line, vertical)
+         batch%lines(:, i) = line_row(limit, line, vertical)
          begin = interval_end(motion, i)
       end do
    end subroutine tabulate_lines
@@ -272,42 +272,42 @@ contains
    !>
    !> Histories and event lists need all steps. Reactions and demands need the steps that the screen
    !> does not exclude. The remaining ones need inspection if they may contain the peak of |theta'|.
-   subroutine find_steps_to_watch(lanes, team)
-      type(lane_t), intent(in) :: lanes(:)
-      type(team_t), intent(inout) :: team
+   subroutine find_steps_to_inspect(lanes, batch)
+      type(lane_state_t), intent(in) :: lanes(:)
+      type(batch_t), intent(inout) :: batch
       logical :: is_watched
       integer :: i
 
-      do i = 1, team%width
-         is_watched = team%is_busy(i) .and. lanes(i)%is_smooth
-         if (is_watched .and. minval(team%table(i, [of_plain, of_calm])) > 0) then
+      do i = 1, batch%width
+         is_watched = batch%is_busy(i) .and. lanes(i)%is_smooth
+         if (is_watched .and. minval(batch%table(i, [of_plain, of_calm])) > 0) then
             is_watched = needs_all_steps(lanes(i)%recorder)
-            if (.not. is_watched) is_watched = may_be_fastest(team, i, &
+            if (.not. is_watched) is_watched = may_be_fastest(batch, i, &
                lanes(i)%recorder%theta_dot_max)
          end if
-         team%is_watched(i) = is_watched
+         batch%is_watched(i) = is_watched
          if (.not. is_watched) cycle
-         team%t_before(i) = team%table(i, of_time)
-         team%y_before(i, :) = team%y(i, :)
+         batch%t_before(i) = batch%table(i, of_time)
+         batch%y_before(i, :) = batch%y(i, :)
       end do
-   end subroutine find_steps_to_watch
+   end subroutine find_steps_to_inspect
 
    !> Return whether a step may contain the peak of |theta'|.
    !>
    !> It cannot if its bound is below the largest value so far, or if theta'' keeps its sign. In
    !> most steps the cubic through rotations and velocities at both ends suffices. The quintic with
    !> both accelerations is more accurate; the last stage approximates the acceleration at the end.
-   pure logical function may_be_fastest(team, i, largest) result(may)
-      type(team_t), intent(in) :: team
+   pure logical function may_be_fastest(batch, i, largest) result(may)
+      type(batch_t), intent(in) :: batch
       integer, intent(in) :: i
       real(wp), intent(in) :: largest
       !! largest |theta'| so far [rad/s]
       type(polygon_t) :: rate
       real(wp) :: middle, bend(2), error, fastest
 
-      fastest = max(team%table(i, of_fastest), largest)
-      associate (v_a => team%y(i, 2), v_b => team%y_new(i, 2))
-         middle = 3*((team%y_new(i, 1) - team%y(i, 1))/team%table(i, of_trial)) - v_a - v_b
+      fastest = max(batch%table(i, of_fastest), largest)
+      associate (v_a => batch%y(i, 2), v_b => batch%y_new(i, 2))
+         middle = 3*((batch%y_new(i, 1) - batch%y(i, 1))/batch%table(i, of_trial)) - v_a - v_b
          bend = [middle - v_a, v_b - middle]
          error = longest_angle(2)*(abs(bend(2) - bend(1)) + longest_angle(2)*maxval(abs(bend)))/18
          may = .not. max(abs(v_a), abs(v_b), max(abs(v_a + 2*middle), abs(v_b + 2*middle))/3 &
@@ -315,7 +315,7 @@ contains
          if (may) may = min(minval(sign(1.0_wp, v_b - v_a)*bend)*2, abs(v_b - v_a)/2) <= 3*error
       end associate
       if (.not. may) return
-      rate = rate_in_step(team, i)
+      rate = rate_in_step(batch, i)
       associate (c => rate%c, margin => rate%margin, n => rate%n)
          may = .not. maxval(abs(c(:n)) + margin(:n)) < fastest
          if (may) may = any(sign(1.0_wp, c(n) - c(0))*(c(1:n) - c(:n - 1)) &
@@ -324,32 +324,32 @@ contains
    end function may_be_fastest
 
    !> Polygon of theta' in the last trial step of a lane, with the interpolation error.
-   pure type(polygon_t) function rate_in_step(team, i) result(rate)
-      type(team_t), intent(in) :: team
+   pure type(polygon_t) function rate_in_step(batch, i) result(rate)
+      type(batch_t), intent(in) :: batch
       integer, intent(in) :: i
       real(wp), dimension(0:2) :: a, b
 
-      associate (h => team%table(i, of_trial), last => team%pair%stages)
-         a = [team%y(i, 1), team%y(i, 2), team%k(i, 2, 1)]
-         b = [team%y_new(i, 1), team%y_new(i, 2), team%k(i, 2, last)]
+      associate (h => batch%table(i, of_trial), last => batch%pair%stages)
+         a = [batch%y(i, 1), batch%y(i, 2), batch%k(i, 2, 1)]
+         b = [batch%y_new(i, 1), batch%y_new(i, 2), batch%k(i, 2, last)]
          rate = rate_polygon(h, a, b, roughness(longest_angle(2), h, a, b))
       end associate
    end function rate_in_step
 
    !> Return whether theta' may change its sign in a step although the quartic shows no change.
-   pure logical function may_hide_turns(team, i) result(may)
-      type(team_t), intent(in) :: team
+   pure logical function may_hide_turns(batch, i) result(may)
+      type(batch_t), intent(in) :: batch
       integer, intent(in) :: i
       !! number of the lane
       type(polygon_t) :: rate
       real(wp) :: noise
 
-      associate (h => team%table(i, of_trial), y => team%y, y_new => team%y_new)
+      associate (h => batch%table(i, of_trial), y => batch%y, y_new => batch%y_new)
          noise = 8*epsilon(h)*(max(abs(y(i, 2)), abs(y_new(i, 2))) &
             + max(abs(y(i, 1)), abs(y_new(i, 1)))/h)
-         may = .not. turns_plainly(team, i, noise)
+         may = .not. turns_plainly(batch, i, noise)
          if (.not. may) return
-         rate = rate_in_step(team, i)
+         rate = rate_in_step(batch, i)
          ! after a turn, the motion follows its acceleration
          if (abs(y(i, 2)) <= 0) rate%c(0) = sign(2*noise, rate%c(1))
          rate%c = sign(1.0_wp, rate%c(0))*rate%c
@@ -361,17 +361,17 @@ contains
    !>
    !> All coefficients of `rate_in_step` then exceed their margins. The same numbers are written out
    !> here, because most steps need them.
-   pure logical function turns_plainly(team, i, noise) result(is_plain)
-      type(team_t), intent(in) :: team
+   pure logical function turns_plainly(batch, i, noise) result(is_plain)
+      type(batch_t), intent(in) :: batch
       integer, intent(in) :: i
       real(wp), intent(in) :: noise
       !! round-off of theta' [rad/s]
       real(wp) :: rise, rise_new, way, bend(2), r(0:4), c(0:5), margin
 
-      associate (h => team%table(i, of_trial), y => team%y, y_new => team%y_new, &
-                 last => team%pair%stages)
-         rise = h*team%k(i, 2, 1)
-         rise_new = h*team%k(i, 2, last)
+      associate (h => batch%table(i, of_trial), y => batch%y, y_new => batch%y_new, &
+                 last => batch%pair%stages)
+         rise = h*batch%k(i, 2, 1)
+         rise_new = h*batch%k(i, 2, last)
          r(0) = y(i, 2)
          r(1) = r(0) + 0.25_wp*rise
          r(4) = y_new(i, 2)
@@ -394,24 +394,24 @@ contains
    end function turns_plainly
 
    !> Evaluate ground accelerations that are not on a straight line.
-   subroutine follow_curves(lanes, team)
-      type(lane_t), intent(in) :: lanes(:)
-      type(team_t), intent(inout) :: team
+   subroutine follow_curves(lanes, batch)
+      type(lane_state_t), intent(in) :: lanes(:)
+      type(batch_t), intent(inout) :: batch
       real(wp) :: t
       integer :: i, s
 
-      if (.not. team%has_curves) return
-      do i = 1, team%width
-         if (.not. team%is_busy(i)) cycle
+      if (.not. batch%has_curves) return
+      do i = 1, batch%width
+         if (.not. batch%is_busy(i)) cycle
          associate (equation => lanes(i)%equation)
             if (equation%state%line%is_straight) cycle
-            do s = 1, team%pair%stages
-               t = team%table(i, of_time) + team%pair%c(s)*team%table(i, of_trial)
-               team%ground(i, s, 1) = ground(equation, t)
-               if (equation%has_vertical) team%ground(i, s, 2) = vertical_ground(equation, t)
+            do s = 1, batch%pair%stages
+               t = batch%table(i, of_time) + batch%pair%c(s)*batch%table(i, of_trial)
+               batch%ground(i, s, 1) = ground(equation, t)
+               if (equation%has_vertical) batch%ground(i, s, 2) = vertical_ground(equation, t)
             end do
          end associate
       end do
    end subroutine follow_curves
 
-end module rwmf_simulation_lanes_team
+end module rwmf_simulation_lanes_batch
