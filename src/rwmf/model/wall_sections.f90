@@ -99,9 +99,9 @@ contains
          call inspect_section(z(1))
          call inspect_section(z(2))
          do j = 1, size(s)
-            if (2*loads%h - s(j) > z(1) .and. 2*loads%h - s(j) < z(2)) &
-               call inspect_section(2*loads%h &
-               - s(j))
+            if (2*loads%h - s(j) > z(1) .and. 2*loads%h - s(j) < z(2)) then
+               call inspect_section(2*loads%h - s(j))
+            end if
          end do
          if (i > 0) call add_link(loads, links, i)
       end do

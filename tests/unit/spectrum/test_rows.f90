@@ -12,7 +12,7 @@ program test_rows
    implicit none
 
    integer, parameter :: n = 20
-   !! rows, more than a team has lanes
+   !! rows, more than a batch has lanes
    character(*), parameter :: wall = '&wall h=2.0, b=0.5 / &frame T_s=0.8, gamma=3, xi_s=0.05 / ' &
       //"&model formulation='exact' / &cable eta_0=1.0, eta_alpha=5.0 / "
    character(*), parameter :: loss = "&impact rule='constant', e=0.9 / "

@@ -767,8 +767,9 @@ contains
             theta < table(i, of_low))
          z = batch%y_new(i, further)
          if (level == no_event) then
-            if (max(table(i, of_least) - z, z - table(i, of_most)) > slack) &
+            if (max(table(i, of_least) - z, z - table(i, of_most)) > slack) then
                lane%target_event = at_state
+            end if
          else if (lane%target_event /= at_turn) then
             ! further state at the time at which the rotation leaves its window
             z = z + rates(further)*(table(i, merge(of_low, of_high, level == at_low)) - theta) &
