@@ -259,7 +259,7 @@ contains
       !! reactions at the ends of the step, and their extremes so far: -N [m/s2], |H|/N [-], |V|
       !! [m/s2]; further values follow
       real(wp), intent(out) :: is_plain(lane_count)
-      !! 1 if the step has no extremum, 0 if it may have one
+      !! 1 if the step has no extremum, 0 if it may have one [-]
       real(wp), parameter :: largest_margin = 0.25_wp
       !! margin over the range so far, for a step of `short_angle` [-]
       real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))

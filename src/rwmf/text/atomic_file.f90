@@ -310,6 +310,7 @@ contains
    end function folder_of
 
    !> Check that an output file is not also an input file of the run, even under another name.
+   !> Fails with `err_input` if it is.
    subroutine check_not_read(path, input, error)
       character(*), intent(in) :: path
       !! output file

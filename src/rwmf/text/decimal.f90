@@ -27,7 +27,7 @@ contains
       integer, intent(out) :: exponent
       !! x = digits*10**(exponent - 16) to the accuracy of double precision
       logical, intent(out) :: is_decided
-      !! false: the caller has to find the digits by another method
+      !! .false. if the caller has to find the digits by another method
       real(dp), parameter :: tie = 1.0e-9_dp
       integer(i8), parameter :: lowest = 10_i8**(digit_count - 1)
       integer :: i
