@@ -102,7 +102,7 @@ contains
       call checks%has_error(error, err_numerical, 'DSYGV', 'modes that cannot be found')
    end subroutine test_bad_modes
 
-   !> A frame without a period of its own can have a spectrum (period in `&spectrum`), but no run.
+   !> A frame whose periods are those of `&spectrum` has a spectrum; `simulate` returns an error.
    subroutine test_no_period()
       type(case_t) :: case
       type(result_t) :: result

@@ -294,7 +294,7 @@ contains
       end do
    end subroutine test_motion_with_gap
 
-   !> The frame alone under a constant acceleration: u = -a/omega**2 (1 - cos(omega t)).
+   !> Frame without a wall under a constant acceleration: u = -a/omega**2 (1 - cos(omega t)).
    subroutine test_bare_frame()
       type(case_t) :: case
       type(stepping_t) :: wall

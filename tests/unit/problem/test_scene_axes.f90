@@ -113,7 +113,8 @@ contains
       call checks%close_to(axes(3)%value, 2.0_wp, coupling//': period', rtol=0.0_wp)
    end subroutine check_storeys
 
-   !> p**2 = 3 g/(4 R) gives size and slenderness; the block's own period leaves it unchanged.
+   !> The axes T_s = 2 pi/p, p**2 = 3 g/(4 R), and b set size and slenderness of a block; the period
+   !> that it has leaves it unchanged.
    subroutine check_block()
       type(case_t) :: case
       type(axis_t), allocatable :: axes(:)
