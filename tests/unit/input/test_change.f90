@@ -172,7 +172,7 @@ contains
       call refuse(scene, ['frame.T_s', 'frame.t_s'], [1.0_dp, 1.0_dp], 'the key is given twice')
    end subroutine test_bad_names
 
-   !> The messages equal those of reading, without a line number.
+   !> The messages equal those of reading, without the line of the changed key.
    subroutine test_bad_numbers()
       call refuse(scene, ['frame.T_s'], [-1.0_dp], '&frame: T_s = -1.0: must be a number > 0 [s]')
       call refuse(scene, ['frame.T_s'], [ieee_value(1.0_dp, ieee_quiet_nan)], &

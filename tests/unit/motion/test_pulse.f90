@@ -1,4 +1,4 @@
-!> Pulses: velocity and displacement of the formulas in the literature, jumps, monotone pieces,
+!> Velocity and displacement of pulses by the formulas in the literature; jumps, monotone pieces,
 !> sizes, tails.
 program test_pulse
    use check, only: checks_t
