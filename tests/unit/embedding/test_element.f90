@@ -59,7 +59,7 @@ contains
       call checks%no_error(error, 'element '//formulation//' '//law//more)
    end function element_of
 
-   !> Central differences of the force by u, u' and u''.
+   !> Compare the tangents with central differences of the force by u, u' and u''.
    subroutine test_tangents(formulation, law, more)
       character(*), intent(in) :: formulation
       character(*), intent(in) :: law
@@ -81,7 +81,7 @@ contains
          do k = 1, 3
             slope(k) = difference(element, side, motion, k)
          end do
-         ! The difference has an error of 1e-10 by truncation and as much by round-off.
+         ! The difference has a truncation error of 1e-10 and a round-off error of the same size.
          call checks%close_to(response%stiffness, slope(1), formulation//law//more//': stiffness', &
             rtol=1.0e-7_wp)
          call checks%close_to(response%damping, slope(2), formulation//law//more//': damping', &
@@ -98,7 +98,7 @@ contains
       real(wp), intent(in) :: motion(3)
       !! u [m], u' [m/s], u'' [m/s2]
       integer, intent(in) :: k
-      !! by which of them
+      !! index of the argument that changes
       type(element_response_t) :: up
       type(element_response_t) :: down
       type(error_t), allocatable :: error
@@ -113,8 +113,8 @@ contains
       slope = (up%force - down%force)/(2*step(k))
    end function difference
 
-   !> At rest and without motion the force is that of gravity and cable, half the overturning moment
-   !> over the height: m_w g tan(alpha)/2 (1 + eta_0).
+   !> At rest and without motion the force is that of gravity and cable: half the overturning moment
+   !> over the height, m_w g tan(alpha)/2 (1 + eta_0).
    subroutine test_statics()
       type(wall_element_t) :: element
       type(element_response_t) :: response
@@ -137,7 +137,7 @@ contains
       call checks%close_to(velocity_factor(element), 0.9_wp, 'velocity factor', rtol=1.0e-15_wp)
    end subroutine test_statics
 
-   !> Cubics with roots that are known.
+   !> Cubics with known roots.
    subroutine test_impact()
       logical :: found
       real(wp) :: tau
@@ -148,11 +148,11 @@ contains
       call next_impact(1, 0.1_wp, 0.01_wp, 0.0_wp, -0.03_wp, -0.8_wp, found, tau)
       call checks%that(found, 'impact')
       call checks%close_to(tau, 0.05_wp, 'its time', rtol=1.0e-14_wp)
-      ! -u = (t - 0.02) (t - 0.04) has come back at the end
+      ! -u = (t - 0.02) (t - 0.04) is positive again at the end
       call next_impact(-1, 0.1_wp, -0.0008_wp, 0.06_wp, -0.0048_wp, -0.14_wp, found, tau)
       call checks%that(found, 'two returns in one step')
       call checks%close_to(tau, 0.02_wp, 'the first of them', rtol=1.0e-12_wp)
-      ! u = 0.5 t - 10 t**2: begins on the base
+      ! u = 0.5 t - 10 t**2 begins on the base
       call next_impact(1, 0.1_wp, 0.0_wp, 0.5_wp, -0.05_wp, -1.5_wp, found, tau)
       call checks%that(found, 'flight from the base')
       call checks%close_to(tau, 0.05_wp, 'its end', rtol=1.0e-14_wp)
@@ -161,7 +161,7 @@ contains
    subroutine test_lift_off()
       type(wall_element_t) :: element
       real(wp) :: hold
-      !! push that the resting wall bears [N]
+      !! largest push without uplift [N]
       real(wp) :: tau
       integer :: side
 
@@ -183,8 +183,8 @@ contains
          'pushed too hard to settle')
    end subroutine test_lift_off
 
-   !> A hinged wall has no sides: none changes what it answers, a hinge holds nothing, and nothing
-   !> rests on it.
+   !> A hinged wall has no sides: the side does not change the response, any push turns the wall,
+   !> and it never settles.
    subroutine test_hinged()
       character(*), parameter :: nl = new_line('a')
       character(*), parameter :: more(2) = [character(90) :: '', '&link L = 6.0 /'//nl &
@@ -220,7 +220,7 @@ contains
       end do
    end subroutine test_hinged
 
-   !> What an element answers, as one array.
+   !> Response of an element as one array.
    pure function numbers_of(response) result(numbers)
       type(element_response_t), intent(in) :: response
       real(wp) :: numbers(8)
@@ -229,7 +229,7 @@ contains
          response%theta, response%theta_dot, response%theta_ddot, response%cable]
    end function numbers_of
 
-   !> The frame's period has no effect, and `&spectrum` may have it.
+   !> The frame's period has no effect, and `&spectrum` may contain it.
    subroutine test_period()
       character(*), parameter :: nl = new_line('a')
       character(*), parameter :: frames(3) = [character(70) :: &
@@ -256,7 +256,8 @@ contains
          'the period of the frame has no effect on the element')
    end subroutine test_period
 
-   !> Without a rule the momentum balance of what the case has: the wall, with `&frame` its mass.
+   !> Without a rule the momentum balance of the case applies: of the wall, and with `&frame` of
+   !> its mass too.
    subroutine test_default_rule()
       character(*), parameter :: nl = new_line('a')
       character(*), parameter :: frames(2) = [character(50) :: &
@@ -278,7 +279,7 @@ contains
       end do
    end subroutine test_default_rule
 
-   !> What a step cannot be: refused, and without an error nothing happens, at no time.
+   !> Invalid steps are refused; without an error argument they report no event and no time.
    subroutine test_bad_steps()
       type(wall_element_t) :: element
       type(wall_element_t) :: none
