@@ -496,7 +496,7 @@ contains
       call destroy_stepping(frame)
    end subroutine check_shear
 
-   !> Check that a snapshot of an elastic wall does not restore the memory of a yielding one.
+   !> Check that a snapshot of an elastic wall cannot be restored into a yielding wall.
    subroutine check_other_wall()
       type(case_t) :: case
       type(stepping_t) :: wall
