@@ -1,9 +1,9 @@
-!> Collects the checks of one test program.
+!> Checks of one test program.
 !>
-!> A test program holds one `type(checks_t)`, asks `checks%wants(NAME)` before each group of checks,
-!> calls the procedures below with a name for each check and ends with `call checks%finish()`, which
-!> prints 'N passed, N failed' and stops with a non-zero status when a check failed or when none was
-!> made.
+!> A test program holds one `type(checks_t)` and calls `checks%wants(NAME)` before each group of
+!> checks. It calls the procedures below with a name for each check and ends with `checks%finish()`.
+!> This prints 'N passed, N failed' and stops with a non-zero status if a check failed or if there
+!> was none.
 !>
 !>    test_roots                   all groups
 !>    test_roots secant newton     those with one of these words in their names

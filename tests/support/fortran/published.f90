@@ -5,7 +5,7 @@
 !>    theta'' = B_1 theta'**2 + B_2 theta' + B_3 u_g'' + B_4   for theta > 0   (15b)
 !>
 !> Differences of sines are written in an equivalent form, because the printed one loses all digits
-!> at a small rotation: sin(alpha) - sin(alpha - phi), with phi = |theta|, in b_5 and a_7.
+!> at a small rotation. This is sin(alpha) - sin(alpha - phi) in b_5 and a_7, with phi = |theta|.
 module published
    use rwmf_core_kinds, only: wp
    use rwmf_model_parameters, only: parameters_t

@@ -356,8 +356,8 @@ contains
       if (equation%has_impacts) x(1) = equation%state%side*equation%p%R*equation%p%sin_alpha
    end function pivot
 
-   !> Corner of the wall at the link: the top left one; for `symmetric` the one opposite the pivot;
-   !> for a hinged wall the middle of the top.
+   !> Point of the wall at the link. It is the top left corner; for `symmetric` the corner opposite
+   !> the pivot; for a hinged wall the middle of the top.
    function link_corner(equation, case, y) result(x)
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case

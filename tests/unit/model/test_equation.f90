@@ -1,4 +1,4 @@
-!> The equation of motion against the printed coefficients, its Jacobian and its other forms.
+!> Equation of motion compared with the printed coefficients, its Jacobian and its other forms.
 program test_equation
    use check, only: checks_t
    use rwmf_core_kinds, only: wp

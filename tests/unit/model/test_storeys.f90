@@ -161,7 +161,7 @@ contains
 
    !> Check the coupling at every floor. A straight line that turns by a small angle has, about the
    !> base, the inertia sum(m z**2), the stiffness sum(k h**2) and the excitation sum(m z). The
-   !> modal mass at the modal height has the same moments.
+   !> modal mass at the modal height has the same inertia.
    subroutine check_every_floor()
       type(shear_frame_t) :: frame
       type(case_t) :: case

@@ -1,4 +1,4 @@
-!> Lanes: the order of the pairs, bitwise identity for any batch and every instruction set, and
+!> Order of the pairs in lanes, bitwise identity for any batch and every instruction set, and
 !> spectra of all effects compared with single runs.
 program test_lanes
    use check, only: checks_t
