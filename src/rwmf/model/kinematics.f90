@@ -2,8 +2,8 @@
 !> from the loop of `rwmf_model_lanes` with a single lane.
 module rwmf_model_kinematics
    use rwmf_core_kinds, only: wp
-   use rwmf_model_lanes, only: lane_motion_t, link_coefficients, move_wall, sine, &
-      tilt_link, wall_coefficients
+   use rwmf_model_lanes, only: cosine, lane_motion_t, link_coefficients, move_wall, sine, tilt_link, &
+      wall_coefficients
    implicit none
    private
 
@@ -175,14 +175,15 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       type(kinematics_t) :: kin
-      real(wp) :: x
+      real(wp) :: x, y
 
       if (geometry%link > 0) then
          kin = kinematics_of(geometry, side, phi)
          u = kin%u
       else
          x = sine(0.5_wp*phi)
-         u = 4*x*(geometry%sine_link(side)*x + geometry%cos_alpha*sqrt(max(1 - x*x, 0.0_wp)))
+         y = cosine(0.5_wp*phi)
+         u = 2*(geometry%sine_link(side)*(2*x*x) + geometry%cos_alpha*(2*x*y))
       end if
    end function displacement_of
 

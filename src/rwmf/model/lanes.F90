@@ -15,7 +15,7 @@ module rwmf_model_lanes
    public :: lane_count, lane_motion_t
    public :: wall_coefficients, frame_coefficients, cable_coefficients, link_coefficients
    public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
-      add_straight_cable, sine
+      add_straight_cable, cosine, sine
    public :: add_wall_power, add_frame_power
    public :: power_count, of_input, of_viscous, of_plastic
 
