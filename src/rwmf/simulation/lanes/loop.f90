@@ -252,8 +252,7 @@ contains
          if (batch%width == 1) then
             call plan_one(batch%pair, batch%table, batch%ground)
             call follow_curves(lanes, batch)
-            call attempt_one(scene, batch%pair, batch%coef, batch%ground, &
-               batch%table(:, of_trial), &
+            call attempt_one(scene, batch%pair, batch%coef, batch%ground, batch%table(:, of_trial), &
                batch%tolerance, batch%y, .false., batch%k, batch%y_new, batch%error, batch%work)
             call ask_limits(lanes, batch)
             if (batch%keeps_more) call choose_steps(lanes, batch)
@@ -270,8 +269,7 @@ contains
             call ask_limits(lanes, batch)
             if (batch%keeps_more) call choose_steps(lanes, batch)
             call batch%kernels%accept_or_reject(n, further_state(lanes(1)%equation), batch%table, &
-               batch%y, &
-               batch%k, batch%y_new, batch%error, batch%mark)
+               batch%y, batch%k, batch%y_new, batch%error, batch%mark)
             if (batch%keeps_more .or. allocated(batch%work)) call observe_steps(lanes, batch)
             call batch%kernels%advance_intervals(intervals, batch%lines, batch%table, batch%mark)
          end if
