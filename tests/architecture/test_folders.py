@@ -63,7 +63,7 @@ NAMING_MODULES = {"storeys": 37, "vertical": 25, "yielding": 16}
 _CALLER_IS_NO_FORTRAN = "an interface for C or f2py: scalars and plain arrays, no types"
 _STEP_OF_A_HOST = "both ends of a step of a host, what is found, and an error that it may leave out"
 LARGE: dict[str, str] = {
-    "rwmf_integrator_lane_control:judge_step": "a vectorised loop: a call would end it",
+    "rwmf_integrator_lane_control:accept_or_reject": "a vectorised loop: a call would end it",
     "rwmf_integrator_lane_step:attempt_step": "a block of lanes as plain arrays",
     "rwmf_integrator_lane_reactions:screen_steps": "a block of lanes as plain arrays",
     "rwmf_embedding_element_events:next_impact": _STEP_OF_A_HOST,

@@ -248,12 +248,12 @@ contains
       integer :: i
 
       associate (scene => lanes(1)%equation%scene, n => lanes(1)%equation%n, &
-                 intervals => ubound(batch%lines, 2) - 1)
+                 intervals => ubound(batch%lines, 2) - 1, trial => batch%table(:, of_trial))
          if (batch%width == 1) then
             call plan_one(batch%pair, batch%table, batch%ground)
             call follow_curves(lanes, batch)
-            call attempt_one(scene, batch%pair, batch%coef, batch%ground, batch%table(:, of_trial), &
-               batch%tolerance, batch%y, .false., batch%k, batch%y_new, batch%error, batch%work)
+            call attempt_one(scene, batch%pair, batch%coef, batch%ground, trial, batch%tolerance, &
+               batch%y, .false., batch%k, batch%y_new, batch%error, batch%work)
             call ask_limits(lanes, batch)
             if (batch%keeps_more) call choose_steps(lanes, batch)
             call accept_or_reject_one(n, further_state(lanes(1)%equation), batch%table, batch%y, &
@@ -263,9 +263,8 @@ contains
          else
             call batch%kernels%plan_step(batch%pair, batch%table, batch%ground)
             call follow_curves(lanes, batch)
-            call batch%kernels%attempt_step(scene, batch%pair, batch%coef, batch%ground, &
-               batch%table(:, of_trial), batch%tolerance, batch%y, .false., batch%k, batch%y_new, &
-               batch%error, batch%work)
+            call batch%kernels%attempt_step(scene, batch%pair, batch%coef, batch%ground, trial, &
+               batch%tolerance, batch%y, .false., batch%k, batch%y_new, batch%error, batch%work)
             call ask_limits(lanes, batch)
             if (batch%keeps_more) call choose_steps(lanes, batch)
             call batch%kernels%accept_or_reject(n, further_state(lanes(1)%equation), batch%table, &
