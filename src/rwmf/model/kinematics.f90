@@ -2,8 +2,8 @@
 !> from the loop of `rwmf_model_lanes` with a single lane.
 module rwmf_model_kinematics
    use rwmf_core_kinds, only: wp
-   use rwmf_model_lanes, only: cosine, lane_motion_t, link_coefficients, move_wall, sine, tilt_link, &
-      wall_coefficients
+   use rwmf_model_lanes, only: cosine, lane_motion_t, link_coefficients, move_wall, sine, &
+      tilt_link, wall_coefficients
    implicit none
    private
 
