@@ -1,4 +1,4 @@
-"""Makes docs/validation/accuracy.md and its figures: what accuracy costs in time.
+"""Makes docs/validation/accuracy.md and its figures on the cost of accuracy.
 
 .venv/bin/python bench/accuracy.py     (about two minutes)
 """
@@ -16,7 +16,7 @@ from rwmf.plotting import image_files as figures
 from rwmf.plotting.style import legend_below, new_figure
 
 ROOT = Path(__file__).resolve().parent.parent
-# namelist in inputs/ without suffix, what it is
+# namelist in inputs/ without suffix, description
 CASES = {
     "fig05_stiff_frame_one_sine": "one-sine, γ = 1800, T_s = 0.4 s",
     "accuracy_sine_flexible_frame": "one-sine, γ = 1800, T_s = 2 s",

@@ -1,9 +1,9 @@
-!> The least that CVODE costs: one El Centro ordinate by a hand-written loop with the same stops,
-!> events and restarts as the kernel, nothing else, beside the kernel's own run.
+!> Lower bound of the cost of CVODE, measured for one El Centro ordinate.
+!> A hand-written loop with the kernel's stops, events and restarts runs beside the kernel itself.
 !>
 !> Usage: bare_cvode CASE.nml  (symmetric wall with frame and linear cable under a record)
 !>
-!> Prints the least of many alternating repeats and their ratio, which says what the kernel adds.
+!> Prints the least time of many alternating repeats and the ratio, which is the kernel's overhead.
 program bare_cvode
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_funloc, c_int, c_loc, &
       c_null_ptr, c_ptr
@@ -21,7 +21,7 @@ program bare_cvode
 
    integer, parameter :: repeats = 40
 
-   !> Everything that the callbacks need.
+   !> Data of the callbacks.
    type :: scene_t
       real(wp) :: alpha, R, g, gamma, omega, xi, eta_0, slope_eta, e
       real(wp) :: t_k, a_k, slope
@@ -48,7 +48,7 @@ program bare_cvode
       print '(a)', error%message
       stop 2
    end if
-   ! in m/s2, as the scene of this program has it
+   ! the right-hand side of this program takes accelerations in m/s2
    if (allocated(case%record)) case%record%a = case%record%factor*case%record%a
    bare = huge(bare)
    equal = huge(equal)
@@ -71,7 +71,7 @@ program bare_cvode
 
 contains
 
-   !> One pass; returns the wall-clock time [s].
+   !> Run the loop once and return the wall-clock time [s].
    real(wp) function seconds_of_bare_loop(rtol, u_max, n_steps) result(seconds)
       real(wp), intent(in) :: rtol
       real(wp), intent(out) :: u_max
@@ -91,7 +91,7 @@ contains
       call system_clock(begin, rate)
       flag = FSUNContext_Create(c_null_ptr, context)
       call fill(scene)
-      ! The wall rests until the sample interval in which the motion lifts it.
+      ! The wall rests until the sample interval in which the motion causes uplift.
       call first_lift_off(scene, t(1), k)
       y = 0
       atol = rtol*[1.0e-3_wp, 1.0e-3_wp*scene%omega]
@@ -176,7 +176,7 @@ contains
          /(case%record%t(k + 1) - case%record%t(k))
    end subroutine enter
 
-   !> Peak: remember. Impact: set theta = 0, reduce the velocity, restart.
+   !> Handle a root. Peak: record it. Impact: set theta = 0, reduce the velocity, restart.
    subroutine handle_roots(memory, scene, y, u_max, is_new)
       type(c_ptr), intent(in) :: memory
       type(scene_t), intent(inout) :: scene
@@ -197,7 +197,7 @@ contains
       end if
    end subroutine handle_roots
 
-   !> Eq. (8) and its mirror image, as a person would write it down.
+   !> Eq. (8) and its mirror image in a direct implementation.
    integer(c_int) function rhs(t, vector, vector_dot, user_data) bind(c)
       real(c_double), value :: t
       type(N_Vector), intent(inout) :: vector, vector_dot

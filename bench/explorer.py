@@ -1,9 +1,9 @@
-"""How fast the page of `rwmf explore` follows a hand: from slider to picture, in a real browser.
+"""Latency of the page of `rwmf explore`: from slider to picture, in a real browser.
 
-    .venv/bin/python bench/explorer.py [CASE.nml]      (tools/test installs what it needs)
+    .venv/bin/python bench/explorer.py [CASE.nml]      (tools/test installs its requirements)
 
-Each slider of the case is stepped, and dragged for two seconds over its whole range; the times are
-those from the event to the frame in which the picture stands, beside the kernel's own.
+Each slider of the case is stepped, and dragged for two seconds over its whole range. The times are
+those from the event to the frame with the picture, beside the kernel's time.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ STEPS = 30
 DRAG_SECONDS = 2.0
 EVENTS_PER_SECOND = 60
 
-# one slider over its whole range and back to where it stood, as a hand does it; what is left is the
-# time from the last event to the last picture
+# one slider over its whole range and back, at the speed of a hand. The result is the time from the
+# last event to the last picture
 DRAG = """
 async ({ name, seconds, rate }) => {
   const slider = document.getElementById(name + ':slider');

@@ -1,11 +1,11 @@
-"""Table of the hard cases: every case, every method, its true error and a verdict.
+"""Table of the hard cases: error and verdict of every method in every case.
 
     python bench/hard_cases.py               the rows from the stored answers
     python bench/hard_cases.py --reference   first the answers that are not stored yet, or whose
                                              case has changed (all of them: some minutes)
 
-The cases are those of tests/robustness; the trusted answers come from quadruple precision. The rows
-go to docs/validation/hard-cases.csv, what follows from them to hard-cases.md beside it.
+The cases are those of tests/robustness; the reference answers come from quadruple precision. The
+rows go to docs/validation/hard-cases.csv, and their summary to hard-cases.md beside it.
 """
 
 from __future__ import annotations
@@ -27,27 +27,30 @@ COLUMNS = (
     "family", "case", "peak", "overturned", "kappa", "method", "rtol", "error", "bound", "end",
     "impacts", "lift_offs", "steps", "verdict",
 )  # fmt: skip
-_HEAD = """# Hard cases
+_HEAD = r"""# Hard cases
 
-Made by `python bench/hard_cases.py`; the cases are in `tests/support/cases_*.py`, and
-`tests/robustness` runs every row as a test. The rows themselves: [hard-cases.csv](hard-cases.csv).
+For users who must trust the integrators in extreme cases: this page compares every method with
+quadruple precision, over chatter, grazing, lift-off, overturning, springs with memory and pulses.
+`bench/hard_cases.py` makes it from the rows of [hard-cases.csv](hard-cases.csv), and
+`tests/robustness` tests every row.
 
-**Truth** is the same problem in quadruple precision (extrapolation of order 18, rtol 1e-19); the
-difference from rtol 1e-16 is below 1e-13 of the peak wherever nothing amplifies it. kappa is the
-relative change of the peak per relative change of the motion. Allowed is the **bound**,
-max(1e-7, 100 rtol kappa). A row is *right* within it (theta at the end: within 1000 rtol times its
-own sensitivity), *refused* when the method said so itself, else *WRONG*.
+The **reference** is the same problem in quadruple precision (extrapolation of order 18, rtol
+1e-19); a run at rtol 1e-16 differs from it by less than 1e-13 of the peak unless the problem
+amplifies errors. The sensitivity $\kappa$ is the relative change of the peak per relative change of
+the motion. The **bound** of the error is max(1e-7, 100 rtol $\kappa$). A row is *right* within its
+bound, with the final rotation within 1000 rtol times its own sensitivity. It is *refused* if the
+method reported the failure, and *WRONG* otherwise.
 
 | column | meaning |
 |---|---|
-| family, case | as in the tests |
-| peak | of the truth: largest \\|u_s\\| in m, without a frame \\|theta\\| in rad |
-| overturned | whether the wall falls |
+| family, case | names in the tests |
+| peak | largest $\lvert u_s\rvert$ in m, without a frame $\lvert\theta\rvert$ in rad |
+| overturned | whether the wall overturns |
 | kappa | relative change of the peak per relative change of the motion |
-| method, rtol | how it was computed |
+| method, rtol | settings of the run |
 | error | relative error of the peak; 0 also for differences below 1e-12 m |
-| bound | what is allowed |
-| end | error of theta at the end over the largest \\|theta\\| |
+| bound | allowed error |
+| end | error of the final rotation over the largest rotation |
 | impacts, lift_offs, steps | of the run; in chatter before rest they depend on method and rtol |
 | verdict | right, refused or WRONG |
 """
@@ -85,7 +88,7 @@ def _write_table(folder: Path) -> int:
         for hard in cases:
             truth = answers[family, hard.name]
             for method in METHODS:
-                row = collection.judge(hard, truth, method, folder)
+                row = collection.evaluate(hard, truth, method, folder)
                 rows.append(_values(family, hard.name, truth, row))
     with TARGET.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
@@ -132,7 +135,7 @@ def read_rows() -> list[dict[str, str]]:
 
 
 def make_page() -> str:
-    """Make the page of what follows from the rows.
+    """Make the page that summarises the rows.
 
     Returns
     -------
@@ -147,24 +150,24 @@ def make_page() -> str:
     wrong = sum(row["verdict"] == "WRONG" for row in rows)
     lines = [
         _HEAD,
-        "## What follows",
+        "## Results",
         "",
         f"{len(rows)} rows, {wrong} wrong.",
         "",
-        "Each method over all cases: the largest share of the bound that its error takes, how many "
-        "rows are more accurate than 1e-9, and the steps of all cases together.",
+        "Methods, over all cases: largest error as a share of its bound, rows with an error below "
+        "1e-9, and all steps:",
         "",
         "| method | rows | right | refused | largest error/bound | in | below 1e-9 | steps |",
         "|---|---|---|---|---|---|---|---|",
         *(f"| `{method}` | {_share_of(rows_of)} |" for method, rows_of in by_method.items()),
         "",
-        "Each family over all methods:",
+        "Families of cases, over all methods:",
         "",
         "| family | rows | right | refused | largest error/bound | in | below 1e-9 | steps |",
         "|---|---|---|---|---|---|---|---|",
         *(f"| {family} | {_share_of(rows_of)} |" for family, rows_of in families.items()),
         "",
-        "The cases that amplify most, where digits of an integrator are no digits of the answer:",
+        "The most sensitive cases. Here an accurate integrator does not give an accurate answer:",
         "",
         "| case | kappa | largest error | bound |",
         "|---|---|---|---|",

@@ -1,4 +1,4 @@
-"""What a row of a Monte Carlo sample costs beside a run of a grid, and how much memory it takes.
+"""Cost of a row of a Monte Carlo sample relative to a run of a grid, and memory use.
 
     .venv/bin/python bench/monte_carlo.py [ROWS]
 
@@ -47,7 +47,7 @@ CASE: dict[str, dict[str, object]] = {
 
 
 def main() -> None:
-    """Run both sweeps and print what they cost."""
+    """Run both sweeps and print their costs."""
     n = int(sys.argv[1]) if len(sys.argv) > 1 else ROWS
     case = rwmf.Case(**CASE)
     chance = np.random.default_rng(20)

@@ -1,11 +1,11 @@
-"""The validation cases in MuJoCo, a rigid-body engine with contact that nobody here wrote.
+"""Validation cases in MuJoCo, an independent rigid-body engine with contact.
 
 ``python bench/mujoco_cases.py [CASE ...]`` reads ``validation/CASE.nml`` and writes
 ``validation/mujoco/CASE.csv``. Needs ``pip install '.[validation]'``.
 
 The engine gets masses, sizes, spring, damper, cable, link, friction and the motion. It gets neither
-the kinematics of rocking (about which corner, with which lever arm) nor a restitution factor:
-both follow from contact between a box and a plane.
+the kinematics of rocking (pivot corner and lever arm) nor a restitution factor. Both follow from
+contact between a box and a plane.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def simulate(case: rwmf.Case, engine: Engine) -> tuple[dict[str, object], Array]
             rows[i] = observe(case, model, data, i * engine.dt)
         push(case, model, data, (i + 0.5) * engine.dt if i >= 0 else -1.0)
         mujoco.mj_step(model, data)
-    # where the settled contact lets the frame stand is the zero of its displacement
+    # the zero of the frame's displacement is its position on the settled contact
     if case.frame is not None:
         rows[:, 5] -= rows[0, 5]
     stride = round(engine.stored_interval / engine.dt)
@@ -241,7 +241,7 @@ def observe(case: rwmf.Case, model: mujoco.MjModel, data: mujoco.MjData, t: floa
 
 
 def slip(rows: Array) -> float:
-    """Range of the place of the corner that stands on the ground [m]."""
+    """Return the range of the position of the corner on the ground [m]."""
     standing = rows[np.abs(rows[:, 1]) > 1e-4, 6]
     return float(np.ptp(standing)) if standing.size else 0.0
 

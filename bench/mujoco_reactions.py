@@ -1,9 +1,9 @@
-"""Reactions of the base against the contact forces of MuJoCo, a program that nobody here wrote.
+"""Comparison of base reactions with the contact forces of MuJoCo, an independent program.
 
 ``python bench/mujoco_reactions.py [CASE ...]`` simulates ``validation/CASE.nml`` with both and
 prints a table. Needs ``pip install '.[validation]'``. The engine's contact is a stiff spring and
-damper: its forces are averaged over windows, and windows at an impact or a jump of the motion are
-left out, because the engine takes an impulse, or a sudden force, over a time of its own.
+damper: forces are averaged over windows. Windows at an impact or a jump of the motion are omitted.
+The engine spreads an impulse or a sudden force over some time.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def compare(case: rwmf.Case) -> list[float]:
     Returns
     -------
     list of float
-        Number of windows, root mean square of N and of its difference, the same of H, largest
+        Number of windows; root mean square of N and of its difference; the same of H; largest
         demand of friction of the model and of the engine, all in the windows.
     """
     run = rwmf.simulate(case.replace(output={"dt": HISTORY_DT, "reactions": True}))

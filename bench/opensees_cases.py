@@ -4,8 +4,9 @@
 ``validation/opensees/CASE.csv``. Needs the environment variable RWMF_OPENSEES, a Python that has
 ``openseespy`` from PyPI; it may be this one.
 
-The wall is a frame of stiff corotational beams on corners without tension, the cable a corotational
-truss with an initial stress, the frame a mass on a spring. OpenSees gets neither the kinematics of
+The wall is a frame of stiff corotational beams on corners without tension. The cable is a
+corotational truss with an initial stress, the frame a mass on a spring. OpenSees gets neither the
+kinematics of
 rocking nor a restitution. The frame of six storeys has springs of Steel01 for the storeys, leaning
 columns of corotational trusses, and modal damping.
 """
@@ -61,7 +62,7 @@ class Engine:
     dt : float
         Time step [s].
     integrator : tuple
-        What OpenSees steps with, and its parameters.
+        Integrator of OpenSees and its parameters.
     stored_interval : float
         Interval of the stored history [s].
     """
@@ -90,7 +91,7 @@ class FrameEngine:
     column_ratio : float
         Axial stiffness of the leaning columns over the largest of the storeys [-].
     integrator : tuple
-        What OpenSees steps with, and its parameters.
+        Integrator of OpenSees and its parameters.
     """
 
     dt: float = 1e-4
@@ -259,7 +260,7 @@ def frame_scene(case: rwmf.Case, engine: FrameEngine) -> dict[str, Any]:
 
 
 def _ask(program: str, scene: dict[str, Any], engine: dict[str, Any]) -> dict[str, Any]:
-    """Let a program compute a scene in the Python that has OpenSees."""
+    """Compute a scene by a program in the Python that has OpenSees."""
     python = os.environ.get("RWMF_OPENSEES")
     if not python:
         raise NoOpenSeesError("RWMF_OPENSEES names no Python that has openseespy")

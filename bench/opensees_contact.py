@@ -1,7 +1,7 @@
-"""How the corners of the wall in OpenSees take a blow: other settings than the stored ones.
+"""Impacts of the wall's corners in OpenSees with settings other than the stored ones.
 
-``python bench/opensees_contact.py`` computes ``free``, the wall that is let go, with each of them
-and writes ``validation/opensees/contact.csv``. Needs what ``opensees_cases.py`` needs.
+``python bench/opensees_contact.py`` computes ``free``, the released wall, with each of them and
+writes ``validation/opensees/contact.csv``. The requirements are those of ``opensees_cases.py``.
 """
 
 from __future__ import annotations

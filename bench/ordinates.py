@@ -4,8 +4,8 @@
 
 OTHER is the checkout of the other build, whose extension is linked into its folder driver/rwmf.
 Both builds compute the same spectra in turn, one thread, and the smallest of ROUNDS counts. The
-time of an ordinate is the processor time of a spectrum of 500 periods from 0.1 to 3 s less that of
-100 periods, over 400: without the overhead of a call. Methods: here `auto`, there `fast` and
+time of an ordinate excludes the overhead of a call: it is the difference of the processor times of
+spectra of 500 and 100 periods from 0.1 to 3 s, over 400. Methods: here `auto`, there `fast` and
 `dop853`, its general lanes. Errors are those of 500 ordinates against `dop853` of the other build
 at rtol 1e-13. The last column is the time of a single run over that of an ordinate of this build.
 """
@@ -95,7 +95,7 @@ def _serve() -> None:
 
 
 class Build:
-    """A build that computes in a process of its own."""
+    """A build that computes in a separate process."""
 
     def __init__(self, folder: Path) -> None:
         self.process = subprocess.Popen(
@@ -136,9 +136,9 @@ def _rows(here: Build, there: Build, names: list[str]) -> Iterator[str]:
         truth = there.ask(groups, "dop853", 1e-13)["peaks"]
         run = min(here.ask(groups, "auto", RTOLS[0], runs=True)["seconds"][0] for _ in range(2))
         for rtol in RTOLS:
-            asked = ((here, "auto"), (there, "fast"), (there, "dop853"))
+            builds = ((here, "auto"), (there, "fast"), (there, "dop853"))
             found = [[build.ask(groups, method, rtol) for _ in range(ROUNDS)]
-                     for build, method in asked]  # fmt: skip
+                     for build, method in builds]  # fmt: skip
             us = [_us(answers) for answers in found]
             errors = [_error(answers[0], truth) for answers in found]
             yield (

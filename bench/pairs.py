@@ -1,10 +1,10 @@
-"""Which effects go together: a run of every pair, or the reason why it is refused.
+"""Combinations of effects: a run of every pair, or the reason for its refusal.
 
     .venv/bin/python bench/pairs.py            the table of docs/reference/effects.md
 
 Every pair is a small case, which the kernel reads, refuses or runs. A further group, or a further
-value of a key that chooses a law, takes one line of ``EFFECTS``;
-``tests/python/effects/test_pairs.py`` asks the schema whether one is missing.
+value of a key that chooses a law, takes one line of ``EFFECTS``.
+``tests/python/effects/test_pairs.py`` checks the list against the schema.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import re
 import tempfile
+import textwrap
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -21,7 +22,7 @@ import rwmf
 
 Groups = dict[str, dict[str, Any] | None]
 
-# what every pair begins with
+# groups common to all pairs
 SCENE: Groups = {
     "wall": {"h": 2.0, "b": 0.5},
     "frame": {"T_s": 0.5, "gamma": 5.0, "xi_s": 0.05},
@@ -41,7 +42,7 @@ BALANCE = 1e-6  # of the energy ledger, relative
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect, what it changes in the scene, and the group that a message names."""
+    """An effect, its changes of the scene, and its group in messages."""
 
     name: str
     changes: Groups
@@ -139,7 +140,7 @@ EFFECTS = [
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a pair: 'runs', 'refused' with the message, or 'alternatives' of one key."""
+    """Result of a pair: 'runs', 'refused' with the message, or 'alternatives' of one key."""
 
     kind: str
     message: str = ""
@@ -186,7 +187,7 @@ def prepare(folder: Path) -> None:
     Parameters
     ----------
     folder
-        Where the cases stand.
+        Folder of the cases.
     """
     (folder / "record.csv").write_text(SAMPLES, encoding="utf-8")
 
@@ -239,44 +240,48 @@ def _value(value: object) -> str:
 
 
 def _reason(message: str) -> str:
-    """Drop the line of a file that nobody has from a message."""
+    """Remove line numbers, which refer to no file, from a message."""
     return re.sub(r" \(line \d+\)", "", message)
 
 
+def refusals(outcomes: dict[tuple[str, str], Outcome]) -> list[tuple[str, str, str]]:
+    """Join the refused pairs that have the same reason.
+
+    Parameters
+    ----------
+    outcomes
+        Outcome of each pair, by the names of its effects.
+
+    Returns
+    -------
+    list of tuple
+        Effects, the effects that each of them is refused with, and the reason.
+    """
+    partners: dict[tuple[str, str], list[str]] = {}
+    for (first, second), outcome in outcomes.items():
+        if outcome.kind == "refused":
+            partners.setdefault((_reason(outcome.message), second), []).append(first)
+    rows: dict[tuple[str, str], list[str]] = {}
+    for (reason, second), firsts in partners.items():
+        rows.setdefault((reason, "; ".join(firsts)), []).append(second)
+    return [(firsts, "; ".join(seconds), reason) for (reason, firsts), seconds in rows.items()]
+
+
 def main() -> None:
-    """Print the table and the reasons."""
+    """Print the effects and the refused pairs."""
     with tempfile.TemporaryDirectory() as place:
         prepare(Path(place))
         outcomes = {
             (a.name, b.name): try_pair(a, b, Path(place)) for a, b in combinations(EFFECTS, 2)
         }
-    reasons: list[str] = []
-    print("+ runs, · alternatives of one key or group, a letter: refused, with the reason below.\n")
-    print("| | effect | " + " | ".join(str(i + 1) for i in range(len(EFFECTS) - 1)) + " |")
-    print("|---|---|" + "---|" * (len(EFFECTS) - 1))
-    for row, effect in enumerate(EFFECTS):
-        cells = []
-        for other in EFFECTS[:row]:
-            outcome = outcomes[other.name, effect.name]
-            if outcome.kind == "refused":
-                reason = _reason(outcome.message)
-                if reason not in reasons:
-                    reasons.append(reason)
-                cells.append(f"{_letter(reasons.index(reason))}")
-            else:
-                cells.append({"runs": "+", "alternatives": "·"}[outcome.kind])
-        cells += [""] * (len(EFFECTS) - 1 - row)
-        print(f"| {row + 1} | {effect.name} | " + " | ".join(cells[: len(EFFECTS) - 1]) + " |")
-    print()
-    for i, reason in enumerate(reasons):
-        print(f"* {_letter(i)}: {reason}")
     kinds = [outcome.kind for outcome in outcomes.values()]
-    print(f"\n{kinds.count('runs')} pairs run, {kinds.count('refused')} are refused, ", end="")
-    print(f"{kinds.count('alternatives')} are alternatives.")
-
-
-def _letter(i: int) -> str:
-    return chr(ord("a") + i) if i < 26 else "a" + chr(ord("a") + i - 26)
+    names = "; ".join(effect.name for effect in EFFECTS)
+    print(textwrap.fill(f"The {len(EFFECTS)} effects: {names}.", 118) + "\n")
+    print(f"Of their pairs {kinds.count('runs')} run, {kinds.count('alternatives')} are ", end="")
+    print(f"alternatives of one key or group, and {kinds.count('refused')} are refused:\n")
+    print("| effect | refused with | message |\n|---|---|---|")
+    for row in refusals(outcomes):
+        print("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |")
 
 
 if __name__ == "__main__":

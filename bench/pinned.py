@@ -1,4 +1,4 @@
-"""How often a wall amplifies: a rocking one and a pinned one against the frame alone.
+"""Frequency of amplification by a rocking and by a pinned wall, against the frame alone.
 
 .venv/bin/python bench/pinned.py
 

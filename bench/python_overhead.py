@@ -1,10 +1,10 @@
-"""What a call from Python costs beside the kernel's own time, side by side in one run.
+"""Overhead of a call from Python over the kernel's own time, measured in one run.
 
 Run it as ``.venv/bin/python bench/python_overhead.py [ROUNDS [ORDINATES]]``, for a pulse and a
-record; with ORDINATES it shows what a spectrum of so many takes, in seconds and memory. It
-prints calls, the same work by the bare kernel, what lies between them, and what ``xarray.Dataset``
-alone would take to label the same arrays. All alternate, and the least time of each counts: on a
-machine that others use too, ask for more rounds.
+record; with ORDINATES it prints time and memory of a spectrum of this size. It prints the times of
+calls, of the same work in the kernel alone, and their difference. For comparison it prints the time
+of ``xarray.Dataset`` for labelling the same arrays. The measurements alternate, and the least time
+of each counts: use more rounds on a shared machine.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def main(rounds: int = 200, ordinates: int = 0) -> None:
 
 
 def _measure_many(n: int) -> None:
-    """Print what spectra of a bare frame take, one call each; the memory is the most so far."""
+    """Print time and memory of spectra of a bare frame, one call each; memory is the peak."""
     case = rwmf.Case(
         frame={"T_s": 1.0, "xi_s": 0.05},
         motion={"kind": "one_cosine", "a_max_g": 0.4, "omega_p": 2 * np.pi},
@@ -94,7 +94,7 @@ def _measure(name: str, rounds: int) -> None:
 
 
 def _bare(case: rwmf.Case) -> Callable[[], None]:
-    """Return a run of the kernel whose result nobody looks at."""
+    """Return a run of the kernel without labelling its result."""
     message, control = np.zeros(8192, dtype=np.int8), np.zeros(2, dtype=np.int64)
 
     def call() -> None:
@@ -113,7 +113,7 @@ def _bare_spectrum(case: rwmf.Case) -> Callable[[], None]:
 
 
 def _labelling(made: xr.Dataset) -> Callable[[], None]:
-    """Return what `xarray.Dataset` does with the arrays of a dataset."""
+    """Return the call of `xarray.Dataset` for the arrays of a dataset."""
     variables = {
         name: (data.dims, data.values, data.attrs) for name, data in made.data_vars.items()
     }

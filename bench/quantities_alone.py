@@ -1,12 +1,12 @@
-"""Scenes in which a quantity depends on what else is requested.
+"""Search for scenes in which a quantity depends on the other requested quantities.
 
     .venv/bin/python bench/quantities_alone.py [--count 500] [--first 0] [--processes 2]
 
 The scenes are the numbered ones of tests/support/alone.py, of every family of combinations. Each
-quantity that a scene has is requested by itself and among all: as rows in lanes and of single runs,
-as ordinates (`auto` and `dop853`), and for every twelfth pair of scenes in a sweep, by a host
-in C and by rwmf-batch; runs keep nothing, a history, energies or reactions alone. The bits have to
-be the same; a peak requested by itself, without chatter, has to agree to 100 rtol. Every
+quantity of a scene is requested by itself and among all. The requests are rows in lanes and of
+single runs, and ordinates (`auto` and `dop853`). For every twelfth pair of scenes they include a
+sweep, a host in C and rwmf-batch. Runs keep nothing, a history, energies or reactions alone. The
+bits must be equal; a peak requested by itself, without chatter, must agree to 100 rtol. Every
 difference is listed; the standard error stream shows the progress.
 """
 
@@ -52,19 +52,19 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=500)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
-    asked = parser.parse_args()
-    numbers = range(asked.first, asked.first + asked.count)
+    options = parser.parse_args()
+    numbers = range(options.first, options.first + options.count)
     wrong = failed = 0
     begin = time.monotonic()
-    with ProcessPoolExecutor(asked.processes) as pool:
+    with ProcessPoolExecutor(options.processes) as pool:
         for done, (found, reason) in enumerate(pool.map(check_scene, numbers), start=1):
             seconds = time.monotonic() - begin
-            print(f"{done} of {asked.count} scenes, {seconds:.0f} s", file=sys.stderr, flush=True)
+            print(f"{done} of {options.count} scenes, {seconds:.0f} s", file=sys.stderr, flush=True)
             wrong += bool(found)
             failed += bool(reason)
             for line in [*found, *([reason] if reason else [])]:
                 print(line, flush=True)
-    print(f"{asked.count} scenes: {wrong} with differences, {failed} that end with an error")
+    print(f"{options.count} scenes: {wrong} with differences, {failed} that end with an error")
     return int(wrong > 0)
 
 

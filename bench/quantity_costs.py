@@ -61,15 +61,15 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--repeats", type=int, default=5)
     parser.add_argument("--rtol", type=float, default=1e-9)
-    asked = parser.parse_args()
+    options = parser.parse_args()
     T_s = np.geomspace(0.1, 3.0, 96)
     for scene, text in SCENES.items():
         motion = f"&motion kind = 'record', file = '{RECORD}', unit = 'g' /\n"
-        solver = f"&solver t_end = 20.0, rtol = {asked.rtol}, method = 'dop853' /\n"
+        solver = f"&solver t_end = 20.0, rtol = {options.rtol}, method = 'dop853' /\n"
         case = rwmf.Case.from_text(text + motion + solver)
         groups = _groups(case)
         best = dict.fromkeys(groups, math.inf)
-        for _ in range(asked.repeats):
+        for _ in range(options.repeats):
             for name, quantities in groups.items():
                 begin = time.process_time()
                 rwmf.spectrum(case, T_s=T_s, quantities=quantities, threads=1)

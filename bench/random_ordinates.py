@@ -3,12 +3,12 @@
     .venv/bin/python bench/random_ordinates.py [--count 5000] [--first 0] [--periods 10]
                                                [--rtol 1e-7] [--processes 2]
 
-The scenes are the numbered ones of tests/support/combinations.py (wall, frame or storeys, cable,
-link, dampers, fuses, inerters, vertical motion, tables of e; pulses and records); each is a
-spectrum by `method = 'auto'` over periods drawn from 0.1 to 3 s, in lanes. An ordinate is too wrong
-when its error exceeds rtol times its sensitivity to the motion, if that is more than 1. Errors are
-those against single runs by `extrapolation` at rtol 1e-13, which shares neither steps nor search of
-events with the lanes. Every ordinate that is too wrong is listed.
+The scenes are the numbered ones of tests/support/combinations.py. They have wall, frame or storeys,
+cable, link, dampers, fuses, inerters, vertical motion, tables of e, pulses and records. Each is a
+spectrum by `method = 'auto'` over periods drawn from 0.1 to 3 s, in lanes. An ordinate is wrong
+when its error exceeds rtol times the larger of 1 and its sensitivity to the motion. Errors are
+relative to single runs by `extrapolation` at rtol 1e-13, which uses other steps and another event
+search than the lanes. Every wrong ordinate is listed.
 """
 
 from __future__ import annotations
@@ -52,9 +52,9 @@ class Ordinate(NamedTuple):
     error : float
         Relative error of the peak over rtol and sensitivity, both of which are 1 at least.
     sensitivity : float
-        Relative change of the peak per relative change of the motion; 1 where it was not asked.
+        Relative change of the peak per relative change of the motion; 1 where it is unknown.
     note : str
-        What makes the ordinate no number: how it ended, in the spectrum and in truth.
+        Reason why the ordinate has no value: its ending, in the spectrum and in the reference.
     """
 
     number: int
@@ -98,7 +98,7 @@ def check_scene(number: int, n_periods: int, rtol: float) -> list[Ordinate]:
 
 
 def _scalars(case: rwmf.Case) -> dict[str, Any]:
-    """Run a case and take what has no time axis, by its name."""
+    """Run a case and return its results without time axis, by name."""
     result = rwmf.simulate(case)
     return dict(result.attrs) | {
         str(name): value.item() for name, value in result.data_vars.items() if not value.dims

@@ -1,13 +1,14 @@
-"""Rows of a table: what a row of a Monte Carlo costs beside an ordinate of a grid, and memory.
+"""Cost of a row of a Monte Carlo table relative to an ordinate of a grid, and memory use.
 
     .venv/bin/python bench/rows.py                  both parts
     .venv/bin/python bench/rows.py costs [N]        of N rows, 4000 when it is not given
     .venv/bin/python bench/rows.py memory [N]       of N rows of a bare frame, 10 million
 
 Costs are the processor times of the kernel over that of a grid of as many periods under the same
-record (El Centro), one thread, grid and table in turns, the smallest of five; periods from 0.2 to
-3 s, all other numbers spread by 10 to 30 % around those of the case. Memory is what the largest
-resident size of the process grows by in the call, and then by showing its results to numpy.
+record (El Centro). Grid and table run in turns on one thread, and the smallest of five counts.
+Periods are from 0.2 to 3 s, all other numbers within 10 to 30 % of those of the case. Memory is the
+increase of the peak
+resident size in the call, and then after showing its results to numpy.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def _seconds(scene: KernelCase, columns: Sequence[str], table: Array, keys: Sequ
 
 
 def _print_costs(n: int) -> None:
-    """Print what rows cost beside ordinates of a grid."""
+    """Print the costs of rows relative to ordinates of a grid."""
     generator = np.random.default_rng(1)
     T_s = np.sort(generator.uniform(0.2, 3.0, n))
     print(f"| {n} rows: columns beside T_s | row, us | ordinate of a grid, us | ratio |")
@@ -95,7 +96,7 @@ def _largest() -> int:
 
 
 def _print_memory(n: int) -> None:
-    """Print what rows need while they are computed, and their results."""
+    """Print the memory of rows during the computation, and of their results."""
     text = (
         "&frame T_s=1.0, xi_s=0.05 / &motion kind='one_sine', a_max_g=0.3, T_p=0.5 / "
         "&solver t_end=0.6, rtol=1e-5 /"

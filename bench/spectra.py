@@ -1,8 +1,8 @@
-"""What a displacement spectrum costs: ordinates a second and true error, program by program.
+"""Cost of a displacement spectrum: ordinates per second and true error, by program.
 
 .venv/bin/python bench/spectra.py [--periods N] [--peers all|none|NAME,...] [--plot FILE]
 
-docs/developer/bench.md says how it is measured and what each column means.
+docs/developer/bench.md describes the measurement and the columns.
 """
 
 from __future__ import annotations
@@ -171,7 +171,7 @@ def _print_points(what: str, points: scaling.Points) -> None:
 def _scaling(
     record: Record, T_s: Array, truth: dict[float, Array], most: int, repeats: int
 ) -> dict[str, list]:
-    """Measure and print what the cost of an ordinate depends on."""
+    """Measure and print the dependences of an ordinate's cost."""
     found: dict[str, list] = {
         "ordinates": scaling.ordinates(record, most, repeats),
         "seconds of motion": scaling.lengths(record, T_s[T_s >= LONG], repeats),
@@ -189,7 +189,7 @@ def _scaling(
 
 
 def _choose(text: str) -> list[Peer]:
-    """Peers that were asked for and are installed; the others are listed."""
+    """Return the requested peers that are installed, and list the others."""
     if text == "none":
         return []
     words = None if text == "all" else text.lower().split(",")
@@ -200,7 +200,7 @@ def _choose(text: str) -> list[Peer]:
 
 
 def _print_machine(peers: Sequence[Peer]) -> None:
-    """Print what was measured where."""
+    """Print the date and the machine of the measurement."""
     used = dict.fromkeys(p.distribution or p.package for p in peers if p.package)
     versions = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in used)
     print(f"rwmf {rwmf.__version__}; {versions or 'no peers'}; Python {platform.python_version()}")
@@ -222,7 +222,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     add("--periods", type=int, default=200, help="of the spectrum, from 0.05 to 3 s")
     add("--peers", default="all", help="all, none, or parts of names: scipy,heyoka")
     add("--quad", type=int, default=1, help="periods a band for quadruple precision, 0 for none")
-    add("--rounds", type=int, default=3, help="repeats of what is fast")
+    add("--rounds", type=int, default=3, help="repetitions of fast measurements")
     add("--most", type=int, default=100_000, help="ordinates in the largest spectrum")
     add("--record", type=Path, default=RECORD, help="two columns: time in s, acceleration in g")
     add("--plot", type=Path, default=ROOT / "plots" / "spectra.png", help="figure")

@@ -1,10 +1,10 @@
-!> The standard calls of a host whose instructions `tools/counts` counts (docs/developer/bench.md).
+!> Standard calls of a host; `tools/counts` counts their instructions (docs/developer/bench.md).
 !>
 !>    standard_calls KIND NAME FILE [KIND NAME FILE ...]
 !>
-!> KIND is `run`, `spectrum`, `stepping` or `element`; FILE is a case, which is read before its call
-!> is counted. Every call is made once uncounted, so that what only a first call does is left out.
-!> The first line of the output is the instruction set of the lanes, then follows one line a call.
+!> KIND is `run`, `spectrum`, `stepping` or `element`. FILE is a case; reading it is not counted.
+!> Every call is first made once uncounted, to exclude the work of a first call.
+!> The first line of the output is the instruction set of the lanes; one line per call follows.
 program standard_calls
    use, intrinsic :: iso_c_binding, only: c_loc, c_null_char, c_ptr
    use rwmf, only: advance_stepping, case_t, compute_spectrum, create_element, create_stepping, &
@@ -22,7 +22,7 @@ program standard_calls
          import :: c_ptr
          implicit none
          type(c_ptr), value :: name
-         !! a text that ends with a null
+         !! text that ends with a null
       end subroutine end_count
    end interface
 
@@ -50,7 +50,7 @@ contains
       type(case_t) :: case
       type(error_t), allocatable :: error
       real(wp) :: answer
-      !! a number that depends on everything that the call computes
+      !! number that depends on everything that the call computes
 
       call read_case_file(trim(file), case, error)
       call check(error)
@@ -105,7 +105,7 @@ contains
       answer = sum(spectrum%values)
    end subroutine fill_spectrum
 
-   !> 200 steps of a host of 0.02 s.
+   !> Advance a wall by 200 host steps of 0.02 s.
    subroutine step_through(case, answer)
       type(case_t), intent(in) :: case
       real(wp), intent(out) :: answer
@@ -128,7 +128,7 @@ contains
       call destroy_stepping(wall)
    end subroutine step_through
 
-   !> What a host asks in 1000 steps: response with tangent, and the instant of an impact.
+   !> Evaluate 1000 host steps: response with tangent, and the instant of an impact.
    subroutine ask_element(case, answer)
       type(case_t), intent(in) :: case
       real(wp), intent(out) :: answer

@@ -1,8 +1,8 @@
-!> What a host pays beyond the integration: cost of a call, leaks, threads.
+!> Cost for a host beyond the integration: time of a call, leaks, threads.
 !>
-!>    stepping_cost cycles N     N walls are created, advanced and destroyed (for valgrind, or a
-!>                               look at the memory afterwards)
-!>    stepping_cost threads N    N short runs in eight threads, all with the same bits
+!>    stepping_cost cycles N     create, advance and destroy N walls (for valgrind, or to inspect
+!>                               the memory afterwards)
+!>    stepping_cost threads N    make N short runs in eight threads; all have the same bits
 !>    stepping_cost call         microseconds per call above one call for the whole motion
 program stepping_cost
    use rwmf, only: advance_stepping, case_t, create_stepping, destroy_stepping, error_t, i8, &
@@ -49,7 +49,7 @@ contains
       if (allocated(error)) error stop 'the scene is bad'
    end function scene
 
-   !> A short run; the rotation at its end [rad].
+   !> Make a short run and return the rotation at its end [rad].
    real(wp) function short_run(case) result(theta)
       type(case_t), intent(in) :: case
       type(stepping_t) :: wall
@@ -101,8 +101,8 @@ contains
       if (different > 0) error stop 1
    end subroutine run_threads
 
-   !> A wall at rest under a weak motion has no integration to hide the calls behind; one that
-   !> rocks takes the same steps either way when the knots are the same.
+   !> Measure the time of a call. A wall at rest under a weak motion has no integration, so the time
+   !> is that of the calls. A rocking wall takes the same steps both ways if the knots are equal.
    subroutine time_calls()
       integer, parameter :: n = 20001
       real(wp), allocatable :: t(:)
@@ -144,7 +144,7 @@ contains
       integer :: pass
       integer :: k
 
-      ! the least of several: other programs only ever add
+      ! the least of several times: other programs can only increase a time
       seconds = huge(seconds)
       do pass = 1, 9
          call create_stepping(wall, scene(method), error)

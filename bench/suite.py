@@ -1,4 +1,4 @@
-"""What a sweep over a suite of records costs: 200,000 runs under the 100 components of FEMA P-695.
+"""Cost of a sweep over a suite: 200,000 runs under the 100 components of FEMA P-695.
 
     .venv/bin/python -m pip install '.[suites]'     # the records
     .venv/bin/python bench/suite.py

@@ -1,10 +1,10 @@
-"""What a tendon changes for a yielding frame with a rocking wall, by the wall's size.
+"""Effect of a tendon on a yielding frame with a rocking wall, by the wall's size.
 
 .venv/bin/python bench/tendons.py
 
-Walls of one slenderness and of growing height, El Centro, frames of a tenth of their weight in
-strength: how far the largest displacement with a tendon is from that without one, and what the
-pivot bears. Medians over 30 periods from 0.5 to 3 s.
+Walls of one slenderness and increasing height under El Centro, with frames whose strength is a
+tenth of their weight. The results are the ratio of the largest displacements with and without a
+tendon, and the reaction of the pivot. Medians over 30 periods from 0.5 to 3 s.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
         [--reference independent]
 
 A scene is a number: a frame of 2 to 9 storeys with one of the laws, with or without a wall, gravity
-and devices, under a record of straight lines. It runs by `dop853`, by `extrapolation` and as a row
+and devices, under a piecewise linear record. It runs by `dop853`, by `extrapolation` and as a row
 of a table (lanes) at one rtol from 1e-6 to 1e-11. The reference runs at rtol 1e-13 under the same
 record with `KNOTS` samples on each line. These bound its steps, so that none of them can hide a
 storey that reverses twice. The sensitivity of a quantity is its relative change per relative change
@@ -41,7 +41,7 @@ import yielding_steps
 MOST = 100.0
 CHAOTIC = 1e5
 KNOTS = 12
-SHAKE = 1e-6
+PERTURBATION = 1e-6
 SMALL = 1e-9  # of the largest quantity of its kind: below, an error is one of its zero
 METHODS = ("dop853", "extrapolation", "row", "adams")
 # numbers of the structure, and of the work
@@ -211,16 +211,16 @@ def survey(
         truth = _numbers(rwmf.simulate(_case(groups, _write(fine, folder / f"{number}f.txt"),
                                              **tight)))  # fmt: skip
         moved = [
-            _numbers(rwmf.simulate(_case(groups, _write(fine, folder / f"{number}m.txt", 1 + shake),
+            _numbers(rwmf.simulate(_case(groups, _write(fine, folder / f"{number}m.txt", 1 + d),
                                          **tight)))
-            for shake in (SHAKE, -SHAKE)
+            for d in (PERTURBATION, -PERTURBATION)
         ]  # fmt: skip
     except (NumericalError, rwmf.errors.InputError) as error:
         return [(number, "reference", str(error)[:90], rtol, 0.0, 0.0)]
     sensitivity = {}
     for name, value in truth.items():
         changes = [abs(m.get(name, math.nan) - value) for m in moved]
-        sensitivity[name] = max(1.0, max(changes) / SHAKE / max(abs(value), 1e-300))
+        sensitivity[name] = max(1.0, max(changes) / PERTURBATION / max(abs(value), 1e-300))
     if is_independent:
         truth = yielding_steps.Frame(groups, pairs).follow()
     rows = []
@@ -264,10 +264,10 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--reference", choices=("kernel", "independent"), default="kernel")
-    asked = parser.parse_args()
-    numbers = range(asked.first, asked.first + asked.count)
-    with tempfile.TemporaryDirectory() as place, ProcessPoolExecutor(asked.processes) as pool:
-        one = partial(survey, folder=Path(place), reference=asked.reference)
+    options = parser.parse_args()
+    numbers = range(options.first, options.first + options.count)
+    with tempfile.TemporaryDirectory() as place, ProcessPoolExecutor(options.processes) as pool:
+        one = partial(survey, folder=Path(place), reference=options.reference)
         rows = [row for found in pool.map(one, numbers, chunksize=4) for row in found]
     _report(rows)
 

@@ -14,18 +14,17 @@ project = "rwmf"
 author = "the rwmf authors"
 project_copyright = author
 version = release = rwmf.__version__
-extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "pages.mathml"]
+extensions = ["myst_parser", "numpydoc", "sphinx.ext.autodoc", "pages.mathml", "pages.search"]
 exclude_patterns = ["**/figures/**"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = f"rwmf {version}"
-html_static_path = ["site.css"]
+html_static_path = ["site.css", "search/search.js"]
+templates_path = ["search"]
 html_css_files = ["site.css"]
 html_show_sphinx = False
-# excerpts would be fetched from the pages found, which browsers forbid a site that is a folder
-html_show_search_summary = False
 html_copy_source = False
 html_favicon = None
 # numpydoc's sections name the types in words; the signatures show the names alone

@@ -1,4 +1,4 @@
-!> A host with many walls: each in a thread of its own, advanced together step by step.
+!> A host with many walls that several threads advance together, step by step.
 program many_walls
    use rwmf, only: advance_stepping, case_t, create_stepping, destroy_stepping, error_t, &
       query_state, read_case_text, stepping_t, wall_state_t, wp
@@ -28,7 +28,7 @@ program many_walls
 
 contains
 
-   !> All walls through all steps, with one frame period each.
+   !> Advance all walls through all steps; each wall has its own frame period.
    subroutine march(threads, u_max, failed)
       integer, intent(in) :: threads
       real(wp), intent(out) :: u_max(n)

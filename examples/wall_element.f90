@@ -1,4 +1,4 @@
-!> The wall as an element: what it answers, when it hits its base, when it lifts off.
+!> The wall as an element: its response, its impact on the base and its uplift.
 program wall_element
    use rwmf, only: case_t, create_element, element_response_t, error_t, next_impact, &
       next_lift_off, read_case_text, respond, velocity_factor, wall_element_t, wp

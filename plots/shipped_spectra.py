@@ -48,7 +48,7 @@ class Pair:
     Attributes
     ----------
     title : str
-        What it is of.
+        Origin of the spectrum.
     forms : list of xarray.Dataset
         The spectra, in the order of `FORMULATIONS`.
     alone : xarray.Dataset

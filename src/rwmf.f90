@@ -1,4 +1,4 @@
-!> The public interface on one screen.
+!> Public interface of the kernel.
 !>
 !>     program example
 !>        use rwmf, only: case_t, error_t, read_case_file, result_t, simulate
@@ -15,16 +15,16 @@
 !>        end if
 !>     end program example
 !>
-!> `error` is allocated when a call failed. Nothing prints or stops, nothing is kept between calls;
-!> any number of threads may call with their own variables. An absent component of `case_t` is an
-!> effect that is not simulated, an absent component of `result_t` one that does not apply.
+!> `error` is allocated when a call failed. The library neither prints nor stops and keeps no data
+!> between calls; any number of threads may call it with their own variables. An absent component of
+!> `case_t` is an effect that is not simulated. An absent component of `result_t` does not apply.
 module rwmf
-   ! a case: from namelist text or file to validated components
+   ! read a case from namelist text or file into validated components
    use rwmf_problem_case, only: case_t
    use rwmf_input_reader, only: read_case_file, read_case_text
-   ! a ground motion from arrays, in place of the record that a case names
+   ! ground motion from arrays, in place of the record of a case
    use rwmf_input_record_samples, only: samples_from_array, samples_t
-   ! the same case with other numbers, in microseconds
+   ! change numbers of a case, in microseconds
    use rwmf_input_change, only: change_case, changes_t, find_changes
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_simulation_simulate, only: simulate_with_motion
@@ -33,7 +33,7 @@ module rwmf
       event_collapsed, event_impact, event_lift_off, event_name, event_overturned, event_peak, &
       event_rest, event_branch, event_rupture, event_t, history_t, reaction_extremes_t, result_t
    use rwmf_simulation_simulate, only: simulate
-   ! maxima over frame period, mass ratio and wall width, in parallel
+   ! spectra: maxima over frame period, mass ratio and wall width, in parallel
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum, spectrum_t, status_of
    ! a wall inside the time loop of a host program
    use rwmf_motion_ground_motion, only: ground_t
@@ -41,7 +41,7 @@ module rwmf
       restore_stepping, save_stepping, snapshot_t, stepping_t, query_events, query_forces, &
       query_state, wall_forces_t, wall_state_t
    ! the wall as an element of a host program that owns the frame
-   use rwmf_embedding_element, only: create_element, element_response_t, lift_off_drive_of, &
+   use rwmf_embedding_element, only: create_element, element_response_t, uplift_demand_of, &
       respond, velocity_factor, wall_element_t
    use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
    ! CSV files, written completely or not at all
@@ -68,7 +68,7 @@ module rwmf
    public :: advance_stepping, save_stepping, restore_stepping
    public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
    public :: wall_element_t, element_response_t, create_element, respond, velocity_factor
-   public :: next_impact, next_lift_off, lift_off_drive_of, settles
+   public :: next_impact, next_lift_off, uplift_demand_of, settles
    public :: spectrum_t, compute_spectrum, compute_rows, status_of
    public :: write_result, write_spectrum
    public :: control_t

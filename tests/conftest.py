@@ -1,4 +1,4 @@
-"""What the tests share: places, the batch program, the records."""
+"""Shared fixtures: paths, the batch program, the records."""
 
 from __future__ import annotations
 

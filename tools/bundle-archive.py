@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Make one static library of the kernel and the parts of SUNDIALS that it uses.
 
-All objects are linked into one, in which only the kernel's own names stay visible: a host needs no
-further library of ours on its link line, and may bring another SUNDIALS.
+All objects are linked into one object, in which only the kernel's public names are visible. A host
+needs no further library of ours on its link line, and may use another SUNDIALS.
 """
 
 import subprocess

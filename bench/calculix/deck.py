@@ -1,10 +1,9 @@
 """Input file of CalculiX: a wall of solid elements with frame, cable and support.
 
-The frame is a block of solid elements that slides, held by a spring and a dashpot; its displacement
-is that of the wall's left top corner. A point mass would do as well were it not left out of the
-solver's energy balance: in a step with contact the solver takes the missing energy for that of an
-impact and cuts the time increment until nothing moves. The cable is a spring with the prestress at
-rest.
+The frame is a sliding block of solid elements, held by a spring and a dashpot; its displacement is
+that of the wall's left top corner. A point mass is unsuitable, because the solver omits it from its
+energy balance. In a step with contact the solver attributes the missing energy to an impact and
+cuts the time increment until nothing moves. The cable is a spring with the prestress at rest.
 """
 
 from __future__ import annotations
@@ -137,7 +136,7 @@ class Deck:
         return grid
 
     def _add_frame(self) -> int:
-        """Block of 1 m3 beside the wall that slides; the top corner goes with it."""
+        """Return the sliding block of 1 m3 beside the wall; the top corner moves with it."""
         x, z = -self.b - 4.0, 2 * self.h
         _, nodes = self.brick("FRAME", (x - 1.0, x), (z, z + 1.0), (0.0, 1.0))
         m_s = self.case.frame.gamma * self.case.wall.m_w

@@ -1,4 +1,4 @@
-"""What CalculiX prints, as the history of a wall."""
+"""History of a wall from the output of CalculiX."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ def read_history(path: Path, deck: Deck) -> Array:
     Parameters
     ----------
     path : path
-        What the solver printed.
+        Output of the solver.
     deck : Deck
-        What it computed.
+        Input of the solver.
 
     Returns
     -------
     numpy.ndarray, shape (n, 7)
-        ``COLUMNS`` of `reproduce.engines` and the horizontal displacement of the corner that
-        is down [m], at the interval of the settings, linear between the solver's time steps; no
-        rows when the solver printed none.
+        ``COLUMNS`` of `reproduce.engines` and the horizontal displacement of the lower corner [m].
+        Rows are at the interval of the settings, linear between the solver's time steps; there are
+        none when the solver printed none.
     """
     rows: dict[float, dict[tuple[str, int], list[float]]] = {}
     kind, t = "", 0.0

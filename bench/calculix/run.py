@@ -29,8 +29,8 @@ from settings import SUPPORTS, Settings
 from supports import add_support
 
 ROOT = Path(__file__).resolve().parents[2]
-# what is computed when nothing else is asked for [s]: the first impacts of the heavy wall, where
-# restitution and lever arm show, and the paper's own validation case in full
+# default durations [s]: the first impacts of the heavy wall, which show restitution and lever arm,
+# and the complete validation case of the paper
 UNTIL = {"g5": 1.2, "g1800": 6.0}
 
 
@@ -75,7 +75,7 @@ class SolverStoppedError(Exception):
 def compute(
     case: rwmf.Case, settings: Settings, until: float, limit: float | None = None
 ) -> tuple[dict[str, object], Array]:
-    """Run the solver in a folder of its own.
+    """Run the solver in a separate folder.
 
     Parameters
     ----------

@@ -12,14 +12,14 @@ SUPPORTS = ("nodes", "faces", "struts")
 
 @dataclass(frozen=True)
 class Settings:
-    """How a case is computed.
+    """Settings of a computation.
 
     Attributes
     ----------
     support : str
-        What the wall stands on: ``nodes``, contact of the nodes of its base with the face of the
-        foundation; ``faces``, contact of the faces of its base with that face; ``struts`` under the
-        corners that carry compression only.
+        Support of the wall. ``nodes``: contact of the nodes of its base with the face of the
+        foundation. ``faces``: contact of the faces of its base with that face. ``struts``: struts
+        under the corners, which carry compression only.
     nx, nz : int
         Elements over the width and over the height of the wall.
     dt, dt_min : float
@@ -36,14 +36,14 @@ class Settings:
         Pressure of the contact over its overclosure [N/m3].
     damping : float
         Pressure of the contact over the velocity of closing, for ``nodes`` [N s/m3]. The impedance
-        of the paper's foundation, the square root of 300 GPa times 2400 kg/m3, is 2.7e7: what a
-        blow radiates into it does not come back.
+        of the paper's foundation, the square root of 300 GPa times 2400 kg/m3, is 2.7e7: radiated
+        energy of an impact does not return.
     stick : float
         Shear of the contact over the displacement before it slides [N/m3].
     tension : float
         Pull that the smoothed law of ``nodes`` may exert at most [N/m2].
     gap : float
-        Clearance from which on the contact is looked at [m].
+        Largest clearance at which contact is checked [m].
     hollow : float
         Height of the base between the corners; 0 for a flat one [m].
     strut_stiffness : float

@@ -1,4 +1,4 @@
-"""What the wall of a deck stands on."""
+"""Supports of the wall in a deck."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def add_support(deck: Deck) -> None:
 def _add_contact(deck: Deck) -> None:
     """Penalty contact with friction between the wall's base and a foundation that is fixed.
 
-    The whole base may touch, not only its corners: the solver finds out where the wall stands.
+    The whole base may touch, not only its corners: the solver determines the contact points.
     """
     settings = deck.settings
     x, y = 2.5 * deck.b, THICKNESS / 2

@@ -1,4 +1,4 @@
-"""What the settings of the contact change: the first seconds of g5 with each of several variants.
+"""Effect of the contact settings: the first seconds of g5 with several variants.
 
 ``python bench/calculix/variants.py`` computes them and writes ``validation/calculix/variants.csv``,
 which ``rwmf reproduce --docs`` shows: how far the model is from each.
@@ -19,7 +19,7 @@ from settings import Settings
 
 CASE = "g5"
 PATH = ROOT / "validation" / "calculix" / "variants.csv"
-# name and what differs from the settings that the stored histories have
+# name, and differences from the settings of the stored histories
 VARIANTS: dict[str, dict[str, object]] = {
     "as stored": {},
     "contact damping 1e8 N s/m3": {"damping": 1e8},
@@ -36,7 +36,7 @@ VARIANTS: dict[str, dict[str, object]] = {
     "struts": {"support": "struts"},
 }
 HEADS = ("variant", "u_s rms", "u_s peak", "theta rms", "theta peak", "impact time", "run")
-# a run that takes longer stands still [s]
+# a run longer than this has stalled [s]
 LIMIT = 600.0
 
 

@@ -2,8 +2,8 @@
 
 ``python frame.py FILE < SCENE`` is called by ``bench/opensees_cases.py`` with a Python that has
 ``openseespy``, and imports nothing else. Each storey is a `twoNodeLink` of Steel01 or of an elastic
-spring for its shear beside a stiff `corotTruss`, the column that carries the weight above and leans
-with the floors: P-Delta comes from its geometry. Damping is modal, of the modes without gravity.
+spring for its shear. Beside it a stiff `corotTruss` is the leaning column that carries the weight
+above, whose geometry gives P-Delta. Damping is modal, of the modes without gravity.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def build(scene: Scene, engine: Scene) -> None:
     ):
         z += height
         ops.node(i, 0.0, z)
-        # what moves vertically is next to nothing; the eigenvalue solver takes no zero
+        # negligible vertical mass; the eigenvalue solver does not accept zero
         ops.mass(i, m, 1e-6 * m)
         if scene["u_y"] is None:
             ops.uniaxialMaterial("Elastic", i, k)

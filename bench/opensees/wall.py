@@ -2,10 +2,10 @@
 
 ``python wall.py FILE < SCENE`` is called by ``bench/opensees_cases.py`` with a Python that has
 ``openseespy``, and imports nothing else. The wall is a frame of stiff corotational beams with its
-mass in the middle. Each corner of its base stands in a groove: two springs without tension (ENT) at
-right angles, which let go of the corner where it lifts off and hold it in place while it is
-pressed. The groove stands on a pad of spring and dashpot, which takes the blow of an impact; the
-corner can leave it, so that the dashpot never pulls.
+mass in the middle. Each corner of its base is in a groove of two springs without tension (ENT) at
+right angles. They release the corner at lift-off and hold it in place under compression. The groove
+is on a pad of spring and dashpot, which absorbs the impact. The corner can leave the pad, so that
+the dashpot never pulls.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import openseespy.opensees as ops
 
 Scene = dict[str, Any]
 
-# nodes: base, corners, centroid, top, corner of the link; what stands still; pads; frame
+# nodes: base, corners, centroid, top, corner of the link; fixed nodes; pads; frame
 BASE, LEFT, RIGHT, CENTROID, TOP, LINKED = 1, 2, 3, 4, 5, 6
 GROUND, GROUND_LEFT, GROUND_RIGHT, PAD_LEFT, PAD_RIGHT = 11, 12, 13, 22, 23
 FRAME, FRAME_BASE = 7, 17
@@ -63,7 +63,7 @@ def build_wall(scene: Scene, engine: Scene) -> None:
 
 
 def places(scene: Scene) -> dict[int, tuple[float, float]]:
-    """Return the points of the wall that stands upright, the middle of its base at the origin."""
+    """Return the points of the upright wall, with the middle of its base at the origin."""
     h, b = scene["h"], scene["b"]
     return {
         BASE: (0.0, 0.0),
@@ -118,14 +118,14 @@ def build_frame(scene: Scene, engine: Scene) -> None:
     ops.fix(FRAME_BASE, 1, 1, 1)
     ops.uniaxialMaterial("Elastic", COLUMN, frame["k"], frame["c"])
     ops.element("zeroLength", 51, FRAME_BASE, FRAME, "-mat", COLUMN, "-dir", 1)
-    # the link takes its share of a blow without swinging
+    # damping of the link against vibrations after an impact
     both = 1 / (1 / frame["m"] + 1 / scene["m_w"])
     ops.uniaxialMaterial("Elastic", LINK, k * length, 2 * math.sqrt(k * both) * length)
     ops.element("corotTruss", 52, FRAME, LINKED, 1.0, LINK)
 
 
 def prepare(scene: Scene, engine: Scene) -> None:
-    """Let the wall stand under its weight, or turn it; then set the ground in motion."""
+    """Load the wall with its weight, or rotate it; then apply the ground motion."""
     ops.timeSeries("Constant", 1)
     ops.pattern("Plain", 1, 1)
     ops.load(CENTROID, 0.0, -scene["m_w"] * scene["g"], 0.0)

@@ -1,4 +1,4 @@
-"""The figure of the comparison: error against cost, and what the cost depends on."""
+"""Figures of the comparison: error against cost, and dependences of the cost."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """heyoka: Taylor's method of adaptive order 10 to 20, compiled for the problem, with its events.
 
-The batch solves as many periods at once as the processor has lanes (`recommended_simd_size`).
-Following its manual, impacts are terminal events, whose callback reverses the motion and goes on,
-peaks are non-terminal events read from the dense output, and what differs between ordinates or
-knots is a run-time parameter, so that one compilation serves all.
+The batch solves as many periods at once as the processor has lanes (`recommended_simd_size`). As
+its manual recommends, impacts are terminal events whose callback reverses the motion, and peaks are
+non-terminal events read from the dense output. Parameters of ordinates and knots are run-time
+parameters, so that one compilation serves all.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ class _Batch:
 
 
 class _Callback:
-    """Heyoka copies its callbacks deeply; this one stays what it is."""
+    """Return the object itself, because heyoka copies its callbacks deeply."""
 
     def __init__(self, call: Callable[..., bool | None]) -> None:
         self.call = call

@@ -1,8 +1,7 @@
-"""Times and errors of a program, and what a sample of its periods says about all of them.
+"""Times and errors of a program, estimated from a sample of its periods.
 
-All times are of one thread unless said. They are the smaller one of wall-clock time and of CPU
-time: both are at least what the work costs, and on a machine that is shared the first one contains
-the others' work.
+All times are of one thread unless stated. They are the smaller of wall-clock time and CPU time.
+Both are at least the cost of the work; on a shared machine the wall-clock time includes other work.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ ENOUGH = 3.0
 
 @dataclass(frozen=True)
 class Row:
-    """What was found about a program at one gamma."""
+    """Results of a program at one gamma."""
 
     program: str
     rtol: float
@@ -65,7 +64,7 @@ class Clock:
 def _worker_cpu() -> Iterator[list[float]]:
     """Collect the CPU times of the kernel's calls inside [s].
 
-    `rwmf` calls the kernel in a thread of its own: what Python does around it is left out.
+    `rwmf` calls the kernel in a separate thread, which excludes the overhead of Python.
     """
     beside, spent = kernel_thread._call_beside, []
 
@@ -142,7 +141,7 @@ def kernel_row(
     Returns
     -------
     Row
-        What was found.
+        The results.
     """
     peaks, seconds = kernel(case(record, method, rtol), T_s, gamma, repeats=repeats)
     return Row(method, rtol, gamma, T_s.size, seconds / T_s.size, np.abs(peaks / truth - 1))
@@ -151,7 +150,7 @@ def kernel_row(
 def peer_row(peer: Peer, record: Record, gamma: float, T_s: Array, truth: Array) -> Row:
     """Measure a peer, a slow one on a sample.
 
-    A sample takes `per_band` periods at the middle of equal parts of each band; the mean cost of
+    A sample takes `per_band` periods at the middle of equal parts of each band. The mean cost of
     each band is weighted by the number of its periods.
 
     Parameters
@@ -168,7 +167,7 @@ def peer_row(peer: Peer, record: Record, gamma: float, T_s: Array, truth: Array)
     Returns
     -------
     Row
-        What was found.
+        The results.
     """
     solve = peer.make(record, gamma, peer.rtol)
     seconds, errors = 0.0, []
@@ -183,12 +182,12 @@ def peer_row(peer: Peer, record: Record, gamma: float, T_s: Array, truth: Array)
 
 
 def _timed(solve: Solver, T_s: Array) -> tuple[Array, float]:
-    """Peaks and least time [s]; what is quick is repeated."""
+    """Return peaks and least time [s]; fast runs are repeated."""
     begin, best = time.monotonic(), math.inf
     for _ in range(MOST_REPEATS):
         with Clock() as clock:
             peaks = solve(T_s)
-        # a program of its own measures itself
+        # an external program measures its own time
         best = min(best, getattr(solve, "seconds", clock.seconds))
         if time.monotonic() - begin > ENOUGH:
             break

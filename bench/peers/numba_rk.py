@@ -1,8 +1,8 @@
 """numba: the pair of Dormand and Prince, 5(4), as one compiled loop of our own.
 
-What a user of numba writes who knows the problem: steps that end at knots, impacts and peaks found
-by repeating the step with a shorter length. `fastmath` and `error_model="numpy"` as its manual
-advises. One thread; compilation is not timed.
+This is the program of a numba user who knows the problem. Steps end at knots; a step with an impact
+or a peak is repeated with a shorter length. `fastmath` and `error_model="numpy"` are those of its
+manual. One thread; compilation is not timed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The problem that all programs of the comparison solve, and what a peer is.
+"""Problem that all programs of the comparison solve, and interface of a peer.
 
 A wall of the paper under El Centro, `symmetric`, linear cable, constant e: Eq. (8) of the paper
 and its mirror image in |theta|. The numbers stand here once; `case` states them to the kernel.
@@ -50,7 +50,7 @@ class Peer:
     rtol: float
     """Relative tolerance that it is given [-]; nan where it has none."""
     make: Callable[[Record, float, float], Solver]
-    """Record, gamma and rtol to a solver; what is compiled or allocated once is done here."""
+    """Make a solver from record, gamma and rtol, with all compilation and allocation."""
     package: str = ""
     """That it imports; '' for none."""
     distribution: str = ""
@@ -177,7 +177,7 @@ class Wall:
     """Its rate in the interval [m/s3]."""
 
     def __post_init__(self) -> None:
-        """Derive what the equation needs."""
+        """Derive the coefficients of the equation."""
         self.alpha, self.radius = math.atan2(B, H), math.hypot(H, B)
         self.omega = 2 * math.pi / self.T_s
         self.rate = (ETA_ALPHA - ETA_0) / self.alpha

@@ -1,4 +1,4 @@
-"""The exact linear recursion (bench/linear_recursion.c): what a spectrum costs without a wall."""
+"""Exact linear recursion (bench/linear_recursion.c): cost of a spectrum without a wall."""
 
 from __future__ import annotations
 

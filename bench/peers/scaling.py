@@ -1,4 +1,4 @@
-"""What the cost of an ordinate depends on: ordinates, length, tolerance, threads, formulation."""
+"""Dependence of an ordinate's cost on ordinates, length, tolerance, threads and formulation."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FORMULATIONS = (
     ("exact", "truss"),
 )
 Points = list[tuple[float, float]]
-"""What is varied, and the time of one ordinate [s]."""
+"""Varied parameter, and the time of one ordinate [s]."""
 
 
 def ordinates(record: Record, most: int, repeats: int) -> Points:
@@ -87,7 +87,7 @@ def _scaled(record: Record, factor: float, path: Path) -> Record:
 
 
 def tolerances(record: Record, T_s: Array, truth: dict[float, Array], repeats: int) -> list[Row]:
-    """Time and error over the tolerance asked.
+    """Measure time and error over the requested tolerance.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """SciPy: solve_ivp with events, as its manual has it for a bouncing ball.
 
-One call a flight and a knot: a Runge-Kutta method has nothing to lose at a kink of the motion, and
-a multistep method (LSODA) cannot be told to stop at one without ending.
+One call per flight and knot: a Runge-Kutta method loses nothing at a kink of the motion. A
+multistep method (LSODA) cannot stop at a kink without ending.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """sdof: spectra of the linear oscillator in C, by the average acceleration method (its default).
 
-Its spectrum without `threads` refines the record to a fiftieth of the period but (0.0.12)
-integrates it with the old interval, so that it is wrong where a period has fewer than 50 of them;
-the C spectrum is right to the order of the method. A record with eight times as many samples makes
+Its spectrum without `threads` refines the record to a fiftieth of the period but integrates it with
+the old interval (0.0.12). The result is wrong for periods shorter than 50 intervals; the C spectrum
+is right to the order of the method. A record with eight times as many samples makes
 it more accurate. Of n periods from p to q it solves p + i (q - p)/n, whatever it labels them.
 """
 

@@ -9,7 +9,7 @@ Five lines from a case to a picture::
     spectrum = rwmf.spectrum(case, gamma=[5, 1800])
     rwmf.plot.spectrum(spectrum)
 
-What stands here is imported when it is first asked for.
+Modules are imported at the first use of a name.
 """
 
 from importlib import import_module
@@ -51,7 +51,7 @@ __all__ = [
     "sweep",
 ]
 
-# module of each public name; those that are modules themselves have none
+# module of each public name; an empty one where the name is a module itself
 _HOMES = {
     "Case": "case",
     "Cost": "_cost",
@@ -73,7 +73,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> object:
-    """Import a public name when it is first asked for."""
+    """Import a public name at its first use."""
     if name == "__version__":
         found: object = import_module("rwmf._library").version()
     elif name in _HOMES:
@@ -87,5 +87,5 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    """Name what is public."""
+    """List the public names."""
     return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

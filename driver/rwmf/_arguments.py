@@ -1,4 +1,4 @@
-"""Arguments of public functions, converted or refused by their names."""
+"""Conversion and checks of the arguments of public functions, by name."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Check = Callable[[str, Any], Any]
 
 
 def case_of(case: CaseLike) -> Case:
-    """Return a case, read from its file where a path is given.
+    """Return a case; read it from its file when a path is given.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def case_of(case: CaseLike) -> Case:
     Raises
     ------
     InputError
-        When it is neither, or when the file is not acceptable.
+        When `case` is neither a case nor a path, or when the file is not acceptable.
     """
     if isinstance(case, Case):
         return case
@@ -70,7 +70,7 @@ def path_of(name: str, value: object, wanted: str = "the path of a file") -> str
     Raises
     ------
     InputError
-        When it is no path, or no file can have that name.
+        When it is no path, or when no file can have that name.
     """
     path = os.fspath(value) if isinstance(value, str | os.PathLike) else None
     if not isinstance(path, str):
@@ -108,21 +108,21 @@ def texts_of(name: str, value: object) -> list[str]:
 
 
 def dataset_of(value: object, origin: str, *names: str) -> xr.Dataset:
-    """Return the dataset that a function of the package made.
+    """Return a dataset after checking that it comes from a function of the package.
 
     Parameters
     ----------
     value : xarray.Dataset
         The dataset.
     origin : str
-        Name of that function, for messages.
+        Name of the function that makes such datasets, for messages.
     *names : str
-        Variables and coordinates without which it is another dataset.
+        Variables and coordinates that the dataset must have.
 
     Returns
     -------
     xarray.Dataset
-        `value`, once its kind has been checked.
+        `value`, unchanged.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def dataset_of(value: object, origin: str, *names: str) -> xr.Dataset:
 
 
 def array_of(value: object, dim: str) -> xr.DataArray:
-    """Return a labelled array with a dimension.
+    """Return a labelled array after checking that it has a dimension.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def array_of(value: object, dim: str) -> xr.DataArray:
     Returns
     -------
     xarray.DataArray
-        `value`, once its kind and dimension have been checked.
+        `value`, unchanged.
 
     Raises
     ------
@@ -200,7 +200,7 @@ def _mapping(name: str, value: object) -> object:
 
 
 def _sequence(name: str, value: object) -> list[Any]:
-    # one record, file or part is a list of one
+    # a single record, file or part becomes a list of one
     is_one = isinstance(value, str | os.PathLike | Motion) or hasattr(value, "crc32")
     items = [value] if is_one else to_items(value)
     if items is None:
@@ -240,7 +240,7 @@ def _positives(name: str, value: object) -> list[float]:
     return [float(x) for x in to_array(name, value, above=0.0, least=1)]
 
 
-# by the names of arguments; None is allowed where it is the default
+# by argument name; None is allowed where it is the default
 _CHECKS: dict[str, Check] = {
     "across": _truth,
     "amplitude": lambda name, value: [float(x) for x in to_array(name, value, least=1)],
@@ -292,12 +292,12 @@ def _not_negative(name: str, value: object) -> float:
 
 
 def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Convert or refuse the arguments of a public function before its body sees them.
+    """Convert or refuse the arguments of a public function before it runs.
 
     Parameters
     ----------
     function : callable
-        The function; names of arguments mean the same in all of them.
+        The function; an argument name has the same meaning in every function.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What accuracy costs in time: every method and tolerance against a trusted reference."""
+"""Measured cost of accuracy: every method and tolerance against a trusted reference."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["METHODS", "PRACTICES", "TOLERANCES", "Cost", "Row", "cheapest", "cos
 
 METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
 TOLERANCES = tuple(10.0**-k for k in range(2, 14))
-# label, name in the kernel, divisor of the usual interval
+# label, name in the kernel, divisor of the procedure's usual interval
 PRACTICES = (
     ("ode45, default", "ode45", 1.0),
     ("RK4, dt", "rk4", 1.0),
@@ -32,19 +32,19 @@ PRACTICES = (
 )
 _QUAD = (1e-18, 1e-20)
 _DOUBLE = (1e-12, 1e-13)
-# a case that takes longer in quadruple precision is measured against double precision
+# a case that takes longer in quadruple precision gets a reference in double precision
 _MOST_REFERENCE_SECONDS = 20.0
-# time for the repeats of one row, and for those of all rows together
+# time for the repetitions of one row and of all rows together
 _ROW_SECONDS = 0.03
 _ALL_SECONDS = 10.0
-# flights shorter than this part of the longest one are chatter
+# flights shorter than this fraction of the longest one count as chatter
 _CHATTER = 0.01
 _DIGITS_BETTER = 100.0
 _ROUND_OFF = float(np.finfo(float).eps) / 2
 
-# what the kernel's ode45 uses: MATLAB's default
+# the setting of the kernel's ode45: MATLAB's default
 _ODE45_RTOL = 1e-3
-# settings whose times differ by less than this are as cheap
+# settings whose times differ by less than this factor count as equally fast
 _SAME_TIME = 1.05
 
 Progress = Callable[[int, int], None]
@@ -53,7 +53,7 @@ _Task = tuple[str, float, Callable[[float], Measurement]]
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """One method at one tolerance, or one of today's procedures.
+    """One method at one tolerance, or one procedure of current practice.
 
     Attributes
     ----------
@@ -62,8 +62,9 @@ class Row:
     rtol : float
         Relative tolerance [-], NaN for a procedure with fixed steps.
     relative_error : float
-        Of the peak: u_s_max, theta_max without a frame, or the quantity that was asked for [-]. 1
-        when only one of row and reference overturns; NaN where a procedure does not find it.
+        Error of the peak [-]: of u_s_max, of theta_max without a frame, or of the requested
+        quantity. 1 when only the row or only the reference overturns; NaN where a procedure does
+        not report the quantity.
     seconds : float
         Fastest of all repeats [s].
     steps, rhs_evaluations, impacts : int
@@ -71,14 +72,14 @@ class Row:
     theta_max_relative_error : float
         Of the largest rotation [-]; NaN without a wall.
     impact_time_error_s : float
-        Largest distance of an impact of the reference from the nearest one of the row, chatter left
-        out [s]; NaN without impacts.
+        Largest time between an impact of the reference and the nearest one of the row, without
+        chatter [s]; NaN without impacts.
     end_state_relative_error : float
-        Of the state at the end, over the largest rotation and angular velocity [-].
+        Error of the final state over the largest rotation and angular velocity [-].
     overturned : bool
-        Whether the wall overturned.
+        True when the wall overturned.
     status : str
-        'ok', or why there is no result.
+        'ok', or the reason for a missing result.
     """
 
     method: str
@@ -95,7 +96,7 @@ class Row:
     status: str
 
     def to_dict(self) -> dict[str, Any]:
-        """Keys of ``rwmf cost --json``.
+        """Return the values as the keys of ``rwmf cost --json``.
 
         Returns
         -------
@@ -112,15 +113,15 @@ class Cost:
     Attributes
     ----------
     reference : dict
-        How the reference was obtained, its results and its own error.
+        Method of the reference, its results and its error.
     rows : list of Row
         Methods and tolerances.
     practices : list of Row
-        What practitioners run today.
+        Procedures that practitioners use.
     target : float
-        Relative error asked for [-].
+        Requested relative error [-].
     recommended : Row or None
-        The cheapest row that has this error, as have all tighter tolerances of its method.
+        The fastest row with this error; all tighter tolerances of its method have it too.
     """
 
     reference: dict[str, Any]
@@ -130,7 +131,7 @@ class Cost:
     recommended: Row | None
 
     def to_dict(self) -> dict[str, Any]:
-        """Keys of ``rwmf cost --json``."""
+        """Return the values as the keys of ``rwmf cost --json``."""
         return {
             "reference": self.reference,
             "rows": [row.to_dict() for row in self.rows],
@@ -141,7 +142,7 @@ class Cost:
 
 
 def count_tasks() -> int:
-    """Count the units of work that `cost` reports: the reference, and two rounds of all rows.
+    """Count the units of work that `cost` reports: the reference and two rounds of all rows.
 
     Returns
     -------
@@ -158,30 +159,30 @@ def cost(
     progress: Progress | None = None,
     quantities: str | Sequence[str] | None = None,
 ) -> Cost:
-    """Measure what accuracy costs in time.
+    """Measure how long each method takes for a given accuracy.
 
-    Every method runs at tolerances from 1e-2 to 1e-13, and the procedures that practitioners use
-    today run once; their errors are those against a run in quadruple precision. The case's own
-    method, tolerances and output do not matter.
+    Every method runs at tolerances from 1e-2 to 1e-13; the procedures of current practice run once.
+    Errors are relative to a run in quadruple precision. The method, tolerances and output of the
+    case are ignored.
 
     Parameters
     ----------
     case : Case or path
         The case.
     target : float
-        Relative error of the peak that the recommendation is for [-].
+        Relative error of the peak for which a method is recommended [-].
     progress : callable, optional
-        Called with the number of finished units of work and of all, and about 20 times a second
-        while the reference is computed; what it raises stops the kernel.
+        Called with the numbers of finished and of all units of work. During the reference it is
+        called about 20 times a second; an exception that it raises stops the kernel.
     quantities : str, optional
-        Peak whose error is compared, by its key or its name in a dataset; otherwise the largest
-        displacement of the frame, without one the largest rotation. What it takes to find it is
-        part of the time.
+        Peak whose error is compared, by its key or its name in a dataset. The default is the
+        largest displacement of the frame, or without a frame the largest rotation. The time
+        includes finding it.
 
     Returns
     -------
     Cost
-        Reference, rows, procedures of today and recommendation.
+        Reference, rows, procedures of current practice and recommendation.
 
     Raises
     ------
@@ -203,39 +204,39 @@ def cost(
     reference, facts = _reference(case, lambda: report(0, total))
     report(1, total)
     tasks = [*_practices(case), *_methods(case)]
-    watch = _Stopwatch()
+    stopwatch = _Stopwatch()
     rows: list[Row] = []
     for label, rtol, measure in tasks:
-        rows.append(_row((label, rtol, measure), watch.budget(), reference, facts["peak"]))
+        rows.append(_row((label, rtol, measure), stopwatch.budget(), reference, facts["peak"]))
         report(len(rows) + 1, total)
-    # the second round meets another load of the machine
+    # a second round, because the load of the machine varies
     for i, (_, _, measure) in enumerate(tasks):
-        if rows[i].status == "ok" and watch.budget() > 0:
-            seconds = min(rows[i].seconds, measure(watch.budget()).seconds)
+        if rows[i].status == "ok" and stopwatch.budget() > 0:
+            seconds = min(rows[i].seconds, measure(stopwatch.budget()).seconds)
             rows[i] = dataclasses.replace(rows[i], seconds=seconds)
         report(len(rows) + i + 2, total)
     practices, rows = rows[: len(PRACTICES)], rows[len(PRACTICES) :]
-    return Cost(_judge(facts, rows), rows, practices, target, cheapest(rows, target))
+    return Cost(_add_verdict(facts, rows), rows, practices, target, cheapest(rows, target))
 
 
 def _asked(case: Case, quantity: str | None) -> Case:
-    """Return the case that is measured for a quantity."""
+    """Return the case with the output that measuring a quantity needs."""
     if quantity is None:
         unasked = {"accuracy_of": None}
-        return case if _measure.peak_asked_of(case) is None else case.replace(solver=unasked)
+        return case if _measure.requested_peak(case) is None else case.replace(solver=unasked)
     (found,) = find_quantities((quantity,)).values()
-    # any accuracy: each row has its own tolerance
+    # the accuracy of the case does not matter: each row sets a tolerance
     return case.replace(solver={"rtol": None, "accuracy": 1e-6, "accuracy_of": found.key})
 
 
 class _Stopwatch:
-    """Time for repeats: fixed for a row, until all of it is spent."""
+    """Time budget for repetitions: a fixed time per row until the total is spent."""
 
     def __init__(self) -> None:
         self.started = time.monotonic()
 
     def budget(self) -> float:
-        """Time for the repeats of the next row, 0 for a single run [s]."""
+        """Return the time for the repetitions of the next row, 0 for a single run [s]."""
         left = _ALL_SECONDS - (time.monotonic() - self.started)
         return _ROW_SECONDS if left > 0 else 0.0
 
@@ -266,10 +267,10 @@ class _TooSlowError(Exception):
 
 
 def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[str, Any]]:
-    """Results that the errors are measured against, and how they were obtained."""
+    """Compute the reference results and describe their method."""
     started = time.monotonic()
 
-    def watch(_: int) -> None:
+    def poll(_: int) -> None:
         report()
         if time.monotonic() - started > _MOST_REFERENCE_SECONDS:
             raise _TooSlowError
@@ -277,7 +278,7 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
     how = "extrapolation of order 18 in quadruple precision"
     tolerances = _QUAD
     try:
-        found = _measure.solve_reference(case, *_QUAD, watch)
+        found = _measure.solve_reference(case, *_QUAD, poll)
     except (_TooSlowError, NumericalError) as error:
         cause = "takes too long" if isinstance(error, _TooSlowError) else f"failed ({error})"
         how = f"extrapolation of order 10 in double precision: quadruple precision {cause}"
@@ -299,22 +300,22 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
 
 
 def _double_reference(case: Case) -> Reference:
-    """Two tolerances in double precision: not two digits better than the best row."""
+    """Compute the reference at two tolerances in double precision."""
     loose, tight = (_measure.measure_method(case, "extrapolation", rtol, 0.0) for rtol in _DOUBLE)
     differences = {name: abs(tight.values[name] - loose.values[name]) for name in tight.values}
     fields = {field.name: getattr(tight, field.name) for field in dataclasses.fields(tight)}
     return Reference(**fields, differences=differences)
 
 
-def _judge(facts: dict[str, Any], rows: list[Row]) -> dict[str, Any]:
-    """Tell whether the reference is two digits better than the best row (or round-off)."""
+def _add_verdict(facts: dict[str, Any], rows: list[Row]) -> dict[str, Any]:
+    """Add whether the reference is two digits better than the best row (or at round-off)."""
     errors = [row.relative_error for row in rows if row.status == "ok"]
     best = max(min(errors, default=0.0), _ROUND_OFF)
     return facts | {"good_enough": facts["relative_error"] * _DIGITS_BETTER <= best}
 
 
 def _row(task: _Task, budget: float, reference: Reference, peak: str) -> Row:
-    """Measure, and compare with the reference."""
+    """Measure a row and compare it with the reference."""
     label, rtol, measure = task
     try:
         found = measure(budget)
@@ -339,9 +340,9 @@ def _row(task: _Task, budget: float, reference: Reference, peak: str) -> Row:
 
 
 def _peak_name(case: Case, reference: Measurement) -> str:
-    asked = _measure.peak_asked_of(case)
-    if asked is not None:
-        return asked
+    requested = _measure.requested_peak(case)
+    if requested is not None:
+        return requested
     return "theta_max_rad" if math.isnan(reference.values["u_s_max_m"]) else "u_s_max_m"
 
 
@@ -356,7 +357,7 @@ def _ratio(difference: float, value: float) -> float:
 
 
 def _end_error(found: Measurement, reference: Measurement) -> float:
-    """Error of the final state over the largest rotation and angular velocity."""
+    """Return the error of the final state over the largest rotation and angular velocity."""
     scales = [reference.values["theta_max_rad"], reference.values["theta_dot_max_rad_s"]]
     names = ("theta_end_rad", "theta_dot_end_rad_s")
     errors = [abs(found.values[name] - reference.values[name]) for name in names]
@@ -380,7 +381,7 @@ def _impact_error(found: npt.NDArray[np.float64], reference: npt.NDArray[np.floa
 
 
 def _clear_impacts(times: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-    """Impacts between flights that are long enough to tell them apart from chatter."""
+    """Return the impacts between flights that are long enough to differ from chatter."""
     if times.size == 0:
         return np.zeros(0, dtype=bool)
     flights = np.diff(times, prepend=0.0, append=np.inf)
@@ -390,7 +391,7 @@ def _clear_impacts(times: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
 
 
 def cheapest(rows: list[Row], target: float) -> Row | None:
-    """Find the cheapest row within a target, as are all tighter ones of its method: not by luck.
+    """Find the cheapest row whose error, with those of all tighter tolerances, meets the target.
 
     Parameters
     ----------
@@ -402,7 +403,7 @@ def cheapest(rows: list[Row], target: float) -> Row | None:
     Returns
     -------
     Row or None
-        The row; None when there is none.
+        The row, or None.
     """
     good: list[Row] = []
     for method in METHODS:
@@ -412,7 +413,7 @@ def cheapest(rows: list[Row], target: float) -> Row | None:
                 break
             good.append(row)
     fastest = min((row.seconds for row in good), default=0.0)
-    # where the samples of a record determine the steps, many tolerances cost the same
+    # where a record's samples determine the steps, many tolerances take the same time
     return max(
         (row for row in good if row.seconds <= _SAME_TIME * fastest),
         key=lambda row: row.rtol,

@@ -1,4 +1,4 @@
-"""Optional packages: the command that installs those of a purpose."""
+"""Commands that install optional packages."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 
 __all__ = ["PACKAGES", "how_to_install"]
 
-# optional dependencies of pyproject.toml, by their names there
+# optional dependencies, with the names of pyproject.toml
 PACKAGES = {
     "plot": ("matplotlib>=3.8",),
     "netcdf": ("h5netcdf>=1.3", "h5py>=3.10"),
@@ -20,7 +20,7 @@ PACKAGES = {
 
 
 def how_to_install(purpose: str) -> str:
-    """Give the command that installs the packages of a purpose.
+    """Return the command that installs the packages for a purpose.
 
     Parameters
     ----------
@@ -30,8 +30,8 @@ def how_to_install(purpose: str) -> str:
     Returns
     -------
     str
-        For the running Python; in a checkout, where pip knows no package rwmf, the packages
-        themselves.
+        Command for the running Python. In a checkout, where pip has no package rwmf, it lists the
+        packages themselves.
     """
     try:
         importlib.metadata.distribution("rwmf")

@@ -1,4 +1,4 @@
-"""Arrays of the kernel as labelled datasets, at little cost beside the computation."""
+"""Labelled datasets from arrays of the kernel, faster than the constructor of xarray."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ def dataset(
     coordinates: Mapping[str, Labelled],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Put arrays that fit together into a dataset.
+    """Assemble arrays of matching dimensions into a dataset.
 
-    The dataset is the one that ``xarray.Dataset`` makes of the same. That looks for indexes, copies
-    and aligns, which takes ten times as long as a short run; here all of it is known.
+    The result equals ``xarray.Dataset(...)``. That constructor searches for indexes, copies and
+    aligns, which takes ten times as long as a short run; none of it is needed here.
 
     Parameters
     ----------
     variables : mapping of str to tuple
         Dimensions, values and attributes of each variable.
     coordinates : mapping of str to tuple
-        Likewise; one that is named like its only dimension becomes an index.
+        Likewise; a coordinate with the name of its only dimension becomes an index.
     attributes : mapping of str to object
-        Of the dataset.
+        Attributes of the dataset.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def dataset(
         variable = xr.Variable(dims, values, attrs, fastpath=isinstance(values, np.ndarray))
         sizes |= zip(dims, variable.shape, strict=True)
         if name in coordinates and dims == (name,):
-            # under its name already, the index is not copied once more to get one
+            # the index already has this name and need not be copied to get one
             index = pd.Index(variable.values, name=name)
             indexes[name] = xr.indexes.PandasIndex(index, name, coord_dtype=variable.dtype)
             variable = indexes[name].create_variables({name: variable})[name]
@@ -60,5 +60,5 @@ def dataset(
 
 
 def _quick_way() -> Callable[..., xr.Dataset] | None:
-    """Find what xarray itself makes datasets of known parts with; a version may lack it."""
+    """Return xarray's constructor from known parts, or None in versions without it."""
     return getattr(xr.Dataset, "_construct_direct", None)

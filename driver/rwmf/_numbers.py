@@ -1,7 +1,7 @@
-"""Conversion of the numbers and arrays that a caller gives; the only place that does it.
+"""Conversion of numbers and arrays given by a caller; all conversions are in this module.
 
-Texts, truth values, complex numbers, times and masked values are no numbers here: NumPy would turn
-them into numbers without a word.
+Texts, truth values, complex numbers, times and masked values are refused: NumPy would convert them
+without a warning.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ __all__ = ["float_of", "is_whole", "show", "to_array", "to_items", "to_number", 
 
 Array = npt.NDArray[np.float64]
 _NUMBERS = int | float | np.integer | np.floating
-# what Python and NumPy count among the integers
+# types of integers in Python and NumPy
 _NO_NUMBERS = bool | np.timedelta64
-# kinds of NumPy's types that are no numbers here, in the words of a message
+# names in messages for the kinds of NumPy types that are refused
 _KINDS = {"b": "true or false", "c": "complex", "U": "text", "S": "bytes", "M": "dates",
           "m": "time differences", "V": "records"}  # fmt: skip
 _FINITE = "a finite number"
@@ -40,7 +40,7 @@ def show(value: object) -> str:
     Returns
     -------
     str
-        Its text, shortened; its type where it has none.
+        Its text, shortened; its type if it has no text.
     """
     if isinstance(value, int) and value.bit_length() > 256:
         return f"an integer of {value.bit_length()} bits"
@@ -92,7 +92,7 @@ def to_number(
 
 
 def is_whole(value: object) -> TypeGuard[int | np.integer[Any]]:
-    """Tell whether a value is a whole number by its type; truth values and times are none.
+    """Check whether a value has an integer type; truth values and times do not count.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def is_whole(value: object) -> TypeGuard[int | np.integer[Any]]:
     Returns
     -------
     bool
-        Whether it is.
+        True for an integer.
     """
     return isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
 
@@ -169,12 +169,13 @@ def to_array(
     Returns
     -------
     numpy.ndarray, shape (n,)
-        The numbers in an array of its own.
+        A new array of the numbers.
 
     Raises
     ------
     InputError
-        When a value is no number, masked, not finite or out of range, or for more dimensions.
+        When there is more than one dimension, or a value is no number, masked, not finite or out of
+        range.
     """
     array = _floats(name, values, wanted)
     if array.ndim > 1:
@@ -193,7 +194,7 @@ def to_array(
 
 
 def to_items(value: object) -> list[Any] | None:
-    """List the items of a list, an array or another iterable with an order.
+    """List the items of a list, an array or another ordered iterable.
 
     Parameters
     ----------
@@ -226,7 +227,7 @@ def float_of(value: object) -> float | None:
     Returns
     -------
     float or None
-        The number; None for anything that is none, and for one beyond the range.
+        The number; None when the value is no number or exceeds the range.
     """
     if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.is_masked(value):
         value = value.item()
@@ -257,7 +258,7 @@ def _floats(name: str, values: object, wanted: str) -> Array:
         kind = _KINDS.get(array.dtype.kind, str(array.dtype))
         raise InputError(f"{name} = {show(values)}: is {kind}: must be {wanted}")
     if isinstance(values, list | tuple) and any(isinstance(item, bool) for item in values):
-        # beside numbers NumPy takes a truth value for 0 or 1
+        # beside numbers NumPy converts a truth value to 0 or 1
         raise InputError(f"{name} = {show(values)}: has true or false in it: must be {wanted}")
     with np.errstate(over="ignore"):
         return np.array(array, dtype=np.float64)
@@ -274,7 +275,7 @@ def _floats_of_objects(name: str, array: npt.NDArray[Any], wanted: str) -> Array
 
 
 def _first_masked(values: object) -> int | None:
-    """Find the first masked value, by its place among all."""
+    """Return the flat position of the first masked value."""
     if isinstance(values, np.ma.MaskedArray):
         found = np.flatnonzero(np.ma.getmaskarray(values))
         return int(found[0]) if found.size else None

@@ -32,18 +32,18 @@ def simulate(case: CaseLike, dt: float | None = None) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Variables over ``time`` (none without an interval), coordinates over ``event``, maxima
-        and counts without dimension, each with its unit in ``attrs``; what the computation took
-        in the attributes of the dataset, of which ``warnings`` has a line each. Names are without
-        units (docs/reference/outputs.md): energies over time are ``energy_input`` and so on, those
-        at the end ``energy_input_end``.
+        Variables over ``time`` (none without an interval), coordinates over ``event``, and maxima
+        and counts without dimension, each with its unit in ``attrs``. The attributes of the dataset
+        hold the cost of the computation; ``warnings`` has one warning per line. Names carry no
+        units (docs/reference/outputs.md): energies over time are ``energy_input`` and so on,
+        energies at the end ``energy_input_end``.
 
     Raises
     ------
     InputError
         When the case is not acceptable.
     NumericalError
-        When the integration cannot deliver.
+        When the integration fails.
     Interrupted
         After Ctrl-C.
     """
@@ -127,13 +127,13 @@ def to_dataset(run: _library.Run) -> xr.Dataset:
         for name in quantity.names("run"):
             variables[name] = ((), value, quantity.attributes)
         if not quantity.name:
-            # a text is what files take; none is empty
+            # attributes of files are texts, and must not be empty
             facts[key] = "\n".join(value) if key == "warnings" else value
     return dataset(variables, coordinates, facts)
 
 
 def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, Labelled]:
-    """Coordinates over the events; the state of a bare frame is its displacement."""
+    """Return the coordinates over the events; the state of a bare frame is its displacement."""
     events = run.events()
     state = ("theta", "theta_dot") if "wall" in summary["effects"] else ("u_s", "u_s_dot")
     over = ("event",)

@@ -1,4 +1,4 @@
-"""Displacement spectra: from a case and a grid of parameters to labelled arrays."""
+"""Response spectra: from a case and a grid of parameters to labelled arrays."""
 
 from __future__ import annotations
 
@@ -31,11 +31,12 @@ def spectrum(
     progress: Progress | None = None,
     quantities: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
-    """Compute the largest displacement of the frame, or more, over periods.
+    """Compute the largest displacement of the frame, or other quantities, over periods.
 
-    The period of storeys is their first one, all stiffnesses follow it; gamma scales all their
-    masses and stiffnesses. The period of a wall without a frame is 2 pi/p of a block of its
-    slenderness, p = sqrt(3 g/(4 R)): its size follows. The labels of the axes say so.
+    For a frame of storeys T_s is the first period, and all stiffnesses scale with it; gamma scales
+    all masses and stiffnesses. A wall without a frame has the period 2 pi/p of a block of the same
+    slenderness, p = sqrt(3 g/(4 R)). T_s then sets the wall's size. The labels of the axes give
+    these definitions.
 
     Parameters
     ----------
@@ -47,24 +48,24 @@ def spectrum(
         Mass ratios [-]; otherwise those of `&spectrum`, or the one of `&frame`.
     b : float or sequence of float, optional
         Half widths of the wall [m]; otherwise those of `&spectrum`, or the one of `&wall`. Without
-        a frame they set the slenderness at the height of the case, before the period the size.
+        a frame b and the height of the case set the slenderness, and then the period sets the size.
     threads : int
-        Threads of the kernel, 0 for all. The result does not depend on it. More than 256, and than
-        16 for each processor, are refused.
+        Threads of the kernel, 0 for all. The result does not depend on it. The limits are 256
+        threads and 16 for each processor.
     progress : callable, optional
-        Called about 20 times a second with the number of finished ordinates and of all.
+        Called about 20 times a second with the numbers of finished and of all ordinates.
     quantities : str or sequence of str, optional
-        What is reported of each ordinate, by names or keys of reference/outputs.md; otherwise what
-        `&spectrum` asks for, which is ``u_s_max`` when it says nothing, without a frame
-        ``theta_max_over_alpha``.
+        Requested quantities by names or keys of reference/outputs.md; otherwise those of
+        `&spectrum`. The default is ``u_s_max``, and without a frame ``theta_max_over_alpha``.
 
     Returns
     -------
     xarray.Dataset
         The quantities, ``u_s_max`` [m], and ``status`` over (b, gamma, T_s), for the bare frame
-        over T_s, for a wall without a frame over (b, T_s). An ordinate that failed is NaN, its
-        status the name of the reason. Counts and yes (1) or no (0) are numbers; what has not
-        happened has no time, NaN. Its attribute ``warnings`` says what the case does not conserve.
+        over T_s, for a wall without a frame over (b, T_s). A failed ordinate is NaN, and its status
+        names the reason. Counts, and flags as 1 or 0, are numbers; the time of an event that did
+        not occur is NaN. The attribute ``warnings`` lists the conservation laws that the case
+        violates.
 
     Raises
     ------
@@ -87,7 +88,7 @@ def spectrum(
 
 
 def _without_second_names(words: Sequence[str]) -> list[str]:
-    """Leave out the second name of a quantity where both are requested: a dataset has both."""
+    """Drop the second name of a quantity that is requested by both: a dataset has both."""
     seen: dict[str, str] = {}
     first = []
     for word, key in zip(words, keys_of(words), strict=True):
@@ -98,13 +99,13 @@ def _without_second_names(words: Sequence[str]) -> list[str]:
 
 
 def _can_be_told_apart(keys: Sequence[str]) -> bool:
-    """Tell whether these are different words, as long as keys may be."""
+    """Check that the words are distinct within the length of a key."""
     words = [key.lower() for key in keys if re.fullmatch(r"\w{1,40}", key, re.ASCII)]
     return len(set(words)) == len(keys)
 
 
 def _refuse(case: Case, keys: Sequence[str]) -> None:
-    """Let the kernel read quantities as text, which says where and why one is not acceptable."""
+    """Have the kernel read the quantities as text, for a message with place and reason."""
     with start(with_grid(case, T_s=1.0, quantities=keys)):
         pass
 
@@ -127,12 +128,12 @@ def start(
     progress : callable, optional
         As in `spectrum`.
     quantities : sequence of str
-        Keys of what is reported; none: what the case asks for.
+        Keys of the requested quantities; none: those of the case.
 
     Yields
     ------
     Spectrum
-        Values, facts, and the file of the batch program.
+        Values, metadata, and the file of the batch program.
 
     Raises
     ------
@@ -166,7 +167,7 @@ def to_dataset(sweep: _library.Spectrum) -> xr.Dataset:
         for name, item in axes.items()
     }
     dims = tuple(axes)
-    # an axis that the scene does not have has one position
+    # an axis that the scene lacks has one position
     place = tuple(slice(None) if name in axes else 0 for name in AXES)
     values = {name: array[place] for name, array in values.items() if name not in AXES}
     status = values.pop("status")

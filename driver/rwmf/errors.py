@@ -1,4 +1,4 @@
-"""Exceptions of the package; each also derives from the builtin that a caller would expect."""
+"""Exceptions of the package; each also derives from the matching built-in exception."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ __all__ = [
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Suggest what a word may have been meant to be, for the message of an error.
+    """Suggest a known word for an unknown one, for the message of an error.
 
     Parameters
     ----------
     word : str
-        What is not known.
+        The unknown word.
     known : iterable of str
-        What is; the case of the letters does not matter.
+        The known words; upper and lower case do not matter.
 
     Returns
     -------
     str
-        ', did you mean ...?', '' where nothing is near.
+        ', did you mean ...?', or '' without a similar word.
     """
     by_lower = {name.lower(): name for name in known}
     near = difflib.get_close_matches(word.lower(), by_lower, n=1)
@@ -38,7 +38,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def without_lines(message: str) -> str:
-    """Take the numbers of lines out of a message about text that the user has not written.
+    """Remove line numbers from a message about text that the user has not written.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def without_lines(message: str) -> str:
     Returns
     -------
     str
-        The same without ` (line 7)`.
+        The message without ` (line 7)`.
     """
     return re.sub(r" \(line \d+\)", "", message)
 
@@ -66,19 +66,19 @@ class RwmfError(Exception):
 
 
 class NumericalError(RwmfError, RuntimeError):
-    """The integration cannot deliver, for example because of too many steps."""
+    """The integration failed, for example because of too many steps."""
 
     exit_status = 1
 
 
 class InputError(RwmfError, ValueError):
-    """A case, a record or an argument is not acceptable; the message says what is allowed."""
+    """A case, a record or an argument is not acceptable; the message gives the allowed values."""
 
     exit_status = 2
 
 
 class OutputError(RwmfError, OSError):
-    """A file cannot be written; files of that name that existed before are untouched."""
+    """A file cannot be written; existing files of that name are unchanged."""
 
     exit_status = 2
 

@@ -1,4 +1,4 @@
-"""Force over displacement of the springs in a case: frame, cable, fuses."""
+"""Force-displacement loops of the springs in a case: frame, cable, fuses."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ class Loop:
     Attributes
     ----------
     spring : str
-        Which one: 'frame', 'cable', 'left fuse' or 'right fuse'.
+        'frame', 'cable', 'left fuse' or 'right fuse'.
     displacement : numpy.ndarray, shape (n,)
         Displacement of the frame, elongation of the cable, uplift of the fuse's corner [m].
     force : numpy.ndarray, shape (n,)
-        Over the weight of the frame's mass or of the wall [-].
+        Force over the weight of the frame's mass or of the wall [-].
     label : str
-        What the force is over.
+        Label of the force, with the weight that it is divided by.
     """
 
     spring: str
@@ -62,13 +62,13 @@ class Loop:
 
     @property
     def work(self) -> float:
-        """Work that the spring has taken, over the same weight [m]: what it stores is in it."""
+        """Work done on the spring over the same weight [m], stored energy included."""
         known = np.isfinite(self.force)
         return float(np.trapezoid(self.force[known], self.displacement[known]))
 
 
 def find_loops(dataset: xr.Dataset, case: CaseLike) -> list[Loop]:
-    """Find the springs whose force the history holds.
+    """Find the springs whose force is in the history.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def find_loops(dataset: xr.Dataset, case: CaseLike) -> list[Loop]:
     Returns
     -------
     list of Loop
-        Those of a frame that yields, of the cable, of both fuses.
+        Loops of a yielding frame, of the cable and of both fuses.
 
     Raises
     ------
@@ -110,12 +110,12 @@ def springs_of(columns: Mapping[str, Array], case: CaseLike) -> list[Loop]:
     Returns
     -------
     list of Loop
-        As `find_loops`, none where no column is a force.
+        As `find_loops`; empty when no column is a force.
 
     Raises
     ------
     InputError
-        When an argument is of another kind.
+        When an argument has the wrong type.
     """
     case = case_of(case)
     if not isinstance(columns, Mapping):
@@ -138,7 +138,7 @@ def springs_of(columns: Mapping[str, Array], case: CaseLike) -> list[Loop]:
 
 
 def check_springs(case: CaseLike) -> None:
-    """Complain about a case without a spring whose force a history could hold.
+    """Refuse a case without a spring whose force a history can hold.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def check_springs(case: CaseLike) -> None:
     Raises
     ------
     InputError
-        When it has no such spring; storeys that yield one by one report no force.
+        When it has no such spring; storeys that yield individually report no force.
     """
     case = case_of(case)
     one_by_one = case.yielding is not None and "storey_u_y" in case.yielding
@@ -164,7 +164,7 @@ def check_springs(case: CaseLike) -> None:
 
 
 def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
-    """Put both fuses together.
+    """Group the loops by kind of spring.
 
     Parameters
     ----------
@@ -179,11 +179,11 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
     Raises
     ------
     InputError
-        When an argument is of another kind.
+        When an argument has the wrong type.
     """
     found = to_items(loops)
     if found is None or not all(isinstance(loop, Loop) for loop in found):
-        raise InputError(f"loops = {show(loops)}: must be what find_loops returns")
+        raise InputError(f"loops = {show(loops)}: must be the result of find_loops")
     kinds: dict[str, list[Loop]] = {}
     for loop in found:
         kinds.setdefault(loop.spring.split()[-1], []).append(loop)
@@ -191,12 +191,12 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
 
 
 def _uplift(theta: Array, case: Case, side: float) -> Array:
-    """Stroke 4b sin(theta/2) of the corner that lifts when theta has this sign [m]."""
+    """Return the uplift 4b sin(theta/2) of the corner that lifts for this sign of theta [m]."""
     return 4 * float(case.wall.b) * np.sin(np.maximum(0.0, side * theta) / 2)
 
 
 def _elongation(theta: Array, case: Case) -> Array:
-    """Elongation since theta = 0: b |theta| for Eq. (1), else that of the straight cable [m]."""
+    """Return the elongation since theta = 0 [m]: b |theta| for Eq. (1), else the exact one."""
     h, b = float(case.wall.h), float(case.wall.b)
     phi = theta if case.model.formulation == "published" else np.abs(theta)
     if case.cable.law != "truss":
@@ -216,7 +216,7 @@ def draw(
     Parameters
     ----------
     dataset : xarray.Dataset
-        From `rwmf.simulate`, with a history that is fine enough to show corners.
+        From `rwmf.simulate`, with a history fine enough to resolve corners.
     case : Case or path
         The case that was simulated.
     axes : matplotlib axes or sequence of axes, optional
@@ -232,7 +232,7 @@ def draw(
     InputError
         As `find_loops`.
     InputError
-        When axes and kinds of springs differ in number.
+        When the numbers of axes and of kinds of springs differ.
     """
     case = case_of(case)
     kinds = group_by_kind(find_loops(dataset, case))
@@ -240,9 +240,9 @@ def draw(
     for ax, (kind, found) in zip(panels, kinds.items(), strict=True):
         for i, loop in enumerate(found):
             label = loop.spring if len(found) > 1 else None
-            # as wide as the others: a loop is never one inside the other
-            look = series(i, len(found)) | {"linewidth": 0.9, "label": label}
-            ax.plot(1e3 * loop.displacement, loop.force, **look)
+            # side by side at equal width: one loop drawn inside another would be unreadable
+            line_style = series(i, len(found)) | {"linewidth": 0.9, "label": label}
+            ax.plot(1e3 * loop.displacement, loop.force, **line_style)
         ax.axhline(0.0, **LEVEL)
         ax.set_xlabel(_DISPLACEMENTS[kind])
         ax.set_ylabel(found[0].label)

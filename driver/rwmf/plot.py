@@ -1,8 +1,8 @@
-"""Figures of what the package returns: axes in, axes out. Nothing here simulates.
+"""Figures of datasets and results: each function takes and returns axes; none simulates.
 
-`history`, `profile` and `envelope` draw what `rwmf.simulate` returns, `spectrum` what
-`rwmf.spectrum` returns, `work_precision` what `rwmf.cost` returns, and the others what the studies
-of the same name return.
+`history`, `profile` and `envelope` draw results of `rwmf.simulate`, `spectrum` those of
+`rwmf.spectrum`, `work_precision` those of `rwmf.cost`. The other functions draw the studies of the
+same name.
 """
 
 from rwmf.plotting.cost_figure import work_precision

@@ -1,4 +1,4 @@
-"""What is reported: the kernel's table of quantities."""
+"""Table of the quantities that the kernel reports."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ __all__ = [
     "names_by_key",
 ]
 
-# how a motion can end before its time, a result and no error: as a status; the summary of a run has
-# a logical of the same name where it can happen
+# endings of a motion before its planned time, as statuses; they are results, not errors. The
+# summary of a run has a logical of the same name where such an ending is possible
 ENDINGS = ("overturned", "collapsed")
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A column of the history, a scalar of a run, or what a spectrum, sweep or comparison reports.
+    """A column of the history, a scalar of a run, or an output of a spectrum, sweep or comparison.
 
     Attributes
     ----------
     key : str
         Column or key in the kernel; ``{i}`` is the number of a floor or storey.
     name : str
-        Variable of a dataset, see `names`; '' when it is an attribute of a run's, or not in it.
+        Variable of a dataset, see `names`; '' for an attribute of a run's dataset, or when absent.
     unit : str
         Its unit: '1' for numbers without one, '' for texts.
     kind : str
@@ -42,15 +42,15 @@ class Quantity:
     found : str
         'row', 'peak', 'time', 'end', 'count', 'whether', 'before', 'axis', 'work' or 'error'.
     outputs : str
-        Words 'history', 'run', 'ordinate', 'spectrum', 'sweep', 'cost': where it stands.
+        Words 'history', 'run', 'ordinate', 'spectrum', 'sweep', 'cost': outputs that have it.
     group : str
-        Group of the case without which it is absent; '' for none.
+        Group that the case must have; '' for none.
     asked_by : str
-        Key of `&output` that asks for it; '' when every run has it.
+        Key of `&output` that requests it; '' when every run has it.
     needs : str
-        What else it needs.
+        Other requirements.
     meaning : str
-        What it is.
+        Definition.
     """
 
     key: str
@@ -65,11 +65,11 @@ class Quantity:
     meaning: str
 
     def names(self, output: str) -> tuple[str, ...]:
-        """Names of its variable in a dataset.
+        """Return the names of its variable in a dataset.
 
-        A name has no unit, which is in the attributes of the variable; what is a column of the
-        history as well ends with ``_end`` where it is the number at the end. Energies at the end
-        and reactions in N are there under a name with the unit too, which programs know them by.
+        Names carry no unit; the attributes of the variable do. The final value of a quantity that
+        is also a column of the history ends with ``_end``. Energies at the end and reactions in N
+        also have a name with the unit, for existing programs.
 
         Parameters
         ----------
@@ -94,12 +94,12 @@ class Quantity:
         Parameters
         ----------
         word : str
-            How it was asked for.
+            Name or key in the request.
 
         Returns
         -------
         str
-            The name that the word means, else the first, else the key.
+            The name that `word` matches, else the first name, else the key.
         """
         names = self.names("ordinate")
         return next((name for name in names if name.lower() == word.lower()), (*names, self.key)[0])
@@ -110,25 +110,25 @@ class Quantity:
         return {"units": self.unit, "long_name": self.meaning}
 
 
-# units that names of the kernel's table may end with
+# units at the end of names in the kernel's table
 _SUFFIXES = {"J/kg": "_J_per_kg", "N": "_N"}
 QUANTITIES = {row[0]: Quantity(*row) for row in _library.quantities()}
-# dimensions of the grids of spectra and sweeps that the kernel loops over
+# dimensions of the grids of spectra and sweeps that the kernel iterates over
 AXES = {"b": QUANTITIES["b_m"], "gamma": QUANTITIES["gamma"], "T_s": QUANTITIES["T_s_s"]}
 
 
 def keys_of(names: Iterable[str]) -> list[str]:
-    """Turn names of variables into keys; what is a key, or neither, stays.
+    """Translate names of variables into keys; keys and unknown words stay.
 
     Parameters
     ----------
     names : iterable of str
-        Names in a dataset, or keys; the case of their letters does not matter.
+        Names in a dataset, or keys; upper and lower case do not matter.
 
     Returns
     -------
     list of str
-        In their order.
+        The keys in the same order.
     """
     keys = {key.lower(): key for key in QUANTITIES}
     keys |= {
@@ -140,7 +140,7 @@ def keys_of(names: Iterable[str]) -> list[str]:
     found = []
     for name in names:
         word = name.lower()
-        # the number of a floor or storey is a part between underscores
+        # the number of a floor or storey lies between underscores
         numbered = re.match(r"[a-z_]+?_(\d{1,4})(?=_)", word)
         number = numbered[1] if numbered else "{i}"
         key = keys.get(word.replace(f"_{number}_", "_{i}_", 1), name)
@@ -149,7 +149,7 @@ def keys_of(names: Iterable[str]) -> list[str]:
 
 
 def names_by_key(names: Iterable[object]) -> dict[str, str]:
-    """Give each quantity one name, the first of those that it has in a dataset.
+    """Map the key of each quantity to its first name in a dataset.
 
     Parameters
     ----------
@@ -174,7 +174,7 @@ def find(key: str) -> Quantity:
     Parameters
     ----------
     key : str
-        As the kernel writes it, with the number of a floor or storey.
+        Key as the kernel writes it, with the number of a floor or storey.
 
     Returns
     -------
@@ -189,16 +189,16 @@ def find(key: str) -> Quantity:
 
 
 def ending_of(summary: Mapping[str, Any]) -> str:
-    """Tell how a run ended.
+    """Return the ending of a run.
 
     Parameters
     ----------
     summary : mapping
-        Its named scalars.
+        Named scalars of the run.
 
     Returns
     -------
     str
-        'overturned', 'collapsed', or 'ok' at the end of its time.
+        'overturned' or 'collapsed', or 'ok' when the run reached its final time.
     """
     return next((name for name in ENDINGS if summary.get(name)), "ok")

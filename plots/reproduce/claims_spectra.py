@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 _SINE, _COSINE = "fig12_one_sine", "fig12_one_cosine"
 _SLENDER, _SQUAT = "fig13_elcentro_slender_wall", "fig13_elcentro_squat_wall"
 _PERIODS = np.array(COARSE)
-_MARGINAL = 0.1  # what counts as a small difference [-]
+_MARGINAL = 0.1  # bound of a small difference [-]
 
 
 def _peaks(cache: ResponseCache, name: str, form: Formulation, etas: Etas, gamma: float) -> Array:
@@ -120,7 +120,7 @@ def _insensitive_below(cache: ResponseCache, form: Formulation, etas: Etas) -> M
     difference = np.max(np.ptp(peaks, axis=0)) / _alone(cache, _SLENDER).max()
     spread = _spread(peaks)
     text = f"differs by up to {spread:.0%} ({difference:.1%} of the figure's height)"
-    # "no visible influence": what a reader of the figure could see
+    # "no visible influence": a difference that a reader of the figure could see
     return Measured(text, bool(difference < 0.02))
 
 

@@ -1,4 +1,4 @@
-"""What ``rwmf reproduce`` makes: the paper's figures, its claims judged, the validation."""
+"""Products of ``rwmf reproduce``: the paper's figures, verdicts on its claims, the validation."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PAGES = {"claims.md": pages.claims_page, "validation.md": pages.validation_page
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make what the command line asks for.
+    """Make the requested products.
 
     Parameters
     ----------

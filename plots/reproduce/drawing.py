@@ -1,4 +1,4 @@
-"""What the reproduced figures share: the looks of forms and mass ratios, names of panels."""
+"""Shared styles of the reproduced figures: forms, mass ratios, panel names."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def style_of(form: Formulation) -> dict[str, Any]:
 
 
 def style_of_mass_ratio(gamma: float) -> dict[str, Any]:
-    """Return look and label of a mass ratio: the same in every figure.
+    """Return style and label of a mass ratio: the same in every figure.
 
     Parameters
     ----------
@@ -53,25 +53,25 @@ def style_of_mass_ratio(gamma: float) -> dict[str, Any]:
     dict
         Arguments of ``Axes.plot``.
     """
-    look = series(_MASS_RATIOS.index(gamma), len(_MASS_RATIOS))
-    return {**look, "label": rf"$\gamma$ = {gamma:g}"}
+    line_style = series(_MASS_RATIOS.index(gamma), len(_MASS_RATIOS))
+    return {**line_style, "label": rf"$\gamma$ = {gamma:g}"}
 
 
 def row_label(ax: Axes, text: str) -> None:
-    """Write what a row of panels shows at the right of its last panel.
+    """Write the label of a row of panels to the right of its last panel.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
         The last panel.
     text : str
-        What the row shows.
+        Label of the row.
     """
     ax.text(1.03, 0.5, text, transform=ax.transAxes, rotation=270, va="center", ha="left")
 
 
 def column_title(ax: Axes, letter: str, text: str) -> None:
-    """Write the paper's letter of a panel, where it has one, and what it shows.
+    """Write the title of a panel, with the letter of the paper if it has one.
 
     Parameters
     ----------
@@ -80,6 +80,6 @@ def column_title(ax: Axes, letter: str, text: str) -> None:
     letter : str
         Its letter, or ''.
     text : str
-        What it shows.
+        Title of the panel.
     """
     ax.set_title(f"({letter}) {text}" if letter else text)

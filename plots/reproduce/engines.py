@@ -1,4 +1,4 @@
-"""Stored histories of engines that nobody here wrote, and how far a response is from them."""
+"""Stored histories of independent engines, and distances of a response from them."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class EngineHistory:
 
 @dataclass(frozen=True)
 class Difference:
-    """How far a response is from an engine's.
+    """Distances of a response from that of an engine.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ def crossings(t: Array, theta: Array, floor: float = 0.02) -> Array:
     theta : numpy.ndarray, shape (n,)
         Rotation [rad].
     floor : float
-        What counts as an excursion, as a part of the peak [-].
+        Threshold of an excursion, as a fraction of the peak [-].
 
     Returns
     -------

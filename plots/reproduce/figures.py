@@ -1,4 +1,4 @@
-"""Every figure that the command can make, by the name that it is asked for."""
+"""Figures of the command, by name."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class FigureRecipe:
     Attributes
     ----------
     draw : callable
-        Draws into an empty figure what it takes from the responses.
+        Draws the responses into an empty figure.
     height : float
         Height [inch].
     caption : str
-        What it shows.
+        Description of the figure.
     """
 
     draw: Callable[[Figure, ResponseCache], None]
@@ -103,7 +103,7 @@ FIGURES: dict[str, FigureRecipe] = {
     "band": FigureRecipe(
         spectra.draw_band,
         5.8,
-        "What the lost Table 1 may change: spectra over the properties of the cable",
+        "Possible influence of the lost Table 1: spectra over the properties of the cable",
     ),
     "free": _validation("free", "Validation: a wall let go at half of its slenderness angle", 5.8),
     "block": _validation(

@@ -1,4 +1,4 @@
-"""The two forms of the model that every figure shows, and what the lost Table 1 may have held."""
+"""The two forms of the model in every figure, and possible contents of the lost Table 1."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Formulation:
     label : str
         Name in a legend.
     changes : mapping
-        What to replace in a shipped case.
+        Keys to replace in a shipped case.
     """
 
     key: str

@@ -156,7 +156,7 @@ def draw_pulses(figure: Figure, cache: ResponseCache, stem: str) -> None:
     cache : ResponseCache
         Where responses come from.
     stem : str
-        What the names of the namelists begin with.
+        Beginning of the names of the namelists.
     """
     panels = figure.subplots(4, 2, sharex=True, sharey="row")
     for column, pulse in enumerate(("one_sine", "one_cosine")):

@@ -1,4 +1,4 @@
-"""Where the responses come from: every simulation is made once, however many figures show it."""
+"""Cache of the responses: every simulation runs once for all figures."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from reproduce.formulations import SHIPPED_ETAS, Changes, Formulation
 
 __all__ = ["COARSE", "ResponseCache"]
 
-# order 8 with steps of its own: ten times faster than the default here, at the same accuracy
+# order 8 with adaptive steps: ten times faster than the default here, at the same accuracy
 _METHOD = "dop853"
 # four digits more than a figure or a verdict needs
 _RTOL = 1e-8
-# periods of what is drawn as a band or judged for several cables [s]
+# periods of bands, and of claims checked for several cables [s]
 COARSE = tuple(float(T_s) for T_s in np.round(np.linspace(0.05, 3.0, 60), 10))
 
 
@@ -32,16 +32,16 @@ class ResponseCache:
         Folder of the namelists.
     validation : path
         Folder of the validation cases and of the stored histories of engines.
-    tell : callable, optional
+    report : callable, optional
         Called with a line of text before each long computation.
     """
 
     def __init__(
-        self, inputs: Path, validation: Path, tell: Callable[[str], None] | None = None
+        self, inputs: Path, validation: Path, report: Callable[[str], None] | None = None
     ) -> None:
         self.inputs = inputs
         self.validation = validation
-        self.tell = tell or (lambda _: None)
+        self.report = report or (lambda _: None)
         self._results: dict[tuple[object, ...], xr.Dataset] = {}
         self._cases: dict[str, Case] = {}
 

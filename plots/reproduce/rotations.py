@@ -29,7 +29,7 @@ class Comparison:
     columns : dict of str to tuple of str
         Title of a column of panels and the cases in it.
     labels : tuple of str
-        What the cases differ in.
+        Differences between the cases.
     over_alpha : bool
         Whether the rotation is shown over alpha; not where the walls differ in alpha.
     """
@@ -84,7 +84,7 @@ def draw(figure: Figure, cache: ResponseCache, comparison: Comparison) -> None:
     cache : ResponseCache
         Where responses come from.
     comparison : Comparison
-        What differs between the panels.
+        Differences between the panels.
     """
     n = len(comparison.columns)
     panels = figure.subplots(2, n, sharex=True, sharey="col", squeeze=False)

@@ -41,7 +41,7 @@ COLUMNS = (
     *(f"floor_{i}_acceleration_g" for i in _FLOORS),
 )
 FULL = "yielding and P-Delta"
-# what of the case is left out
+# groups removed from the case
 VARIANTS: dict[str, tuple[str, ...]] = {
     FULL: (),
     "yielding": ("p_delta",),
@@ -52,7 +52,7 @@ VARIANTS: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class FrameDifference:
-    """How far a frame is from an engine's, storey by storey.
+    """Distances of a frame from that of an engine, storey by storey.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ def frame_history(cache: ResponseCache, name: str) -> EngineHistory:
 
 
 def variant(case: Case, name: str) -> Case:
-    """Leave out what a variant does not have.
+    """Remove the parts that a variant lacks.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def compare_frame(case: Case, engine: EngineHistory, peaks: Array) -> FrameDiffe
     Parameters
     ----------
     case : rwmf.Case
-        A case of `CASES`, with the interval of the engine's history for its own.
+        A case of `CASES`, with the interval of the engine's history.
     engine : EngineHistory
         The engine's history.
     peaks : numpy.ndarray, shape (12,)

@@ -39,8 +39,8 @@ def draw(figure: Figure, cache: ResponseCache) -> None:
             theirs = np.split(engine[words], 2)
             storeys = np.arange(1, len(ours[0]) + 1)
             for row, factor in enumerate((100.0, 1.0)):
-                ax, look = panels[row, column], series(i, len(VARIANTS))
-                ax.plot(factor * ours[row], storeys, **look, label=words)
+                ax, line_style = panels[row, column], series(i, len(VARIANTS))
+                ax.plot(factor * ours[row], storeys, **line_style, label=words)
                 label = "OpenSees" if i + 1 == len(VARIANTS) else None
                 ax.plot(factor * theirs[row], storeys, **DOTS, label=label)
         drawing.column_title(panels[0, column], "ab"[column], _TITLES[column])

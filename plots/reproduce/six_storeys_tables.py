@@ -67,7 +67,7 @@ def storeys_table(cache: ResponseCache) -> Table:
 
 
 def variants_table(cache: ResponseCache) -> Table:
-    """Show what yielding and P-Delta are worth, and the differences without them.
+    """Print the effects of yielding and P-Delta, and the differences without them.
 
     Parameters
     ----------

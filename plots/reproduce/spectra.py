@@ -1,4 +1,4 @@
-"""Figs 12 and 13, what the wall gains or costs, and what the lost Table 1 may change."""
+"""Figs 12 and 13: benefit and cost of the wall, and possible influence of the lost Table 1."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-from reproduce.claims import Judgement, judge
+from reproduce.claims import Judgement, evaluate
 from reproduce.claims_histories import CLAIMS as HISTORY_CLAIMS
 from reproduce.claims_spectra import CLAIMS as SPECTRUM_CLAIMS
 from reproduce.engines import Difference, EngineHistory
@@ -91,8 +91,8 @@ def claims_table(cache: ResponseCache) -> Table:
         "exact, momentum balance",
         "verdict, exact",
     )
-    judged = [judge(cache, claim) for claim in (*HISTORY_CLAIMS, *SPECTRUM_CLAIMS)]
-    return Table(heads, [_claim_row(i, found) for i, found in enumerate(judged, start=1)])
+    verdicts = [evaluate(cache, claim) for claim in (*HISTORY_CLAIMS, *SPECTRUM_CLAIMS)]
+    return Table(heads, [_claim_row(i, found) for i, found in enumerate(verdicts, start=1)])
 
 
 def _claim_row(i: int, found: Judgement) -> tuple[str, ...]:
@@ -174,7 +174,7 @@ def _difference_row(row: Row) -> tuple[str, ...]:
 
 
 def tolerances_table(cache: ResponseCache) -> Table:
-    """List what counts as agreement for every stored history.
+    """List the criteria of agreement for every stored history.
 
     Parameters
     ----------

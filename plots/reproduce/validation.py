@@ -27,7 +27,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What counts as agreement with an engine.
+    """Criteria of agreement with an engine.
 
     Attributes
     ----------
@@ -48,13 +48,13 @@ class Tolerance:
 _RIGID = Tolerance(3e-3, 3e-3, 1e-3)
 # and one on springs of 1e12 N/m
 _STIFF = Tolerance(1e-3, 1e-3, 5e-4)
-# a wall of finite elements that bends and vibrates, which the model's does not: where it hardly
-# rotates, at the end of g1800, this moves its impacts, while the frame is unmoved by the wall
+# the wall of finite elements bends and vibrates, unlike the model's. Where it hardly rotates, at
+# the end of g1800, this moves its impacts, while the frame is unaffected
 _SOFT = {"g5": Tolerance(2e-2, 2e-2, 5e-4), "g1800": Tolerance(2e-2, 3e-3, 2e-3)}
 
 
 def tolerance(engine: str, case: str) -> Tolerance:
-    """Return what counts as agreement with the history of an engine for a case.
+    """Return the criteria of agreement with the history of an engine for a case.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class Row:
     Attributes
     ----------
     case, engine, variant : str
-        What was compared.
+        Compared quantity.
     difference : Difference
         How far the variant is from the engine.
     """
@@ -120,7 +120,7 @@ def agrees(difference: Difference, allowed: Tolerance) -> bool:
         True when peaks, root-mean-square differences, the number and the instants of impacts are.
     """
     relative = (difference.theta_rms, difference.theta_peak, difference.u_s_peak)
-    # NaN stands for what the scene does not have: no frame, no displacement
+    # NaN where the scene lacks the quantity: without a frame, no displacement
     return (
         not any(value > allowed.relative for value in relative)
         and not difference.u_s_rms > allowed.u_s_rms

@@ -1,4 +1,4 @@
-!> The arguments of the batch program.
+!> Command line of the batch program.
 module rwmf_app_cli
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_text_strings, only: string_t
@@ -27,16 +27,16 @@ module rwmf_app_cli
       //'for each processor, are refused.'//nl &
       //'exit status: 0 done (overturning and collapse are results), 1 numerical failure,'//nl &
       //'   2 input or output not acceptable, 130 interrupted'
-   !! what `--help` prints
+   !! output of `--help`
 
-   !> What the user asks for.
+   !> Parsed command line.
    type :: command_line_t
       type(string_t), allocatable :: cases(:)
       !! (files) namelists in the order given
       character(:), allocatable :: folder
-      !! where the results go; '' is the current folder
+      !! folder of the results; '' is the current one
       integer :: part
-      !! which of the parts of a spectrum's periods, from 1
+      !! number of the part of a spectrum's periods, from 1
       integer :: parts
       !! number of parts; 1: all periods
       logical :: help
@@ -78,13 +78,13 @@ contains
       end if
    end subroutine read_command_line
 
-   !> One option, with its value.
+   !> Read one option with its value.
    subroutine read_option(command_line, option, position, error)
       type(command_line_t), intent(inout) :: command_line
       character(*), intent(in) :: option
-      !! as given
+      !! option as typed by the user
       integer, intent(inout) :: position
-      !! of the option; on return of its value, when it has one
+      !! position of the option; on return of its value, if it has one
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: value
 
@@ -111,10 +111,10 @@ contains
       end select
    end subroutine read_option
 
-   !> The next argument in its full length; empty behind the last one.
+   !> Return the next argument in its full length; empty after the last one.
    subroutine take_argument(position, text)
       integer, intent(inout) :: position
-      !! of the argument before; on return of this one
+      !! position of the previous argument; on return of this one
       character(:), allocatable, intent(out) :: text
       integer :: length
       integer :: status
@@ -125,7 +125,7 @@ contains
       if (status == 0 .and. length > 0) call get_command_argument(position, text)
    end subroutine take_argument
 
-   !> The value of `--part`: K/N with 1 <= K <= N.
+   !> Read the value of `--part`, K/N with 1 <= K <= N.
    subroutine read_part(text, command_line, error)
       character(*), intent(in) :: text
       type(command_line_t), intent(inout) :: command_line
@@ -135,7 +135,7 @@ contains
 
       slash = index(text, '/')
       status = 1
-      ! digits only: a list-directed read would also take '1,5' or '2*3'
+      ! digits only: a list-directed read would also accept '1,5' or '2*3'
       if (slash > 1 .and. slash == index(text, '/', back=.true.) &
          .and. verify(text, '0123456789/') == 0) then
          read (text(:slash - 1), *, iostat=status) command_line%part

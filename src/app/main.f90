@@ -1,4 +1,4 @@
-!> `rwmf-batch`: runs the cases of namelist files and writes CSV files.
+!> Program `rwmf-batch`, which runs the cases of namelist files and writes CSV files.
 program rwmf_batch
    use, intrinsic :: iso_fortran_env, only: error_unit
    use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, err_numerical, &
@@ -18,7 +18,7 @@ program rwmf_batch
    implicit none
 
    integer, parameter :: warning_length = 256
-   !! room for one
+   !! buffer length of one warning
 
    type(command_line_t) :: command_line
    type(error_t), allocatable :: error
@@ -37,12 +37,12 @@ program rwmf_batch
    else
       call run_batch(command_line, status)
    end if
-   ! quiet: the status is for the shell, not a message
+   ! no message: the status is for the shell
    stop status, quiet=.true.
 
 contains
 
-   !> Check everything, then run case after case.
+   !> Check all cases, then run one after the other.
    subroutine run_batch(command_line, status)
       type(command_line_t), intent(in) :: command_line
       integer, intent(out) :: status
@@ -62,12 +62,12 @@ contains
          else
             call run_case(cases(i), command_line%cases(i)%text, command_line, control, status)
          end if
-         ! a signal behind the last file is too late: everything is complete
+         ! a signal after the last file has no effect: all results are complete
          if (status == err_interrupt) return
       end do
    end subroutine run_batch
 
-   !> Read and validate all files; every one that is not acceptable is reported.
+   !> Read and validate all files; report each invalid one.
    subroutine read_cases(command_line, cases, status)
       type(command_line_t), intent(in) :: command_line
       type(case_t), allocatable, intent(out) :: cases(:)
@@ -96,7 +96,7 @@ contains
       call remove_leftovers(command_line%folder)
    end subroutine read_cases
 
-   !> Fails when what a case writes is read by one of them.
+   !> Check that no output file of a case is an input file of any case.
    subroutine check_inputs(command_line, cases, error)
       type(command_line_t), intent(in) :: command_line
       type(case_t), intent(in) :: cases(:)
@@ -116,10 +116,10 @@ contains
       end do
    end subroutine check_inputs
 
-   !> Would the last of these files write to the names of an earlier one?
+   !> Check that the last of these files does not write to the names of an earlier one.
    subroutine check_name(paths, error)
       type(string_t), intent(in) :: paths(:)
-      !! (files up to the one that is checked)
+      !! (files up to the checked one)
       type(error_t), allocatable, intent(out) :: error
       integer :: i
       integer :: n
@@ -133,11 +133,11 @@ contains
       end do
    end subroutine check_name
 
-   !> Leave a case only its share of the periods: every N-th one, so that all parts cost the same.
+   !> Reduce a case to its share of the periods: every N-th one, so that all parts cost the same.
    subroutine take_part(command_line, number, case, error)
       type(command_line_t), intent(in) :: command_line
       integer, intent(in) :: number
-      !! of the case
+      !! number of the case
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: T_s(:)
@@ -158,20 +158,20 @@ contains
       case%spectrum%T_s = T_s(command_line%part::command_line%parts)
    end subroutine take_part
 
-   !> Which part, for messages and names of files; with blanks behind.
+   !> Name of the part, for messages and names of files; padded with blanks.
    pure function part_name(command_line, between) result(text)
       type(command_line_t), intent(in) :: command_line
       character(*), intent(in) :: between
-      !! the two numbers
+      !! text between the two numbers
       character(40 + len(between)) :: text
 
       write (text, '(i0, a, i0)') command_line%part, between, command_line%parts
    end function part_name
 
-   !> What the names of a case's files begin with.
+   !> Compose the beginning of the names of a case's files.
    subroutine name_output(path, command_line, name)
       character(*), intent(in) :: path
-      !! of the namelist
+      !! path of the namelist
       type(command_line_t), intent(in) :: command_line
       character(:), allocatable, intent(out) :: name
 
@@ -181,17 +181,17 @@ contains
       end if
    end subroutine name_output
 
-   !> Run what the case asks for: one simulation, a spectrum, or both. A part is of a spectrum only.
+   !> Run the simulation or the spectrum of a case, or both. With `--part` only the spectrum runs.
    subroutine run_case(case, path, command_line, control, status)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: path
       type(command_line_t), intent(in) :: command_line
       type(control_t), intent(in) :: control
       integer, intent(inout) :: status
-      !! unchanged when all went well
+      !! unchanged on success
       type(error_t), allocatable :: error
       character(warning_length), allocatable :: told(:)
-      !! warnings that the user has read
+      !! warnings already printed
 
       allocate (told(0))
       if (has_period(case) .and. command_line%parts == 1) then
@@ -204,7 +204,7 @@ contains
       call report(error, status)
    end subroutine run_case
 
-   !> One simulation: summary and history.
+   !> Run one simulation and write summary and history.
    subroutine run_simulation(case, path, folder, control, told, status, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: path
@@ -212,7 +212,7 @@ contains
       type(control_t), intent(in) :: control
       character(warning_length), allocatable, intent(inout) :: told(:)
       integer, intent(inout) :: status
-      !! unchanged when what is to be said was printed
+      !! unchanged if the message was printed
       type(error_t), allocatable, intent(out) :: error
       type(result_t) :: result
       character(40) :: seconds
@@ -227,7 +227,8 @@ contains
          //' written ('//trim(seconds)//' s)', status)
    end subroutine run_simulation
 
-   !> The spectrum. Ordinates that fail are NaN with a reason; they do not stop the others.
+   !> Compute and write the spectrum. Failed ordinates are NaN with a reason; the others are
+   !> computed.
    subroutine run_spectrum(case, path, command_line, control, told, status, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: path
@@ -235,7 +236,7 @@ contains
       type(control_t), intent(in) :: control
       character(warning_length), allocatable, intent(inout) :: told(:)
       integer, intent(inout) :: status
-      !! unchanged when what is to be said was printed
+      !! unchanged if the message was printed
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: all_threads = 0
       type(spectrum_t) :: spectrum
@@ -260,7 +261,7 @@ contains
       end if
    end subroutine run_spectrum
 
-   !> Write a spectrum or a part of one.
+   !> Write a spectrum or a part of it.
    subroutine save_spectrum(case, spectrum, path, command_line, control, error)
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(in) :: spectrum
@@ -280,12 +281,12 @@ contains
       end if
    end subroutine save_spectrum
 
-   !> Tell the user what to keep in mind about a result, each of it once.
+   !> Print the warnings of a result, each once.
    subroutine report_warnings(path, warnings, told)
       character(*), intent(in) :: path
       character(*), intent(in) :: warnings(:)
       character(warning_length), allocatable, intent(inout) :: told(:)
-      !! gains them
+      !! on return includes these warnings
       integer :: i
 
       do i = 1, size(warnings)
@@ -295,22 +296,22 @@ contains
       end do
    end subroutine report_warnings
 
-   !> Print a line. What is computed and written does not depend on whether anybody gets it.
+   !> Print a line. Results are written even if the standard output is closed.
    subroutine say(line, status)
       character(*), intent(in) :: line
       integer, intent(inout) :: status
-      !! unchanged when all went well
+      !! unchanged on success
       type(error_t), allocatable :: error
 
       call put(line, error)
       call report(error, status)
    end subroutine say
 
-   !> Tell the user what went wrong, if anything did.
+   !> Print the message of an error, if there is one.
    subroutine report(error, status)
       type(error_t), allocatable, intent(in) :: error
       integer, intent(inout) :: status
-      !! unchanged when all went well
+      !! unchanged on success
 
       if (.not. allocated(error)) return
       status = error%stat

@@ -1,8 +1,8 @@
-!> Ctrl-C and the queue's termination signal in the batch program: the running computation is told
-!> to stop, so that no temporary file stays behind.
+!> Handling of Ctrl-C and of the queue's termination signal in the batch program. The running
+!> computation is cancelled, so that no temporary file remains.
 !>
-!> Part of the program, not of the library: a signal handler receives nothing but the number of the
-!> signal, so that the flag has to be a variable of the module.
+!> This module is part of the program, not of the library. A signal handler receives only the number
+!> of the signal, so that the flag must be a module variable.
 module rwmf_app_signals
    use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, &
       c_null_funptr
@@ -28,9 +28,9 @@ module rwmf_app_signals
 
 contains
 
-   !> A file that grows over the user's limit (ulimit -f) is a failed write like that of a full
-   !> disk: what is unfinished is removed, and it is reported. The signal would end the program
-   !> before.
+   !> Ignore the signal for a file over the user's size limit (ulimit -f), which would end the
+   !> program. The write then fails as on a full disk: the unfinished file is removed and the error
+   !> reported.
    subroutine ignore_file_limit()
       integer(c_int), parameter :: sigxfsz = 25_c_int
       integer(c_intptr_t), parameter :: sig_ign = 1_c_intptr_t
@@ -39,19 +39,19 @@ contains
       previous = c_signal(sigxfsz, transfer(sig_ign, c_null_funptr))
    end subroutine ignore_file_limit
 
-   !> From now on a signal sets the cancel flag of this control instead of ending the program.
+   !> Set the cancel flag of a control on a signal instead of ending the program.
    subroutine watch_interrupts(control)
       type(control_t), intent(inout) :: control
       integer(c_int), parameter :: sigint = 2_c_int, sigterm = 15_c_int
       type(c_funptr) :: previous
 
       control%cancel => interrupted
-      ! without a handler (an exotic system) a signal ends the program as it always did
+      ! if the handler cannot be set (an unusual system), a signal ends the program
       previous = c_signal(sigint, c_funloc(handle_signal))
       previous = c_signal(sigterm, c_funloc(handle_signal))
    end subroutine watch_interrupts
 
-   !> Has there been a signal?
+   !> Return whether a signal was received.
    logical function is_interrupted()
       integer(i8) :: flag
 
@@ -60,7 +60,7 @@ contains
       is_interrupted = flag /= 0_i8
    end function is_interrupted
 
-   !> The handler: sets the flag and nothing else.
+   !> Set the flag and do nothing else: the signal handler.
    subroutine handle_signal(number) bind(c)
       integer(c_int), intent(in), value :: number
 

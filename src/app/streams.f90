@@ -10,7 +10,7 @@ module rwmf_app_streams
 
    public :: fill_standard_streams, put
 
-   ! allow(assumed-size): that is what a C string is
+   ! allow(assumed-size): the shape of a C string
    interface
       function c_write(descriptor, bytes, count) bind(c, name='write') result(written)
          import :: c_char, c_int, c_long, c_size_t
@@ -24,9 +24,9 @@ module rwmf_app_streams
 
 contains
 
-   !> Let no file of results get the number of a standard stream that the caller has closed: what
-   !> is printed would go into it. What takes the number instead can only be read, so that printing
-   !> fails.
+   !> Open the standard streams that the caller has closed on the null device. Otherwise a result
+   !> file could get the number of a stream, and printed text would enter it. The substitutes are
+   !> read-only, so that printing fails.
    subroutine fill_standard_streams()
       type(c_ptr) :: stream
       integer(c_int) :: descriptor
@@ -42,11 +42,11 @@ contains
       status = c_fclose(stream)
    end subroutine fill_standard_streams
 
-   !> Print a line. Fails when the standard output is closed or its disk full, which `write` and
+   !> Print a line. Fails if the standard output is closed or its disk is full, which `write` and
    !> `flush` of gfortran 12 do not report.
    subroutine put(line, error)
       character(*), intent(in) :: line
-      !! without its line feed, which is added
+      !! line without its line feed
       type(error_t), allocatable, intent(out) :: error
       integer(c_int), parameter :: standard_output = 1_c_int
       character(:), allocatable :: text

@@ -1,9 +1,9 @@
 """A folder of Fortran sources as the tests of the architecture see it: modules, arrows, sizes.
 
-An arrow is a `use`, in whatever `#ifdef` it stands. Where a macro names the module, the arrow goes
-to every module that the macro can stand for: its `#define` in the same file, and the `-D` of the
-`meson.build` beside it. A module with the suffix of a number of lanes or of an instruction set
-(`_l16`, `_v3`, `_l16_v3`) is the file that tools/join-sources.py gave that name to.
+An arrow is a `use`, inside any `#ifdef`. Where a macro names the module, the arrow goes to every
+module that the macro can mean: its `#define` in the same file, and the `-D` of the `meson.build`
+beside it. A module with the suffix of a number of lanes or of an instruction set (`_l16`, `_v3`,
+`_l16_v3`) is the file named so by tools/join-sources.py.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Procedure:
 
     @property
     def returns_deferred_text(self) -> bool:
-        """Whether its result is `character(:), allocatable`."""
+        """Return True for the result `character(:), allocatable`."""
         pattern = re.compile(_TEXT_RESULT.format(name=re.escape(self.result)), re.IGNORECASE)
         return self.is_function and any(pattern.match(part.text) for part in self.statements)
 
@@ -77,7 +77,7 @@ class Source:
 
     path: Path  # from the root of the sources
     lines: list[str]
-    build_macros: dict[str, set[str]]  # what the meson.build beside it gives with -D
+    build_macros: dict[str, set[str]]  # definitions -D in the meson.build beside it
 
     @cached_property
     def code(self) -> dict[int, str]:
@@ -91,7 +91,7 @@ class Source:
 
     @cached_property
     def macros(self) -> dict[str, set[str]]:
-        """What a macro can stand for; what the file itself says comes first."""
+        """Return the possible values of a macro; a definition in the file comes first."""
         found = {name: set(values) for name, values in self.build_macros.items()}
         for name, value in self._defined.items():
             found.setdefault(name, set()).add(value)
@@ -114,7 +114,7 @@ class Source:
 
     @cached_property
     def is_program(self) -> bool:
-        """Whether it holds a main program instead of a module."""
+        """Return True for a file with a main program instead of a module."""
         return not any(_MODULE.match(part.text) for part in self.statements)
 
     @cached_property
@@ -138,7 +138,7 @@ class Source:
 
     @cached_property
     def includes(self) -> list[int]:
-        """Lines that include a file, whose arrows nobody would see."""
+        """List the lines that include a file, whose arrows would be missed."""
         return [i for i, line in enumerate(self.lines, 1) if _INCLUDE.match(line.strip())]
 
     @cached_property
@@ -252,7 +252,7 @@ def read_tree(root: Path) -> Tree:
 
 
 def build_macros(text: str) -> dict[str, set[str]]:
-    """Find what a meson.build defines by `-DNAME=value`, also in the loops that write such names.
+    """Find the definitions `-DNAME=value` of a meson.build, including loops over such names.
 
     Only assignments of texts, lists and dictionaries are followed; whatever else stands there
     defines no names of modules.
@@ -336,7 +336,7 @@ def _evaluate(expression: str, values: dict[str, object]) -> object:
 
 
 def _strip(lines: list[str]) -> list[tuple[int, str]]:
-    """Numbered lines without comments, directives and what stands between quotes."""
+    """Yield numbered lines without comments, directives and quoted text."""
     stripped = []
     quote = ""  # of a text that goes on from the line before
     for number, line in enumerate(lines, 1):
@@ -377,7 +377,7 @@ def _join(code: dict[int, str]) -> list[Statement]:
 
 
 def names_in(entities: str) -> list[str]:
-    """Names that a declaration declares, from what stands behind its `::`."""
+    """Return the names in a declaration from the text after its `::`."""
     bare = entities
     while (shorter := re.sub(r"\([^()]*\)|\[[^\[\]]*\]", "", bare)) != bare:
         bare = shorter

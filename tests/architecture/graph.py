@@ -1,4 +1,4 @@
-"""Measure the sources: the table of docs/developer/architecture.md, and code lines by folder.
+"""Measure the sources: modules, dependencies, sizes of procedures, and code lines by folder.
 
 python tests/architecture/graph.py [TREE ...]
 
@@ -32,7 +32,7 @@ _COMMENTS = {
     ("", ".sh", ".build", ".awk"): re.compile(r"^\s*#[^\n]*", re.MULTILINE),
     (".html",): re.compile(r"<!--.*?-->", re.DOTALL),
 }
-# What a simulation and an ordinate begin with, under the names of the trees so far.
+# Entry points of a simulation and of an ordinate, with their former names.
 SIMULATE = ("rwmf_simulation_simulate", "rwmf_simulation")
 ORDINATE = ("rwmf_spectrum_lanes", "rwmf_spectrum_fast_driver")
 

@@ -1,4 +1,4 @@
-"""The rules of the architecture: each takes a tree of sources and returns what breaks it."""
+"""Rules of the architecture: each takes a tree of sources and returns its violations."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ PACKAGE = "rwmf"  # name of the facade, of the folder below it, and prefix of al
 MODEL_FOLDER = PurePosixPath("rwmf/model")
 EFFECTS = MODEL_FOLDER / "effects"
 SUNDIALS_FOLDER = PurePosixPath("rwmf/integrator/sundials")
-# What names them all: the list, and the loops over lanes.
+# Modules that name all effects: the list, and the loops over lanes.
 NAMES_EFFECTS = {"list", "loops"}
 
 MOST_LINES = 60
 MOST_ARGUMENTS = 8
 LONGEST_FILE = 900
 MOST_COMPONENTS = 30
-MODEL = "model_t"  # what is fixed once a scene has been put together
+MODEL = "model_t"  # constants of an assembled scene
 EQUATION = "equation_t"  # a model with its discrete state
 
 _SUBDIR = re.compile(r"\bsubdir\('([^']+)'\)")
@@ -52,7 +52,7 @@ _KEPT = re.compile(r"(save\b|common\s*/|equivalence\s*\(|data\s+\w+\s*[/,(])", r
 def order_of_folders(root: Path) -> list[str]:
     """Top folders in the order in which meson.build visits them: a folder may use those before.
 
-    The folders below `rwmf` are followed by the facade, `rwmf.f90`, which stands for itself.
+    The folders below `rwmf` are followed by the facade, `rwmf.f90`, a folder by itself.
     """
     order: list[str] = []
     for folder in _visited(root, ""):
@@ -68,7 +68,7 @@ def _visited(root: Path, folder: str) -> list[str]:
 
 
 def top_folder(path: Path, order: Iterable[str]) -> str:
-    """Top folder that holds a file; the facade is one of its own, '' for what has none."""
+    """Top folder of a file; the facade counts as one, '' for other files."""
     folder = path.parent.as_posix()
     if path.as_posix() == f"{PACKAGE}.f90":
         return PACKAGE
@@ -115,7 +115,7 @@ def unknown_targets(tree: Tree) -> list[str]:
 def against_order(
     tree: Tree, order: list[str], allowed: Mapping[tuple[str, str], str] | None = None
 ) -> list[str]:
-    """Arrows to a folder that comes later, permissions without an arrow, files in no folder."""
+    """List arrows to a later folder, permissions without an arrow, and files in no folder."""
     place = {name: number for number, name in enumerate(order)}
     found = []
     arrows = {}
@@ -182,7 +182,7 @@ def shared_type_names(tree: Tree, allowed: Mapping[str, int]) -> list[str]:
 
 
 def _over_ratchet(found: Mapping[str, list[str]], allowed: Mapping[str, int]) -> list[str]:
-    """Sizes above what is allowed, and permissions above what is found."""
+    """List sizes above the allowed ones, and allowances above the measured ones."""
     over = [
         f"{name}: {len(places)}, allowed are {allowed.get(name, 0)}: {', '.join(places)}"
         for name, places in found.items()
@@ -347,7 +347,7 @@ def crowded_types(tree: Tree, names: Iterable[str]) -> list[str]:
 
 
 def parts_of(tree: Tree, whole: str) -> dict[str, DerivedType]:
-    """Find a type and the types that it consists of; what it points to is not its own."""
+    """Find a type and the types that it contains, without targets of pointers."""
     types = types_by_name(tree)
     parts: dict[str, DerivedType] = {}
     waiting = [whole]
@@ -376,8 +376,8 @@ def pointers_in(tree: Tree, whole: str) -> list[str]:
 def changed_models(tree: Tree, free: re.Pattern[str]) -> list[str]:
     """Procedures that could change a model or do, but for those that put it together.
 
-    A dummy argument of the model's type or of a part of it has `intent(in)`; of an equation only
-    the discrete state and what is recorded are assigned. `free` matches `module:procedure`.
+    A dummy argument of the model's type or of a part of it has `intent(in)`; in an equation only
+    the discrete state and the record are assigned. `free` matches `module:procedure`.
     """
     parts = parts_of(tree, MODEL)
     if not parts:
@@ -399,9 +399,9 @@ def types_by_name(tree: Tree) -> dict[str, DerivedType]:
 
 
 def _changes(procedure: Procedure, parts: Iterable[str], model: set[str]) -> Iterable[Statement]:
-    """Statements of a procedure that change a model, or let it be changed."""
+    """Find statements of a procedure that change a model, or allow it to be changed."""
     equations = r"\w+%equation"  # names of variables and components that are one
-    aliases: set[str] = set()  # of what is in a model
+    aliases: set[str] = set()  # of parts of a model
     for statement in procedure.statements:
         text = statement.text
         kinds = {kind.lower() for kind in _OF_TYPE.findall(text.split("::")[0])}
@@ -424,7 +424,7 @@ def _changes(procedure: Procedure, parts: Iterable[str], model: set[str]) -> Ite
 
 
 def build_lists(root: Path) -> list[str]:
-    """Find sources that the meson.build beside them does not list, and what it lists in vain."""
+    """Find sources missing in the meson.build beside them, and listed files that are missing."""
     found = []
     folders = {path.parent for path in root.rglob("*") if path.suffix in (".f90", ".F90", ".c")}
     for folder in sorted(folders):

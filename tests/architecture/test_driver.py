@@ -1,4 +1,4 @@
-"""What the driver's sources show: who imports the extensions and argparse, who simulates."""
+"""Imports in the driver's sources: extensions, argparse, simulations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ DRIVER = ROOT / "driver" / "rwmf"
 
 
 def _imports(path: Path) -> Iterator[str]:
-    """Names of the modules that a file imports, with what it takes from them."""
+    """Yield the names of the modules that a file imports, with the imported names."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
@@ -103,7 +103,7 @@ _CASE = ROOT / "inputs" / "fig12_one_cosine.nml"
     ],
 )
 def test_commands_import_what_they_need(words: list[str] | None, without: tuple[str, ...]) -> None:
-    """What takes long to import is imported by the commands that use it."""
+    """Slow imports are made only by the commands that need them."""
     call = "import rwmf" if words is None else f"from rwmf.cli import main; main({words!r})"
     code = f"import sys; {call}; print(*sys.modules, sep='\\n')"
     done = subprocess.run(
@@ -121,7 +121,7 @@ _DRAWING = ("plot", "loglog", "semilogx", "semilogy")
 
 
 def _is_text(node: ast.expr | None) -> bool:
-    """Whether it is a text that names a look; 'none' draws nothing."""
+    """Return True for a text that names a line style; 'none' draws nothing."""
     return isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value != "none"
 
 

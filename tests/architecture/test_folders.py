@@ -20,7 +20,7 @@ SRC = ROOT / "src"
 # The folder whose files may print and stop: the program's.
 MAY_PRINT = ("app",)
 
-# Arrows to a folder that comes later, until they are cut.
+# Present arrows to a later folder, to be removed.
 AGAINST_ORDER: dict[tuple[str, str], str] = {}
 
 # One effect that uses another, and why.
@@ -30,7 +30,7 @@ STATE_ALLOWED = {
     "rwmf_app_signals": "a signal handler receives nothing but the number of the signal",
 }
 
-# Ratchets: what still breaks a rule, and how often. A number may only fall.
+# Ratchets: number of present violations of each rule. A number may only decrease.
 # Base names of several files below src/rwmf.
 SHARED_BASE_NAMES = {
     "lanes": 2,
@@ -59,11 +59,11 @@ BOTH_WAYS = (
 # Modules outside an effect's own files that use it or contain its name in code: wanted are 5.
 NAMING_MODULES = {"storeys": 37, "vertical": 25, "yielding": 16}
 
-# Procedures over the bounds, and why they may be. Whoever shortens one removes its line.
+# Procedures over the bounds, with reasons. Remove the line of a procedure when you shorten it.
 _CALLER_IS_NO_FORTRAN = "an interface for C or f2py: scalars and plain arrays, no types"
 _STEP_OF_A_HOST = "both ends of a step of a host, what is found, and an error that it may leave out"
 LARGE: dict[str, str] = {
-    "rwmf_integrator_lane_control:judge_step": "a vectorised loop: a call would end it",
+    "rwmf_integrator_lane_control:accept_or_reject": "a vectorised loop: a call would end it",
     "rwmf_integrator_lane_step:attempt_step": "a block of lanes as plain arrays",
     "rwmf_integrator_lane_reactions:screen_steps": "a block of lanes as plain arrays",
     "rwmf_embedding_element_events:next_impact": _STEP_OF_A_HOST,
@@ -80,8 +80,8 @@ LARGE: dict[str, str] = {
 # Types of runs that have to stay small as well as those of the model.
 STATES = ("hybrid_t", "snapshot_t", "wall_instance_t", "wall_element_t")
 
-# What puts a model together: the assembly, and what each effect brings to it. In an embedding the
-# motion comes from the host, and an element has none.
+# Procedures that assemble a model, and the contributions of each effect. In an embedding the motion
+# comes from the host, and an element has none.
 ASSEMBLY = re.compile(
     r"rwmf_model_(assembly|contributions|effects_list|scene):\w+"
     r"|rwmf_model_\w+:(prepare|choose|set)_\w+"

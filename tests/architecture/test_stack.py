@@ -1,4 +1,4 @@
-"""No array of user-defined size on the stack: what the compiler says about every frame.
+"""No array of user-defined size on the stack, by the compiler's report on every frame.
 
 ``-fstack-usage`` leaves a list beside each object. A frame is `dynamic` where its size depends on
 numbers of a run. Those of the three folders that meson compiles with ``-fstack-arrays`` hold a few
@@ -34,7 +34,7 @@ def frames(lists: Iterable[Path]) -> dict[tuple[str, str], tuple[int, str]]:
             file, _, _, name = place.rsplit(":", 3)
             if "/src/" not in f"/{file}":
                 continue
-            # clones of the compiler, and what releases a type's components
+            # clones of the compiler, and procedures that release a type's components
             name = re.sub(r"\.(constprop|isra|part|cold).*", "", name)
             if not name.startswith(("__final_", "__copy_")):
                 key = (f"/{file}".rpartition("/src/")[2].removeprefix("rwmf/"), name)

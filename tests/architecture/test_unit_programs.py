@@ -11,7 +11,7 @@ _CALL = re.compile(r"^.*\bcall ((?:check|test)_\w+).*$", re.MULTILINE)
 
 
 def nameless(text: str) -> list[str]:
-    """Find calls in the main part of a program that no name of a group chooses.
+    """Find calls in the main part of a program that belong to no named group.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def nameless(text: str) -> list[str]:
     Returns
     -------
     list of str
-        Procedures that are called without `checks%wants`, and do not ask for it themselves.
+        Procedures that are called without `checks%wants`, and do not call it themselves.
     """
     main = _MAIN.search(text)
     assert main, "no main part"

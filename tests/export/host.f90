@@ -1,4 +1,4 @@
-!> A foreign program: one simulation, and one step of a wall.
+!> Program outside the library: one simulation, and one step of a wall.
 program host
    use, intrinsic :: iso_fortran_env, only: real64
    use rwmf, only: advance_stepping, case_t, create_stepping, destroy_stepping, error_t, &

@@ -45,7 +45,7 @@ def test_ordinates_of_elastic_chatter(method: str, elcentro: Path) -> None:
 @pytest.mark.parametrize("e", [1.0, 1 - 1e-7, 1 - 1e-4])
 @pytest.mark.parametrize("T_s", [0.05, 0.3])
 def test_the_ledger_closes_over_averaged_bounces(e: float, T_s: float, elcentro: Path) -> None:
-    """The work of ground motion, dampers and impacts goes on in the average."""
+    """On average the work of ground motion, dampers and impacts continues."""
     case = _case(elcentro, T_s, impact={"e": e}, model={"formulation": "exact"})
     run = rwmf.simulate(case.replace(output={"energy": True, "dt": 0.05}))
     assert float(run["energy_balance_relative"]) < 1e-6

@@ -1,4 +1,4 @@
-"""A wall that turns back on its base, or hardly above it: the run says what decides there."""
+"""A wall that turns back at or slightly above its base: the run warns of the decision."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ METHODS = ["dop853", "extrapolation", "erk54", "adams", "bdf"]
 
 
 def is_warned(text: str) -> bool:
-    """Return whether the run says that it grazes."""
+    """Return True for a run that warns of grazing."""
     result = rwmf.simulate(rwmf.Case.from_text(text))
     return "turns back on its base" in result.attrs["warnings"]
 
@@ -53,7 +53,7 @@ def test_multistep_methods_are_told_of_at_tighter_tolerances(method: str) -> Non
 
 
 def test_a_tighter_tolerance_decides() -> None:
-    """What is in doubt at 1e-9 is not at 1e-11."""
+    """A doubtful result at 1e-9 is certain at 1e-11."""
     assert not is_warned(SHORT_PULSE.format(method="dop853", rtol=1e-11))
 
 

@@ -27,7 +27,7 @@ def _name(value: object) -> str:
 def test_case(family: str, hard: Hard, tmp_path: Path) -> None:
     truth = ANSWERS[family, hard.name]
     assert truth.checksum == collection.checksum(hard), "run bench/hard_cases.py --reference"
-    rows = [collection.judge(hard, truth, method, tmp_path) for method in METHODS]
+    rows = [collection.evaluate(hard, truth, method, tmp_path) for method in METHODS]
     wrong = [row for row in rows if row.verdict != "right"]
     assert not wrong, f"{truth}\n{wrong}"
 

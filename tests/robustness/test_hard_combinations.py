@@ -36,25 +36,25 @@ _STARTS = range(FIRST, FIRST + NUMBERS, _CHUNK)
 RTOL = 1e-10
 TRUSTED = {"method": "dop853", "rtol": 1e-13}
 BALANCE = 1e-6
-FLOOR = 1e-6  # of the peak: what is asked of methods at RTOL where nothing amplifies
-# the resting wall's drive has another sign; what is left is the tolerance of the run
+FLOOR = 1e-6  # of the peak: required accuracy at RTOL without amplification
+# the drive of the resting wall changes its sign; the rest is the tolerance of the run
 MIRROR = 1e-7
 FAST_RTOL, FAST_FLOOR, FAST_FACTOR = 1e-9, 1e-7, 100.0
 NOTHING = 1e-12  # m or rad
-CHANGE = 1e-9  # of the motion, to see what amplifies
-UNDECIDED = 0.01  # an error that may be larger says nothing
+CHANGE = 1e-9  # of the motion, to measure amplification
+UNDECIDED = 0.01  # above this error a comparison is inconclusive
 DECIDED = 0.6  # least part of the scenes that a check can decide on
 ENDLESS = 0.99  # velocity factor of an impact
-LIMIT = 1e-9  # what the steps of two runs at rtol 1e-13 leave
+LIMIT = 1e-9  # difference between the steps of two runs at rtol 1e-13
 PROMISE = 1e-5  # asked by `&solver accuracy`
-ROUND_OFF = 1e-11  # what is left between a maximum that is closed in on and a row beside it
-PRESSED = 0.05  # least N/(m_w g) at which H/N says something
+ROUND_OFF = 1e-11  # difference between a located maximum and a row beside it
+PRESSED = 0.05  # least N/(m_w g) for a meaningful H/N
 
 Check = Callable[[Combination, Path], str | None]
 
 
 class UndecidedError(Exception):
-    """The scene amplifies what no method can help."""
+    """The scene amplifies errors beyond the reach of any method."""
 
 
 def _go_through(check: Check, make: Callable[[int], Combination], start: int, folder: Path) -> None:
@@ -157,7 +157,7 @@ def _amplification(made: Combination, folder: Path) -> float:
 
 
 def find_imbalance(made: Combination, folder: Path) -> str | None:
-    """Compare the work of the ground with what is stored and what is dissipated, by name."""
+    """Compare the work of the ground with stored and dissipated energies, by name."""
     run = _run(made, folder, output={"energy": True})
     if not float(run["energy_balance_relative"]) < BALANCE:
         return f"balance {float(run['energy_balance_relative'])}"
@@ -192,7 +192,7 @@ def find_disagreement(made: Combination, folder: Path) -> str | None:
     """Compare methods.
 
     Without loss at impact the chatter keeps the phase of flights that are smaller than the
-    tolerance. There a multistep method has no digits, so that it is not asked.
+    tolerance. There a multistep method has no digits, so that it is omitted.
     """
     third = "extrapolation" if made.groups["impact"].get("e") == 1.0 else "bdf"
     return _judge(made, folder, [_run(made, folder, x) for x in ("dop853", "erk54", third)])
@@ -246,7 +246,7 @@ def find_shift(made: Combination, folder: Path) -> str | None:
 
 
 def find_change(made: Combination, folder: Path) -> str | None:
-    """Run it again, and as ordinates alone and beside others: the same bits."""
+    """Compare runs and ordinates, alone and beside others, bit for bit."""
     runs = [_numbers(_run(made, folder)) for _ in range(2)]
     if runs[0] != runs[1]:
         return f"{runs}"
@@ -282,7 +282,7 @@ def find_broken_promise(made: Combination, folder: Path) -> str | None:
     return f"{error / _peak(trusted)}"
 
 
-# columns of a history and what is located of them: the largest magnitude
+# columns of a history and their located extremes: the largest magnitude
 _LOCATED = {
     r"(storey_\d+_drift|wall_drift|frame_drift|friction_demand|u_s|theta_dot)": r"\1_max",
     r"(storey_\d+_shear|wall_shear|wall_moment)_over_m_w_g": r"\1_max_over_m_w_g",
@@ -294,7 +294,7 @@ _LOCATED = {
 
 
 def find_overlooked(made: Combination, folder: Path) -> str | None:
-    """Look for a row of 0.1 ms beyond what is located between rows, at a loose tolerance too."""
+    """Find rows of 0.1 ms beyond the maximum located between rows, also at a loose tolerance."""
     for rtol in (1e-4, RTOL):
         run = _run(made, folder, solver={"rtol": rtol}, output={"dt": 1e-4})
         for column in map(str, run):
@@ -342,7 +342,7 @@ def find_slip(made: Combination, folder: Path) -> str | None:
     ids=lambda x: x.__name__,
 )
 def test_combinations(check: Check, start: int, tmp_path: Path) -> None:
-    """What must hold whatever acts together."""
+    """Check the laws that hold for all combinations."""
     _go_through(check, combination, start, tmp_path)
 
 
@@ -363,7 +363,7 @@ def test_combinations(check: Check, start: int, tmp_path: Path) -> None:
     ids=lambda x: x.__name__,
 )
 def test_further_combinations(check: Check, start: int, tmp_path: Path) -> None:
-    """The same with further laws, and of every demand."""
+    """Check further laws, for every demand."""
     _go_through(check, further_combination, start, tmp_path)
 
 
@@ -373,7 +373,7 @@ def test_fast(start: int, tmp_path: Path) -> None:
     _go_through(find_slip, spectrum_combination, start, tmp_path)
 
 
-# an effect, the value that makes it vanish, and what is left without it
+# an effect, the value that makes it vanish, and the equivalent scene without it
 _LIMITS = {
     "link": ({"link": {"L": 1e12}}, {}),
     "cable": ({"cable": {"eta_y": 1e9}}, {}),

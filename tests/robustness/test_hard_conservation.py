@@ -1,4 +1,4 @@
-"""What does not change when nothing is lost, and the ledger of what is."""
+"""Invariants of lossless motion, and the ledger of losses."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _period(theta_0: float) -> float:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_impact_times_do_not_drift(method: str, tmp_path: Path) -> None:
-    """1000 cycles of a block: the last impact comes when the quadrature says."""
+    """The last impact in 1000 cycles of a block is at the time of the quadrature."""
     cycles, rtol = 1000, 1e-10
     period = _period(0.2 * math.atan2(0.5, 2.0))
     groups = {**_ROCKING, "solver": {"t_end": cycles * period}}
@@ -97,5 +97,5 @@ def test_a_million_impacts(tmp_path: Path) -> None:
     few = rwmf.simulate(Hard("few", {**groups, "impact": {"e": 0.9}}).build(tmp_path, "dop853"))
     assert int(run["impacts"]) > 5e5
     assert run.attrs["steps"] < 1.1 * int(run["impacts"])
-    # the largest displacement comes before the first impact
+    # the largest displacement is before the first impact
     assert float(run["u_s_max"]) == float(few["u_s_max"])

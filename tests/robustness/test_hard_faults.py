@@ -1,4 +1,4 @@
-"""Faults: what cannot be computed, stored or written ends with an error that helps."""
+"""Faults: failed computations and writes end with a helpful error."""
 
 from __future__ import annotations
 

@@ -72,7 +72,7 @@ def survive(start: int, stop: int, folder: Path) -> dict[str, int]:
 
 
 def _bounded(case: rwmf.Case) -> rwmf.Case:
-    """Limit the work: an attack may well ask for an hour of it."""
+    """Limit the work, because a mutated input may need an hour."""
     changes: dict[str, dict[str, object]] = {"solver": {"max_steps": 20000, "verify": None}}
     if case.output is not None and case.output.dt is not None:
         changes["output"] = {"dt": max(case.output.dt, (case.solver.t_end or 1.0) / 1000, 1e-300)}
@@ -94,7 +94,7 @@ def _answer(case: rwmf.Case, number: int) -> int:
 
 @pytest.mark.parametrize("start", _STARTS)
 def test_python_entry(start: int, tmp_path: Path) -> None:
-    """In a process of its own, so that a crash of the kernel is a failed test."""
+    """A separate process turns a crash of the kernel into a failed test."""
     stop = min(start + _CHUNK, FIRST + ATTACKS)
     code = (
         "from pathlib import Path; "
@@ -180,7 +180,7 @@ def command_survives(kind: str, start: int, stop: int, folder: Path) -> dict[int
 
 
 def _make_results() -> dict[str, bytes]:
-    """Make what only a sweep can write: its results, its journals, and a file of HDF5."""
+    """Make the files that only a sweep can write: results, journals, and an HDF5 file."""
     import h5py
 
     for name, content in fuzz_calls.INPUTS.items():
@@ -225,7 +225,7 @@ def _make_other_names(names: Iterable[str]) -> None:
 
 
 def _changed(name: str, content: bytes) -> bool:
-    """Tell whether a file, or one of its other names, is not what it was."""
+    """Check whether a file, or one of its other names, has changed."""
     link, hard = Path(f"link-{name}"), Path(f"hard-{name}")
     same = link.is_symlink() and link.samefile(name) and hard.samefile(name)
     return not same or Path(name).is_symlink() or Path(name).read_bytes() != content
@@ -243,7 +243,7 @@ def _call(main: Callable[[], int]) -> tuple[int, str]:
 @pytest.mark.parametrize("start", range(FIRST, FIRST + COMMANDS, _CHUNK))
 @pytest.mark.parametrize("kind", fuzz_calls.KINDS)
 def test_command(kind: str, start: int, tmp_path: Path) -> None:
-    """In a process of its own, so that a crash is a failed test."""
+    """A separate process turns a crash into a failed test."""
     pytest.importorskip("h5py")
     stop = min(start + _CHUNK, FIRST + COMMANDS)
     code = (

@@ -64,7 +64,7 @@ def test_mirror(x: dict[str, float]) -> None:
 @_PROFILE
 @given(_SCENES)
 def test_scaling_by_a_power_of_four(x: dict[str, float]) -> None:
-    """Times are doubled exactly: what remains is the absolute floor of CVODE's first step."""
+    """Doubling times is exact; the difference is the absolute floor of CVODE's first step."""
     run, large = rwmf.simulate(_case(x)), rwmf.simulate(_case(x, 4.0))
     assert _peak(large) == pytest.approx(_peak(run), rel=1e-6, abs=1e-12)
 
@@ -80,7 +80,7 @@ def test_time_shift(x: dict[str, float], t_0: float) -> None:
 @_PROFILE
 @given(_SCENES, st.floats(1e-3, 0.7))
 def test_output_grid(x: dict[str, float], dt: float) -> None:
-    """What is written changes nothing, bit for bit."""
+    """Outputs do not change the results, bit for bit."""
     run, fine = rwmf.simulate(_case(x)), rwmf.simulate(_case(x), dt=dt)
     for name in ("u_s_max", "theta_max_over_alpha", "theta_dot_max", "impacts"):
         assert run[name].item() == fine[name].item()
@@ -99,7 +99,7 @@ def test_order_and_threads(x: dict[str, float], periods: list[float], threads: i
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_record_with_more_knots(method: str, tmp_path: Path) -> None:
-    """The same straight lines with a knot in the middle of each: the same motion."""
+    """Additional knots in the middle of straight lines do not change the motion."""
     t = 0.1 * np.arange(21)
     a = 3.0 * np.sin(5 * t) * (t < 1.95)
     both = np.linspace(0, 2, 41)

@@ -1,4 +1,4 @@
-"""Sizes that a user may ask for: many ordinates, long pulses, histories that end early."""
+"""Large sizes: many ordinates, long pulses, histories that end early."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def run_batch(folder: Path, text: str, stack: int | None = None) -> subprocess.C
 @pytest.mark.parametrize("method", ["dop853", "adams", "extrapolation"])
 @pytest.mark.parametrize(("scene", "end"), [(FALL, "overturned"), (COLLAPSE, "collapsed")])
 def test_a_history_ends_with_the_motion(tmp_path: Path, scene: str, end: str, method: str) -> None:
-    """No row comes after overturning or collapse, and a warning says when it was."""
+    """No row follows overturning or collapse, and a warning gives the time."""
     text = scene.format(method=method, a=3.0)
     result = rwmf.simulate(rwmf.Case.from_text(text))
     t_end = float(result["event_time"][-1])
@@ -85,7 +85,7 @@ def test_a_history_ends_with_the_motion(tmp_path: Path, scene: str, end: str, me
 
 
 def test_a_whole_history_has_no_such_warning() -> None:
-    """A wall that stands has all rows."""
+    """A wall at rest has all rows."""
     result = rwmf.simulate(rwmf.Case.from_text(FALL.format(method="adams", a=0.5)))
     assert result.sizes["time"] == 51
     assert "history" not in result.attrs["warnings"]
@@ -93,7 +93,7 @@ def test_a_whole_history_has_no_such_warning() -> None:
 
 @pytest.mark.parametrize("scene", [BARE, COUPLED])
 def test_many_ordinates_need_no_large_stack(tmp_path: Path, scene: str) -> None:
-    """What is as large as the user's spectrum lies on the heap."""
+    """Arrays of the size of the user's spectrum are on the heap."""
     done = run_batch(
         tmp_path,
         scene + "&motion kind = 'one_sine', a_max_g = 0.4, T_p = 1.0 /\n&solver t_end = 0.01 /\n"

@@ -48,7 +48,7 @@ _CASES = [
 @pytest.mark.slow
 @pytest.mark.parametrize("hard", _CASES, ids=[case.name for case in _CASES])
 def test_every_method(hard: Hard, tmp_path: Path) -> None:
-    """The largest displacement, and the rotation in the end: all branches lie before it."""
+    """Check the largest displacement and the final rotation, which follow all branches."""
     pytest.importorskip("rwmf._reference")
     truth = trusted.solve(hard.build(tmp_path))
     assert truth["error"] < 1e-15

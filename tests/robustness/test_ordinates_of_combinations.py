@@ -1,4 +1,4 @@
-"""Ordinates of combinations: those that lanes did not end, or had too far off; and their company.
+"""Ordinates of combinations that lanes once failed to compute, and their neighbours.
 
 The former were found by bench/random_ordinates.py, in scenes with smooth hysteresis.
 """
@@ -26,7 +26,8 @@ ENDLESS = {
 OFF = {
     # the passage of the hysteretic force before an impact that came earlier: 12 times the bound
     2450: (0.13967027027647697,),
-    # steps beyond what is stable where the hysteretic force relaxes to its bound: 1.3 and 1.1 times
+    # steps beyond the stability limit where the hysteretic force relaxes to its bound: 1.3 and 1.1
+    # times
     624: (0.502083184307579,),
     1475: (1.0500883705101898,),
 }
@@ -45,7 +46,7 @@ COVERED = [int(number) for number in f"{FIRST} {DEPENDED}".split()]
     ("number", "periods"), (ENDLESS | OFF).items(), ids=lambda value: str(value).split(",")[0]
 )
 def test_ordinates(number: int, periods: tuple[float, ...], tmp_path: Path) -> None:
-    """Each is that of a single run at a tight tolerance, alone and beside others."""
+    """Each ordinate equals a single run at a tight tolerance, alone and beside others."""
     case = combination(number).build(tmp_path)
     loose = case.replace(solver={"rtol": RTOL})
     team = np.ravel(rwmf.spectrum(loose, T_s=[*periods, 0.7, 0.9]).u_s_max)

@@ -53,7 +53,7 @@ def _run(law: str, other: str, method: str, rtol: float) -> tuple[float, int, in
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("method", METHODS)
 def test_springs_that_turn_at_once(method: str, law: str, other: str, rtol: float) -> None:
-    """Every method comes to the end of the run, by the same peaks and impacts."""
+    """Every method reaches the end of the run, with the same peaks and impacts."""
     found = _run(law, other, method, rtol)
     trusted = _run(law, other, "dop853", 1e-13)
     assert found[1:] == trusted[1:]

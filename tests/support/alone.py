@@ -89,7 +89,7 @@ def paths(number: int) -> dict[str, Path_]:
 
 
 def differences(number: int, folder: Path) -> Iterator[str]:
-    """Tell which quantities of a scene depend on what else is requested.
+    """Find the quantities of a scene that depend on the other requested quantities.
 
     Parameters
     ----------

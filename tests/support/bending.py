@@ -277,7 +277,7 @@ class BentWall:
         """Return velocities after an impact, the next side, the loss, and whether it goes on.
 
         `side` is that before. Momenta conjugate to turning about the new corner and to the modes
-        and floors do not change; the old velocities enter with the gradients about the new corner.
+        and floors do not change. The old velocities enter with the gradients about the new corner.
         """
         k, one = 1 + self.n, np.zeros((1, self.size))
         one[0] = x
@@ -490,7 +490,7 @@ class BentWall:
 
 @dataclass
 class Course:
-    """What the program finds."""
+    """Results of the program."""
 
     pieces: list[Piece] = field(default_factory=list)
     impacts: list[float] = field(default_factory=list)

@@ -81,9 +81,9 @@ def cantilever_roots(n: int, shear: float = 0.0) -> Array:
     """Return x = mu L of the first modes of a cantilever that bends and shears.
 
     With the shear flexibility s = EI/(k G A L^2), the deflection obeys
-    w'''' + s K w''/L^2 - K w/L^4 = 0, K = m omega^2 L^4/EI, whose characteristic roots are +-y/L
-    and +-i x/L: x^2 y^2 = K, x^2 - y^2 = s K, therefore y^2 = x^2/(1 + s x^2). The clamped end
-    without rotation and the free end without moment and shear give
+    w'''' + s K w''/L^2 - K w/L^4 = 0, K = m omega^2 L^4/EI. The characteristic roots are +-y/L
+    and +-i x/L: x^2 y^2 = K, x^2 - y^2 = s K, therefore y^2 = x^2/(1 + s x^2). The conditions at
+    both ends give the frequency equation:
 
         2 + (r^2 + 1/r^2) cosh y cos x - (r - 1/r) sinh y sin x = 0,  r = x/y.
     """
@@ -123,8 +123,11 @@ class Shapes:
     def __call__(self, z: Array) -> Array:
         """Return the deflections at heights, a column per mode.
 
-        The rotation of the section is c_1 (cosh y - cos x) + c_2 (sinh y + (y/x)^3 sin x) of the
-        height over L. Its third derivative is the deflection, up to a factor; c_1 and c_2 follow
+        The rotation of the section, with x and y times z/L, is
+
+            c_1 (cosh y - cos x) + c_2 (sinh y + (y/x)^3 sin x).
+
+        Its third derivative is the deflection, up to a factor. c_1 and c_2 follow
         from the moment at the tip. The growing exponential has its own small coefficient.
         """
         x, y, share = self.x, self.y, np.asarray(z)[:, None] / self.length

@@ -1,13 +1,12 @@
 """Rocking walls and their frames as single bodies, and every demand on them.
 
-Wall and floors have a balance of momentum each: the angular acceleration of the wall, both forces
-of the foundation and the force of every link are the unknowns of one linear system at every
-instant, and the same system gives the impulses of an impact. What a section of the wall bears is
-summed over the mass above it, particle by particle; between two links shear and moment are
-polynomials of the height, whose largest values are taken at their ends and roots. Each piece of
-motion, up to the next impact, lift-off, change of a spring or knot of the ground motion, is
-integrated by SciPy, and its solution is searched for the largest demands. Nothing is shared with
-the kernel.
+Wall and floors have one momentum balance each. At every instant one linear system gives the angular
+acceleration of the wall, both forces of the foundation and the force of every link; the same system
+gives the impulses of an impact. Section forces of the wall are sums over the mass above, particle
+by particle. Between two links shear and moment are polynomials of the height, whose largest values
+are at their ends and roots. A piece of motion ends at the next impact, lift-off, change of a spring
+or knot of the ground motion. SciPy integrates each piece, and its solution is searched for the
+largest demands. The program is independent of the kernel.
 """
 
 from __future__ import annotations
@@ -82,11 +81,11 @@ class Ground:
 
 @dataclass
 class Body:
-    """The wall, and what holds it."""
+    """The wall and its connections."""
 
     h: float
     b: float
-    e: float | None = 0.9  # None: what the balance of momentum gives
+    e: float | None = 0.9  # None: from the momentum balance
     formulation: str = "exact"
     eta: tuple[float, float] | None = None  # cable force at 0 and at alpha, over the weight
     cable: str = "truss"
@@ -141,7 +140,7 @@ class Piece:
 
 @dataclass
 class Course:
-    """What the program finds."""
+    """Results of the program."""
 
     pieces: list[Piece] = field(default_factory=list)
     impacts: list[float] = field(default_factory=list)
@@ -209,7 +208,7 @@ class Building:
         return x - start, up, -x
 
     def _corner(self, side: int) -> float:
-        """Return where the top corner that the roof is linked to stands, from the axis."""
+        """Return the distance of the top corner with the roof's link from the axis."""
         is_left = side > 0 or self.wall.formulation == "exact"
         return -self.b if is_left else self.b
 
@@ -242,7 +241,7 @@ class Building:
     # forces
 
     def shears(self, y: Array, side: int, springs: list[Spring]) -> Array:
-        """Return what the columns of the storeys bear."""
+        """Return the forces of the columns of the storeys."""
         d, _ = self.drawn(y, side)
         if self.is_one:
             return self.columns * self.bend * (springs[0].force(d[0]) / springs[0].k)
@@ -279,7 +278,7 @@ class Building:
         return -size * along
 
     def weight(self, t: float) -> float:
-        """Return what a mass of the wall weighs in the frame of the ground [m/s2]."""
+        """Return the weight per mass of the wall in the frame of the ground [m/s2]."""
         return G + self.scene.vertical * self.scene.ground(t)
 
     def instant(
@@ -309,7 +308,7 @@ class Building:
             x = np.linalg.solve(matrix, right)
             ddot, pivot, links = x[0], x[1:3], x[3:]
             if self.wall.fuse:
-                # the fuse under the corner that stands pulls it to the ground
+                # the fuse under the pivot corner pulls it to the ground
                 i = self.frame_springs + (1 if side > 0 else 0)
                 pivot = pivot + np.array([0.0, springs[i].force(0.0)])
         absolute = self.share * (slope * ddot + bend * y[1] ** 2) + a_g
@@ -318,7 +317,7 @@ class Building:
         return Instant(ddot, links, pivot, absolute, d, shear)
 
     def _linked(self, a_g: float, resisting: Array) -> tuple[Array, Array]:
-        """Return inertia that each link moves, and what it pulls with beyond that."""
+        """Return the inertia that each link moves, and its other pull."""
         if self.scene.coupling == "every_floor":
             return self.m * self.share, self.m * a_g + resisting
         if self.scene.coupling == "reduced":
@@ -378,7 +377,7 @@ class Building:
     # demands
 
     def keys(self) -> list[str]:
-        """Return the names of what `demands` returns."""
+        """Return the names of the results of `demands`."""
         numbers = range(1, self.n + 1)
         names = [f"floor_{i}_acceleration_max_g" for i in numbers]
         if not self.scene.is_single:
@@ -557,7 +556,7 @@ class Building:
         return [i for i in frame if self.springs[i].u_y < math.inf]
 
     def _spring_events(self, side: int, *, rests: bool) -> list[Watched]:
-        """Return name, number, function and direction of what may happen to the springs."""
+        """Return name, number, function and direction of the possible events of the springs."""
         events: list[Watched] = []
         for i in self._moves(side, rests=rests):
             spring = self.springs[i]
@@ -630,7 +629,7 @@ class Building:
                 elif name != "impact":
                     self._change(name, i, y, side)
                     course.branches += 1
-            # a fuse may come to a bound as its corner lands
+            # a fuse may reach a bound as its corner lands
             if self.wall and not rests and side * y[0] < 1e-15 and side * y[1] < 0:
                 course.impacts.append(t)
                 y[:2], side = [0.0, self.after_impact(y, side) * y[1]], -side
@@ -671,7 +670,7 @@ class Building:
             span = span[0], min(passed)
 
     def _change(self, name: str, i: int, y: Array, side: int) -> None:
-        """Let a spring go to what comes next."""
+        """Move a spring to its next branch."""
         spring, d = self.springs[i], self.drawn(y, side)[0][i]
         if name == "turn":
             spring.turn(d)
@@ -681,7 +680,7 @@ class Building:
             spring.reach(1 if name == "up" else -1)
 
     def _settle(self, y: Array, side: int, *, rests: bool) -> None:
-        """Take along what happens at the same instant: alike springs, and jumps of velocity."""
+        """Apply simultaneous events: equal springs, and jumps of velocity."""
         d, rate = self.drawn(y, side)
         for i in self._moves(side, rests=rests):
             spring = self.springs[i]
@@ -720,7 +719,7 @@ class Building:
         return dict(zip(self.keys(), map(float, found), strict=True))
 
     def left(self, course: Course, t_end: float) -> dict[str, float]:
-        """Return what slow unloading leaves at a time, by the names of the kernel."""
+        """Return the residuals after slow unloading at a time, by the names of the kernel."""
         piece = next(p for p in reversed(course.pieces) if p.t[0] <= t_end)
         d = self.drawn(piece.at(t_end), piece.side)[0]
         pairs = list(zip(piece.springs, d, strict=True))[: self.frame_springs]

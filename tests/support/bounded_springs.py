@@ -2,8 +2,8 @@
 
 Bilinear, softening, slipping and self-centring springs differ only in their bounds: two parallel
 lines; the same with a higher pair for as long as friction holds; two lines with a corner each that
-meet around the origin. Nothing is shared with the kernel, which keeps branches and what has
-yielded.
+meet around the origin. The program is independent of the kernel, which stores branches and plastic
+displacements.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 @dataclass
 class Spring:
-    """A spring and what it remembers.
+    """A spring and its state variables.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Spring:
         return self.level + self.k * (d - self.place)
 
     def limits(self) -> tuple[float, float]:
-        """Return the elongations at which the way between the bounds comes to them [m]."""
+        """Return the elongations at which the elastic path reaches the bounds [m]."""
         if self.u_y == math.inf:
             return -math.inf, math.inf
         offset = self.place - self.level / self.k
@@ -84,7 +84,7 @@ class Spring:
         return inner if self.law == "flag" and self.on else None
 
     def reach(self, sign: int) -> None:
-        """Come to a bound."""
+        """Move the spring to a bound."""
         self.on = sign
 
     def turn(self, d: float) -> None:

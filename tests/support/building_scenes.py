@@ -1,4 +1,4 @@
-"""Random buildings from a number: what the independent program takes, and the kernel's case.
+"""Random buildings from a number: input of the independent program, and the kernel's case.
 
 The same number makes the same scene on every machine, so that a finding is a number.
 """

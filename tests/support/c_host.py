@@ -74,7 +74,7 @@ def _library() -> ctypes.CDLL:
 
 
 def _call(name: str, *arguments: object) -> None:
-    """Call a function of the interface; what it refuses is raised as Python's own error."""
+    """Call a function of the interface, and raise its error as that of Python."""
     message = ctypes.create_string_buffer(_MESSAGE_BYTES)
     function = getattr(_library(), name)
     status = function(*arguments, message, c_size_t(_MESSAGE_BYTES))
@@ -180,7 +180,7 @@ def stepping(text: str, peak: float = 0.0) -> Iterator[Wall]:
 
 
 def respond(text: str, side: int, motion: Sequence[float]) -> Response:
-    """Make an element and ask for its force at u, u', u'' of the link and u_g''."""
+    """Make an element and return its force at u, u', u'' of the link and u_g''."""
     element, response = c_void_p(), Response()
     _call("rwmf_create_element", c_char_p(text.encode()), byref(element))
     try:

@@ -19,7 +19,7 @@ _RETURN = 0.4754151714415915
 
 
 def _push(level: float) -> tuple[tuple[float, float], ...]:
-    """Push the falling wall up, and let it go [m/s2]."""
+    """Push the falling wall upwards, and release it [m/s2]."""
     return ((0.0, 0.0), (0.3, 0.0), (0.5, -level), (0.6, -level), (0.65, 0.0))
 
 

@@ -13,7 +13,7 @@ _TENDON = {"cable": {"eta_y": 1.4, "hardening": 0.02}}
 _FUSE = {"fuse": {"eta_y": 0.3, "stroke_y": 0.003}}
 _FRAME = {"yielding": {"u_y": 0.03, "hardening": 0.05}}
 _ALL = {**_TENDON, **_FUSE, **_FRAME}
-# let go from 0.3 alpha without motion: the first peak to the other side is known once for all
+# released at 0.3 alpha without motion: the first peak on the other side is known
 _FREE = {"motion": quiet(), "initial": {"theta_over_alpha": 0.3}}
 
 

@@ -1,4 +1,4 @@
-"""Overturning: on both sides of the boundary, and what comes back from beyond alpha."""
+"""Overturning: both sides of the boundary, and returns from beyond alpha."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ Runner = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
 def run_python(code: str, folder: Path, *path: Path) -> subprocess.CompletedProcess[str]:
-    """Run lines of Python in a process of their own, which may import what the tests share.
+    """Run lines of Python in a separate process that can import the support modules.
 
     Parameters
     ----------

@@ -33,12 +33,12 @@ FAMILIES: dict[str, list[Hard]] = {
 
 ANSWERS = REFERENCE / "hard_cases.csv"
 
-# what the project promises of the peak: max(1e-7, 100 rtol kappa), or 1e-12 m (rad)
+# promised error of the peak: max(1e-7, 100 rtol kappa), or 1e-12 m (rad)
 PEAK_FLOOR, PEAK_FACTOR, NOTHING = 1e-7, 100.0, 1e-12
-# the rotation at the end has come through every impact; relative to the largest rotation
+# error of the final rotation, after all impacts, relative to the largest rotation
 END_FACTOR = 1000.0
-# size of the change of the motion that kappa is taken with, over the tolerance: that of what a
-# method errs, because near grazing and overturning the response is no linear function of the motion
+# relative change of the motion for kappa, over the tolerance: about the error of a method, because
+# near grazing and overturning the response is no linear function of the motion
 _CHANGE_FACTOR = 10.0
 
 
@@ -51,7 +51,7 @@ class Answer:
     family, name : str
         The case.
     checksum : int
-        CRC-32 of what was computed, to notice a case that has changed since.
+        CRC-32 of the computed case, to detect later changes.
     peak : float
         Largest |u_s| [m]; without a frame the largest |theta| [rad].
     theta_max, theta_end : float
@@ -80,7 +80,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Row:
-    """What one method made of one hard case; `verdict` is 'right', 'refused ...' or 'WRONG'."""
+    """Result of one method for one hard case; `verdict` is 'right', 'refused ...' or 'WRONG'."""
 
     method: str
     rtol: float
@@ -144,7 +144,7 @@ def answer(family: str, hard: Hard, folder: Path) -> Answer:
     )  # fmt: skip
 
 
-def judge(hard: Hard, truth: Answer, method: str, folder: Path) -> Row:
+def evaluate(hard: Hard, truth: Answer, method: str, folder: Path) -> Row:
     """Run a case with a method and compare it with the trusted answer.
 
     Parameters

@@ -29,7 +29,7 @@ _PULSE_RATE = 0.55  # part of the scenes that have a pulse, not a record
 
 @dataclass(frozen=True)
 class Combination:
-    """A scene that a number stands for.
+    """A scene generated from a number.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ def combination(number: int) -> Combination:
 
 
 def further_combination(number: int) -> Combination:
-    """Make the scene of a number with laws that slip, come back and lose strength.
+    """Make the scene of a number with slip, self-centring and strength loss.
 
     It is `combination` of the same number, whose frame or storeys and fuses get other laws, with
     gravity on the frame and a shear key in some, and every demand is asked for.

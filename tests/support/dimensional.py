@@ -1,4 +1,4 @@
-"""Scenes of ratios said once more in kg, N and Pa."""
+"""Scenes of ratios expressed in kg, N and Pa."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Mutated namelists and records, from a seed.
 
-Texts are cut, doubled, exchanged and overwritten with what parsers fear; the same number makes the
-same input on every machine.
+Texts are cut, doubled, exchanged and overwritten with input that is difficult to parse; the same
+number makes the same input on every machine.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Calls of the command, from a seed.
 
-Mutated command lines and sweep files, outputs that are inputs, and sweeps that begin anew in the
-place of what is no sweep, or not theirs.
+Mutated command lines and sweep files, outputs that are inputs, and sweeps restarted over other
+files or other sweeps.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from fuzz import RECORDS, mutate, mutate_bytes
 
-# what every call finds in its folder: short runs
+# files in the folder of every call: short runs
 INPUTS = {
     "case.nml": b"""&wall h = 2.0, b = 0.5 /
 &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /
@@ -106,7 +106,7 @@ _WORDS = (
     "threads:1", "dance:1", "out.png", "out.doc", "fema:moon", "g", "cm/s2", "THETA_MAX_over_alpha",
     "1e-300", "1e300",
 )  # fmt: skip
-# {} is an output, which is one of the inputs; what a namelist reads stands in _READ
+# {} is an output that is also an input; _READ lists the paths in namelists
 _OVERWRITING = (
     "run moved.nml --plot {}",
     "run moved.nml --loops {} --json",
@@ -134,7 +134,7 @@ _READ = {
     "suite.nml": ("moved.nml", "record.txt"),
 }
 _HERE = (".", "./", "sub/..", "here", "{folder}", "{folder}/sub/../here")
-# what a sweep may find in its place: exit status without and with --restart
+# possible earlier contents of a sweep's file: exit status without and with --restart
 _PLACES = {
     "new.nc": (0, 0),
     "done.nc": (0, 0),
@@ -153,7 +153,7 @@ _PLACES = {
     "s.nml": (2, 2),
     "case.nml": (2, 2),
 }
-# of these a call that says so may discard what is there
+# earlier contents that a call with --restart may discard
 _DISCARDED = ("done.nc", "another.nc", "begun.nc.journal", "torn.nc.journal")
 
 
@@ -164,15 +164,15 @@ class Call:
     Attributes
     ----------
     words : list of str
-        What follows the command's name.
+        Arguments of the command.
     inputs : dict
-        Content of the files that are there, by name.
+        Contents of the existing files, by name.
     loose : tuple of str
         Those that the call may change.
     statuses : tuple of int
         Exit statuses that are right.
     says : str
-        What an error must say.
+        Required part of an error message.
     """
 
     words: list[str]
@@ -216,7 +216,7 @@ def _sweep_file(number: int, inputs: Mapping[str, bytes], _: str) -> Call:
 
 
 def _command_line(number: int, inputs: Mapping[str, bytes], _: str) -> Call:
-    """Call with words that are mutated; none of them becomes the name of a file that is there."""
+    """Call with mutated words, none of which becomes the name of an existing file."""
     dice = random.Random(f"command {number}")
     words = dice.choice(COMMANDS).split()
     for _ in range(dice.choice((1, 1, 2, 3))):
@@ -237,7 +237,7 @@ def _overwriting(number: int, inputs: Mapping[str, bytes], folder: str) -> Call:
     """Call whose output is one of its inputs, each under some name."""
     dice = random.Random(f"overwriting {number}")
     if dice.random() < 0.1:
-        # outputs that nobody has named
+        # outputs without a given name
         place = dice.choice(_HERE).replace("{folder}", folder)
         words = ["run", dice.choice(("", "./", "here/", "link-", "hard-")) + "rec.nml"]
         words += ["--out", place]

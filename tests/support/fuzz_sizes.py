@@ -25,7 +25,7 @@ _STOREYS = (549, 999, 1000)
 _MANY = 100_000
 _WALL = "&wall h = {h}, b = {b} /\n&impact e = 0.9 /\n"
 _PULSE = "&motion kind = 'one_sine', a_max_g = 0.4, T_p = 1.0 /\n"
-# what laws of springs cannot do without
+# required keys of the laws of springs
 _LAWS = {
     "peak_oriented": ", cap = 5.0, post_cap = 8.0, ultimate = 10.0",
     "pinched": ", cap = 5.0, post_cap = 8.0, pinch_force = 0.4, pinch_displacement = 0.5, "

@@ -1,4 +1,4 @@
-"""What a hard case is, and the scene that most of them start from."""
+"""Hard cases, and the scene from which most of them are derived."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ class Hard:
     Attributes
     ----------
     name : str
-        What makes it hard, in a few words.
+        Difficulty of the case, in a few words.
     groups : mapping
-        What differs from the common scene.
+        Differences from the common scene.
     record : tuple of pairs
         Time [s] and acceleration [m/s2] of a record that takes the place of the pulse.
     rtol : float
-        Tolerance that every method is asked for.
+        Requested tolerance of every method.
     """
 
     name: str

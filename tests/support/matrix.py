@@ -1,11 +1,11 @@
-"""What works where: every effect on every way to use the program.
+"""Support of every effect by every interface of the program.
 
     .venv/bin/python tests/support/matrix.py > docs/reference/matrix.md
 
-A row is a scene: each entry of ``EFFECTS`` in ``bench/pairs.py`` with a wall and, where there is
-such a case, without one. A column is a path: one function that uses the program in one way and
-compares what comes out with the plain run. ``REFUSALS`` says what is refused and why;
-``test_matrix.py`` goes through all cells, and asks for a row of every effect of the kernel.
+A row is a scene: each entry of ``EFFECTS`` in ``bench/pairs.py`` with a wall and, where such a case
+exists, without one. A column is a path: a function that uses one interface of the program and
+compares the results with the plain run. ``REFUSALS`` lists refusals with reasons.
+``test_matrix.py`` runs all cells, and requires a row for every effect of the kernel.
 """
 
 from __future__ import annotations
@@ -53,15 +53,14 @@ _ALONE, _BLOCK = "frame alone", "block"
 
 
 _INTRODUCTION = """\
-# What works where
+# Effects and interfaces
 
-Made by `python tests/support/matrix.py`; `tests/python/effects/test_matrix.py` goes through every
-cell. Each effect stands in one small case with a wall and, where there is such a case, in one
-without. Which effects go together: [effects.md](effects.md).
-
-A cell with + computes what the plain run does: the same bits where the method is the same
-(`dop853`, rtol = 1e-8), else to 100 rtol; the force of the element to 1e-9 of the weight. A
-letter: refused, with the reason below. A number: neither, and to be put right.
+For users who combine an effect with a command or an interface: the table shows where each effect
+works. Each row is a small case with a wall, without a frame ("block") or without a wall ("frame
+alone"); [effects.md](effects.md) lists the pairs of effects. `+` means that the results equal those
+of the plain run: bitwise with the same method (`dop853`, rtol = 1e-8), else to 100 rtol, and to
+1e-9 of the weight for the force of an element. A letter means that the program refuses the case
+with the message below. `tests/support/matrix.py` makes this page; a test computes every cell.
 """
 
 
@@ -73,7 +72,7 @@ class Scene:
     groups : mapping
         Groups of the case, from `ROWS`.
     folder : Path
-        Where its record stands (`pairs.prepare`).
+        Folder of its record (`pairs.prepare`).
     """
 
     def __init__(self, groups: Mapping[str, Any], folder: Path) -> None:
@@ -119,7 +118,7 @@ class Scene:
 
     @property
     def peak(self) -> tuple[str, str]:
-        """Key and name of what a study of the scene is about."""
+        """Return key and name of the quantity for a study of the scene."""
         if self.has_frame:
             return "u_s_max_m", "u_s_max"
         return "theta_max_over_alpha", "theta_max_over_alpha"
@@ -137,7 +136,7 @@ class Scene:
         return path
 
     def ground(self) -> tuple[list[float], Callable[[float], float]]:
-        """Knots [s] and acceleration [m/s2] of the motion, as a host would compute it."""
+        """Knots [s] and acceleration [m/s2] of the motion, computed like a host."""
         motion = self.case.motion
         if motion is None:
             return [0.0], lambda _: 0.0
@@ -190,7 +189,7 @@ ROWS = _rows()
 
 
 def _same(found: object, expected: object) -> None:
-    """Compare bits; what has no value has none on both sides."""
+    """Compare bits; a missing value must be missing on both sides."""
     assert np.array_equal(np.ravel(found), np.ravel(expected), equal_nan=True), (found, expected)
 
 
@@ -227,7 +226,7 @@ def run_json(scene: Scene, folder: Path) -> None:
 
 
 def _command(*words: str | Path) -> str:
-    """Run the command rwmf in this process; what it complains of becomes an error again."""
+    """Run the command rwmf in this process, and raise its message as an error."""
     output, errors = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(errors):
         status = cli.main([str(word) for word in words])
@@ -237,7 +236,7 @@ def _command(*words: str | Path) -> str:
 
 
 def run_check(scene: Scene, folder: Path) -> None:
-    """`rwmf check`: names the effects and the outputs of the run."""
+    """`rwmf check`: effects and outputs of the run."""
     lines = _command("check", scene.write(folder)).splitlines()
     shown = dict(line.split(": ", 1) for line in lines[:7])
     assert shown["effects"].split(", ") == scene.plain["effects"]
@@ -268,14 +267,14 @@ def _history(path: Path) -> tuple[list[str], Any]:
 
 
 def run_spectrum(scene: Scene, _: Path) -> None:
-    """`rwmf.spectrum` by the method of the run."""
+    """`rwmf.spectrum` with the method of the run."""
     key, name = scene.peak
     found = rwmf.spectrum(scene.case, scene.grid.get("T_s", [1.0]))
     _same(found[name], scene.plain[key])
 
 
 def run_auto_spectrum(scene: Scene, _: Path) -> None:
-    """`rwmf.spectrum` by its default, method `auto`."""
+    """`rwmf.spectrum` with its default method, `auto`."""
     case = scene.case.replace(solver={"method": None})
     key, name = scene.peak
     found = rwmf.spectrum(case, scene.grid.get("T_s", [1.0]))
@@ -283,7 +282,7 @@ def run_auto_spectrum(scene: Scene, _: Path) -> None:
 
 
 def run_sweep(scene: Scene, _: Path) -> None:
-    """`rwmf.sweep`: what it reports by itself, then every scalar that has a name."""
+    """Run `rwmf.sweep` with its default quantity, then with every named scalar."""
     rows = [find(key) for key in scene.plain]
     names = [row.name for row in rows if row.name and "ordinate" in row.outputs.split()]
     _check_sweep(scene, rwmf.sweep(scene.case, scene.grid), [scene.peak[1]])
@@ -291,7 +290,7 @@ def run_sweep(scene: Scene, _: Path) -> None:
 
 
 def run_netcdf(scene: Scene, folder: Path) -> None:
-    """`rwmf.sweep` into a NetCDF file, read back."""
+    """`rwmf.sweep` with a NetCDF file, read again."""
     wanted = [scene.peak[1], "base_shear_max_over_weight"]
     path = folder / "sweep.nc"
     with rwmf.sweep(scene.case, scene.grid, file=path, quantities=wanted) as found:
@@ -299,7 +298,7 @@ def run_netcdf(scene: Scene, folder: Path) -> None:
 
 
 def run_points(scene: Scene, _: Path) -> None:
-    """`rwmf.sweep` with points: two rows, of which the second is the run."""
+    """`rwmf.sweep` with points: the second of two rows."""
     axes = scene.case.kernel.axes()
     own = {name: axis.value for name, axis in axes.items()}
     points = {name: [1.1 * value, value] for name, value in own.items()}
@@ -317,7 +316,7 @@ def _check_sweep(scene: Scene, found: xr.Dataset, wanted: list[str]) -> None:
 
 def study_overturning(scene: Scene, _: Path) -> None:
     """`studies.overturning_map`."""
-    # one pulse that it stands and one that throws it; no bisection
+    # one pulse below and one above overturning; no bisection
     levels, omega = [1.5, 6.0], 4.0
     quiet = scene.case.replace(output=None)
     found = studies.overturning_map(quiet, [omega], levels, tolerance=10.0)
@@ -404,7 +403,7 @@ def study_equal_response(scene: Scene, _: Path) -> None:
 
 
 def step_own(scene: Scene, _: Path) -> None:
-    """Step a wall under the motion of its case, and take a step back."""
+    """Advance a wall under the motion of its case and repeat a step."""
     knots, _ = scene.ground()
     with c_host.stepping(scene.case.to_namelist()) as wall:
         wall.advance(knots[-1])
@@ -437,7 +436,7 @@ def _same_end(state: c_host.State, case: rwmf.Case) -> None:
 
 
 def step_samples(scene: Scene, _: Path) -> None:
-    """Step a wall under samples of its host."""
+    """Advance a wall under samples of a host program."""
     t, a = samples()
     peak = max(map(abs, a))
     with c_host.stepping(scene.case.to_namelist(), peak) as wall:
@@ -447,7 +446,7 @@ def step_samples(scene: Scene, _: Path) -> None:
 
 
 def step_ground(scene: Scene, _: Path) -> None:
-    """Step a wall under a function of its host."""
+    """Advance a wall under a function of a host program."""
     knots, ground = scene.ground()
     t_end = scene.case.solver.t_end
     with c_host.stepping(scene.case.to_namelist()) as wall:
@@ -462,15 +461,15 @@ def step_ground(scene: Scene, _: Path) -> None:
 
 
 def run_element(scene: Scene, _: Path) -> None:
-    """Ask an element for the force that the link of the stepping wall has."""
+    """Force of the element and of the link of a stepping wall."""
     text = scene.case.to_namelist()
     knots, ground = scene.ground()
     changes: dict[str, Any] = {}
     if not scene.has_frame:
-        # without mass: it only says how the top of the wall moves
+        # without mass: it only defines the motion of the wall's top
         changes["frame"] = {"gamma": 0.0, "T_s": 0.5, "xi_s": 0.0}
     if len(knots) == 1 or (not scene.has_frame and scene.case.cable is not None):
-        # what the ground would leave at rest
+        # peak of the quantity for the motion of the ground alone
         changes["initial"] = {"theta_over_alpha": 0.2}
     c_host.respond(text, 1, [0.1, 0.0, 0.0, 0.0])
     with c_host.stepping(scene.case.replace(**changes).to_namelist()) as wall:
@@ -527,7 +526,7 @@ PATHS: dict[str, Callable[[Scene, Path], None]] = {
 
 @dataclass(frozen=True)
 class Refusal:
-    """What is refused: paths, a pattern of the names of rows, how the message begins."""
+    """A refusal: paths, a pattern of the names of rows, the beginning of the message."""
 
     paths: tuple[str, ...]
     rows: str
@@ -569,7 +568,7 @@ REFUSALS = (
 
 
 def entry_of(table: Iterable[Refusal], row: str, path: str) -> Refusal | None:
-    """Find what a table says of a cell.
+    """Find the entry of a table for a cell.
 
     Parameters
     ----------
@@ -601,17 +600,17 @@ def make() -> str:
     Returns
     -------
     str
-        The matrix, its columns, the and the reasons.
+        The columns, the matrix and the messages of the refused cells.
     """
     names = list(PATHS)
-    parts = [_INTRODUCTION, "| | way | what is compared |\n|---|---|---|"]
+    parts = [_INTRODUCTION, "| | interface | compared with the plain run |\n|---|---|---|"]
     for i, (name, path) in enumerate(PATHS.items()):
         parts.append(f"| {i + 1} | {name} | {(path.__doc__ or '').strip()} |")
     parts.append("\n| effect | " + " | ".join(str(i + 1) for i in range(len(names))) + " |")
     parts.append("|---|" + "---|" * len(names))
     parts += [f"| {row} | " + " | ".join(_mark(row, name) for name in names) + " |" for row in ROWS]
-    parts.append("\nRefused:\n")
-    parts += [f"* {_letter(i)}: {entry.message}" for i, entry in enumerate(REFUSALS)]
+    parts.append("\n| | message |\n|---|---|")
+    parts += [f"| {_letter(i)} | {entry.message} |" for i, entry in enumerate(REFUSALS)]
     return "\n".join(parts) + "\n"
 
 

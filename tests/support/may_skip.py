@@ -1,4 +1,4 @@
-"""What may be skipped where everything is to be tested.
+"""Tests that may be skipped when everything is to be tested.
 
 With RWMF_MUST_RUN=1, as `.ci/run` sets it, every other skip is a failure: a package that went
 missing would take its tests along unseen.

@@ -1,4 +1,4 @@
-"""What asks the server of `rwmf explore` as its page does, without a browser."""
+"""Client of the server of `rwmf explore` that acts as its page, without a browser."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Client:
         self.token = token
 
     def post(self, path: str, body: bytes, **headers: str | None) -> tuple[int, bytes]:
-        """Send a question as it stands; a header that is None is left out."""
+        """Send a request unchanged; a header that is None is omitted."""
         words = {"X-Token": self.token} | {
             name.replace("_", "-"): value for name, value in headers.items()
         }
@@ -54,14 +54,14 @@ class Client:
             connection.close()
 
     def ask(self, path: str, question: object) -> dict[str, Any]:
-        """Ask what must be answered."""
+        """Send a request that must be answered."""
         status, content = self.post(path, json.dumps(question).encode())
         assert status == 200, content
         found: dict[str, Any] = json.loads(content)
         return found
 
     def problem(self, path: str, question: object) -> tuple[int, str]:
-        """Ask what must not be; status and message."""
+        """Send a request that must be refused; return status and message."""
         status, content = self.post(path, json.dumps(question).encode())
         assert status != 200
         return status, json.loads(content)["error"]
@@ -81,7 +81,7 @@ def served(case: Case) -> Iterator[tuple[PageServer, Client]]:
     PageServer
         The server.
     Client
-        What asks it.
+        Name of the requesting page.
     """
     server = PageServer(case)
     thread = threading.Thread(target=server.serve_forever, args=(0.02,))

@@ -1,4 +1,4 @@
-"""Processor time of a process that computes: what its neighbours do not change."""
+"""Processor time of a computing process, independent of other processes."""
 
 from __future__ import annotations
 

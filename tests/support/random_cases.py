@@ -1,4 +1,4 @@
-"""A seeded generator of scenes that nobody chose: all formulations, pulses and records."""
+"""Seeded generator of random scenes: all formulations, pulses and records."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _FORMULATIONS = ("published", "symmetric", "exact")
 
 
 def random_cases(n: int, seed: int, records: Path) -> Iterator[rwmf.Case]:
-    """Yield scenes of the range that engineers ask for.
+    """Yield scenes within the range of engineering practice.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def with_storeys(case: rwmf.Case, n: int) -> rwmf.Case:
     Returns
     -------
     rwmf.Case
-        All modes; the floors weigh together what the frame did, 20 walls at most.
+        All modes; the floors together weigh as much as the frame, 20 walls at most.
     """
     mass = min(case.frame.gamma, 20.0) / n
     # lowest frequency of a chain of equal masses and springs

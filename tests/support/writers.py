@@ -19,9 +19,9 @@ class Writer:
     Attributes
     ----------
     words : list of str
-        The command, run in the folder of `prepare`; 'rwmf-batch' stands for the batch program.
+        The command, run in the folder of `prepare`; 'rwmf-batch' means the batch program.
     targets : list of str
-        What it writes.
+        Written files.
     through : bool
         Whether it writes to a pipe as well.
     needs : str
@@ -75,7 +75,7 @@ WRITERS = {
 
 
 def prepare(folder: Path) -> None:
-    """Write what the commands read.
+    """Write the input files of the commands.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ class Frame:
         return np.concatenate((y[n : 2 * n], (-push.T / self.m).T - a, (flow * rate.T).T))
 
     def _margins(self, y: Array) -> Array:
-        """Return what is positive while no storey changes its branch or collapses."""
+        """Return a function that is positive until a storey changes its branch or collapses."""
         d, rate, memory, force = self._parts(y)
         turn = np.where(self.way != 0, self.way * rate.T, 1.0)
         if self.is_smooth:

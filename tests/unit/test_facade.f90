@@ -1,4 +1,4 @@
-!> The public interface as a host program uses it: `use rwmf` alone.
+!> Public interface as a host program uses it, with `use rwmf` only.
 program test_facade
    use check, only: checks_t
    use rwmf, only: case_t, compute_spectrum, control_t, err_input, err_interrupt, err_numerical, &
@@ -33,7 +33,7 @@ program test_facade
 
 contains
 
-   !> A run gives the maxima that apply, and the same bits again.
+   !> A run gives the maxima that apply; a second run has the same bits.
    subroutine test_simulate()
       type(result_t) :: first
       type(result_t) :: second
@@ -47,7 +47,7 @@ contains
       call checks%that(same_bits(first%u_s_max, second%u_s_max), 'the same bits again')
    end subroutine test_simulate
 
-   !> The grid of the output does not touch the integration.
+   !> The grid of the output does not influence the integration.
    subroutine test_history_changes_nothing()
       type(result_t) :: without
       type(result_t) :: with
@@ -59,7 +59,7 @@ contains
       call checks%that(with%steps == without%steps, 'history takes no steps')
    end subroutine test_history_changes_nothing
 
-   !> An ordinate of a spectrum has the bits of its simulation by the same method.
+   !> An ordinate of a spectrum has the bits of its simulation with the same method.
    subroutine test_spectrum_is_simulate()
       type(case_t) :: case
       type(spectrum_t) :: spectrum
@@ -80,7 +80,7 @@ contains
          'ordinate is simulation')
    end subroutine test_spectrum_is_simulate
 
-   !> A case that is not acceptable is an error value.
+   !> An invalid case gives an error value.
    subroutine test_bad_case()
       type(case_t) :: case
       type(error_t), allocatable :: error
@@ -89,7 +89,7 @@ contains
       call checks%has_error(error, err_input, '&wall: h = -2', 'negative height')
    end subroutine test_bad_case
 
-   !> What is found out while a case is read comes back as its error (it once waited for itself).
+   !> An error of an eigenvalue computation during reading is returned as the error of the case.
    subroutine test_bad_modes()
       character(*), parameter :: storeys = '&frame xi_s = 0.05 /'//nl &
          //'&storeys m_over_m_w = 1.0 1.0 1.0 1.0 1.0, '//nl &
@@ -102,7 +102,7 @@ contains
       call checks%has_error(error, err_numerical, 'DSYGV', 'modes that cannot be found')
    end subroutine test_bad_modes
 
-   !> A frame that leaves its period to `&spectrum` has a spectrum, and no run of its own.
+   !> A frame whose periods are those of `&spectrum` has a spectrum; `simulate` returns an error.
    subroutine test_no_period()
       type(case_t) :: case
       type(result_t) :: result
@@ -145,7 +145,7 @@ contains
       call checks%has_error(error, err_interrupt, 'interrupted', 'cancelled spectrum')
    end subroutine test_cancel
 
-   !> Numbers of threads that nobody can mean.
+   !> Unreasonable numbers of threads.
    subroutine test_many_threads()
       integer, parameter :: none(3) = [-1, 100000, huge(1)]
       type(case_t) :: case
@@ -162,7 +162,7 @@ contains
       call checks%no_error(error, 'forty threads')
    end subroutine test_many_threads
 
-   !> Simulations in several threads do not see each other.
+   !> Simulations in several threads do not influence each other.
    subroutine test_threads()
       integer, parameter :: runs = 8
       type(result_t) :: results(runs)
@@ -181,7 +181,7 @@ contains
       call checks%that(equal, 'the same bits in all threads')
    end subroutine test_threads
 
-   !> Read and run a case that must work.
+   !> Read and run a valid case.
    subroutine run(text, result)
       character(*), intent(in) :: text
       type(result_t), intent(out) :: result
@@ -196,7 +196,7 @@ contains
       !$omp end critical
    end subroutine run
 
-   !> Are two reals the same to the last bit?
+   !> True if two reals are equal to the last bit.
    logical function same_bits(a, b)
       real(wp), intent(in) :: a
       real(wp), intent(in) :: b

@@ -121,7 +121,7 @@ def _keep(folder: Path, key: str, text: str) -> None:
 
 
 def _compare(digest: dict[str, str], file: Path, *, is_part: bool) -> int:
-    """List what differs from a file, what it lacks, and (of a whole digest) what is gone."""
+    """List the differences from a file: changed, missing and (for a whole digest) removed rows."""
     lines = file.read_text(encoding="utf-8").splitlines()
     before = dict(line.split("\t") for line in lines)
     changes = [("differs", key) for key in digest if key in before and before[key] != digest[key]]

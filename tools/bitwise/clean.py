@@ -1,4 +1,4 @@
-"""Numbers of a CSV file without what may change from run to run."""
+"""Numbers of a CSV file without those that vary from run to run."""
 
 from __future__ import annotations
 

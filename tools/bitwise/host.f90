@@ -1,8 +1,8 @@
-!> A host in Fortran that prints what it gets, bit by bit: `host KIND CASE.nml`.
+!> Fortran host that prints its results bit by bit: `host KIND CASE.nml`.
 program bits_host
    use, intrinsic :: iso_fortran_env, only: int64
    use rwmf, only: advance_stepping, case_t, compute_spectrum, create_element, create_stepping, &
-      destroy_stepping, element_response_t, error_t, event_name, event_t, lift_off_drive_of, &
+      destroy_stepping, element_response_t, error_t, event_name, event_t, uplift_demand_of, &
       next_impact, next_lift_off, query_events, query_forces, query_state, read_case_file, &
       respond, restore_stepping, result_t, save_stepping, settles, simulate, snapshot_t, &
       spectrum_t, stepping_t, velocity_factor, wall_element_t, wall_forces_t, wall_state_t, wp
@@ -36,7 +36,7 @@ program bits_host
 
 contains
 
-   !> Print a number with its bits. An argument that is absent does not apply to the scene.
+   !> Print a number with its bits. An absent argument does not apply to the scene.
    subroutine put(name, x)
       character(*), intent(in) :: name
       real(wp), intent(in), optional :: x
@@ -66,7 +66,7 @@ contains
       end if
    end subroutine put_error
 
-   !> Everything that one simulation returns.
+   !> Print all results of one simulation.
    subroutine ask_simulation(case)
       type(case_t), intent(in) :: case
       type(result_t) :: result
@@ -160,7 +160,7 @@ contains
       print '(a, i0)', 'rhs_evaluations ', spectrum%rhs_evaluations
    end subroutine ask_spectrum
 
-   !> A host that rejects every third step, under samples and under the case's own motion in turn.
+   !> Reject every third step as a host, alternately under samples and under the case's own motion.
    subroutine ask_stepping(case)
       type(case_t), intent(in) :: case
       integer, parameter :: steps = 100
@@ -194,7 +194,7 @@ contains
       call destroy_stepping(wall)
    end subroutine ask_stepping
 
-   !> State, forces and events of a wall that steps.
+   !> Print state, forces and events of a wall that advances in steps.
    subroutine put_wall(wall)
       type(stepping_t), intent(in) :: wall
       type(wall_state_t) :: state
@@ -217,7 +217,7 @@ contains
       call put_events(events)
    end subroutine put_wall
 
-   !> Answers of the wall as an element on a grid of motions, and its events.
+   !> Print the response of the wall as an element on a grid of motions, and its events.
    subroutine ask_element(case)
       type(case_t), intent(in) :: case
       type(wall_element_t) :: element
@@ -243,7 +243,7 @@ contains
          end if
          call put_list('response', [r%force, r%stiffness, r%damping, r%mass, r%theta, &
             r%theta_dot, r%theta_ddot, r%cable])
-         call put('drive', lift_off_drive_of(element, side, 3.0_wp*i, 0.5_wp*i))
+         call put('drive', uplift_demand_of(element, side, 3.0_wp*i, 0.5_wp*i))
          call next_impact(side, 0.02_wp, side*0.001_wp*i, -side*0.5_wp, -side*0.002_wp, &
             -side*0.3_wp, is_found, tau)
          print '(a, l1)', 'impact ', is_found

@@ -108,7 +108,7 @@ def run_scene(batch: Path, scene: Scene, text: str, threads: int = 1) -> str:
     batch : Path
         The program.
     scene : Scene
-        Where the records come from.
+        Folder of the records.
     text : str
         Text of the case.
     threads : int

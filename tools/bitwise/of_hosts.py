@@ -60,9 +60,9 @@ def ask(program: Path, kind: str, scene: Scene, text: str) -> str:
     program : Path
         The host.
     kind : str
-        What it is to do.
+        Task of the host.
     scene : Scene
-        Where the records come from.
+        Folder of the records.
     text : str
         Text of the case.
 

@@ -137,7 +137,7 @@ def find_loops(scene: Scene) -> str:
 
 
 def measure_cost(scene: Scene) -> str:
-    """Measure what accuracy costs: everything but the times, and what depends on them.
+    """Return the result of `rwmf.cost` without times and results that depend on them.
 
     Parameters
     ----------
@@ -184,8 +184,8 @@ def solve_in_quadruple(scene: Scene) -> str:
 def _private_reference() -> Callable[..., object]:
     """Find the reference in quadruple precision: the only private name that the digest uses.
 
-    `rwmf.cost` is the public way to it, but takes seconds for all that it measures beside. The
-    module is looked for by what it holds, so that it may move.
+    `rwmf.cost` is public but takes seconds for its other measurements. The module is found by its
+    contents, so that it may move.
     """
     name = "solve_reference"
     # the package imports its modules when they are first used

@@ -98,7 +98,7 @@ def sweep_file() -> str:
     Returns
     -------
     str
-        What the file holds.
+        Contents of the file.
     """
     from rwmf.__main__ import main
 

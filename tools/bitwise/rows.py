@@ -1,4 +1,4 @@
-"""What a row of the digest is, and how a list of them is computed."""
+"""Rows of the digest, and the computation of a list of them."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class Row:
     key : str
         Its name: way in, kind of question, scene, method, parted by slashes.
     answer : callable
-        Gives the text that is hashed. It is called in an empty current folder of its own, in
-        another process, so it must be picklable: a `functools.partial` of a public function.
+        Returns the text to hash. It is called in a new empty folder in another process, so it must
+        be picklable: a `functools.partial` of a public function.
     is_quick : bool
         Whether it belongs to the representative part of ``--quick``.
     """
@@ -43,7 +43,7 @@ def digest_of(text: str) -> str:
     Parameters
     ----------
     text : str
-        What a row's `answer` gave.
+        Result of a row's `answer`.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def compute(rows: Iterable[Row], tree: Tree) -> Iterator[tuple[str, str]]:
     Parameters
     ----------
     rows : iterable of Row
-        What to compute.
+        Rows to compute.
     tree : Tree
         The checkout; its path is taken out of the texts.
 
@@ -77,7 +77,7 @@ def compute(rows: Iterable[Row], tree: Tree) -> Iterator[tuple[str, str]]:
 
 
 def _answer(answer: Callable[[], str]) -> str:
-    """Text of a row, asked for in a folder of its own."""
+    """Return the text of a row, computed in a separate folder."""
     before = Path.cwd()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name).resolve()

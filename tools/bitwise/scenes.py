@@ -34,12 +34,12 @@ class Scene:
 
     @property
     def has_spectrum(self) -> bool:
-        """Whether it asks for a spectrum."""
+        """True for a scene with a spectrum."""
         return "&spectrum" in self.text
 
     @property
     def has_accuracy(self) -> bool:
-        """Whether it asks for an accuracy, which no element or step can promise."""
+        """True for a scene with `accuracy`, which elements and steps do not support."""
         return bool(re.search(r"\b(accuracy|verify)\s*=", self.text))
 
     def put(self, text: str | None = None) -> Path:

@@ -1,4 +1,4 @@
-"""Where a checkout keeps what is asked: program, library, modules, inputs."""
+"""Locations in a checkout: program, library, modules, inputs."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ _ARCHIVE = b"!<arch>\n"  # a thin archive of the build names its objects and beg
 
 
 class MissingPartError(Exception):
-    """The checkout is not built, or lacks what is asked for."""
+    """The checkout is not built, or lacks a required file."""
 
 
 @dataclass(frozen=True)
 class Tree:
-    """A checkout and what is found in it.
+    """A checkout and its files.
 
     Attributes
     ----------

@@ -1,1 +1,1 @@
-"""Whether docstrings say what the house asks for: arguments, units, shapes, results, errors."""
+"""Check of docstrings for required items: arguments, units, shapes, results, errors."""

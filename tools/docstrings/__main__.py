@@ -1,4 +1,4 @@
-"""The command: count what docstrings lack, and show it with file and line."""
+"""Command: count incomplete docstrings, and list them with file and line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is missing in a docstring."""
+"""Finding of a missing item in a docstring."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ __all__ = ["Finding"]
 
 
 class Finding(NamedTuple):
-    """One thing that a docstring does not say.
+    """A missing item of a docstring.
 
     Attributes
     ----------
     path : path
         File.
     line : int
-        Where the procedure, argument or component is declared.
+        Line of the declaration of the procedure, argument or component.
     text : str
-        Its name, and what is missing.
+        Its name, and the missing item.
     """
 
     path: Path

@@ -1,12 +1,12 @@
-"""Docstrings of Fortran: what each public procedure and type says of itself.
+"""Required items of Fortran docstrings: public procedures and types.
 
-A public procedure has a docstring. Each of its arguments that is a number, text or logical has a
-`!!` below its declaration; a real one, and each real component of a public type, with its unit in
-brackets, or saying what it is a state, part or number of, or that it is a sign or a flag.
-Arguments of a derived type are said by their type; a file whose docstring says that numbers are in
-the caller's units need not say more of them. Where there is an argument `error`, docstring or `!!`
-say when it is set. What C calls is explained by include/rwmf.h. No explanation, public or not,
-begins with a word and a colon.
+A public procedure has a docstring. Each argument that is a number, text or logical has a `!!` below
+its declaration. Reals, including components of public types, give a unit in brackets. Otherwise
+they state that they are a state, part or number of something, a sign or a flag. The type explains
+arguments of a derived type. A file whose docstring declares "in the caller's units" needs no
+further units. For an
+argument `error`, docstring or `!!` give the conditions. include/rwmf.h explains the procedures for
+C. No explanation may begin with a word and a colon.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ _DECLARATION = re.compile(
     re.IGNORECASE,
 )
 _UNIT = re.compile(r"\[[^\]]*\]")
-# a vector that mixes units: of states, rates, coefficients or what a table or caller says
+# a vector of mixed units: states, rates, coefficients, or units of a table or the caller
 _MIXED = re.compile(
     r"\((\w+ )*(states?|rates?|coefficients?)\b"
     r"|\b(states?|unit|units|coefficients|constants)\b",
     re.IGNORECASE,
 )
-# a sign, or what a loop over lanes has in place of a logical: 1 where it is so, 0 where not
+# a sign, or the numeric form of a logical in loops over lanes: 1 for true, 0 for false
 _FLAG = re.compile(r"(^|\s)[+-]?1 (where|or -1)\b")
 # FORD takes such a beginning for metadata and drops the line
 _METADATA = re.compile(r"^\s*[\w-]+:(\s|$)")
@@ -79,9 +79,9 @@ def check(path: Path) -> tuple[int, list[Finding]]:
     Returns
     -------
     int
-        Number of public procedures and types looked at.
+        Number of checked public procedures and types.
     list of Finding
-        What is missing.
+        Missing items.
     """
     statements = list(_read(path.read_text(encoding="utf-8").splitlines()))
     has_units = not statements or "in the caller's units" not in statements[0].doc
@@ -105,7 +105,7 @@ def check(path: Path) -> tuple[int, list[Finding]]:
 
 
 def _read(lines: list[str]) -> Iterator[_Statement]:
-    """Join continued lines; comments that explain become statements of their own or docs."""
+    """Join continued lines; documentation comments become separate statements or docs."""
     current: _Statement | None = None
     continued = False
     for number, line in enumerate(lines, 1):
@@ -129,7 +129,7 @@ def _read(lines: list[str]) -> Iterator[_Statement]:
             continued = current.text.endswith("&")
             current.text = current.text.rstrip("&").rstrip()
         elif not text and current is not None and not current.text:
-            # a docstring stands right above what it explains
+            # a docstring is directly above the explained code
             current = None
     if current is not None:
         yield current
@@ -144,7 +144,7 @@ def _public_names(statements: list[_Statement]) -> set[str]:
 
 
 def _scopes(statements: list[_Statement]) -> Iterator[_Scope]:
-    """Procedures of the module and derived types, with what is declared directly in them."""
+    """Yield procedures of the module and derived types, with their direct declarations."""
     above = ""
     open_scopes: list[_Scope | None] = []
     for statement in statements:
@@ -161,7 +161,7 @@ def _scopes(statements: list[_Statement]) -> Iterator[_Scope]:
         elif head := _PROCEDURE.match(text):
             arguments = [name.strip().lower() for name in (head[3] or "").split(",")]
             named = _Scope("procedure", head[2], statement.line, above, arguments)
-            # internal procedures and interfaces are nobody's business outside
+            # internal procedures and interfaces are private
             open_scopes.append(None if open_scopes else named)
         elif head := _TYPE.match(text):
             open_scopes.append(_Scope("type", head[1], statement.line, above))
@@ -177,7 +177,7 @@ def _of_type(scope: _Scope) -> Iterator[tuple[int, str]]:
         if re.match(r"contains\b", statement.text, re.IGNORECASE):
             return
         kind, names = _declared(statement)
-        # what the docstring says of all components need not be said of each
+        # items in the docstring for all components need not be repeated
         if kind == "real" and not _has_unit(statement.doc) and not _UNIT.search(scope.doc):
             yield statement.line, f"component {', '.join(names)} has no unit"
 

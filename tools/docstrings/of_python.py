@@ -1,8 +1,8 @@
-"""Docstrings of Python: what each public function, method and class says of itself.
+"""Required items of Python docstrings: public functions, methods and classes.
 
-Public is what neither has a leading underscore nor stands in something that has one, or inside a
-function. A property says what it is; what a class takes is said by the class. A method that several
-classes of a file have in common is explained in the first of them.
+Names are public without a leading underscore, in public scopes outside functions. The docstring of
+a property gives its value, and that of a class its arguments. A method common to several classes of
+a file is explained in the first of them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["check"]
 
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
 _NOTHING = ("None", "NoReturn", "Never")
-# what a property or an alternative of an overloaded function says in its first line
+# a property or an alternative of an overloaded function needs a first line only
 _BARE = ("property", "cached_property", "overload", "setter")
 
 
@@ -33,9 +33,9 @@ def check(path: Path) -> tuple[int, list[Finding]]:
     Returns
     -------
     int
-        Number of docstrings looked at.
+        Number of checked docstrings.
     list of Finding
-        What is missing.
+        Missing items.
     """
     tree = ast.parse(path.read_text(encoding="utf-8"))
     n, found = 0, []
@@ -69,9 +69,9 @@ def _missing_of_class(node: ast.ClassDef, text: str) -> Iterator[str]:
             yield from _missing_arguments(function, text)
     fields = [part for part in node.body if isinstance(part, ast.AnnAssign)]
     names = [part.target.id for part in fields if isinstance(part.target, ast.Name)]
-    told = _names_of(text, "Attributes") | _names_of(text, "Parameters")
+    documented = _names_of(text, "Attributes") | _names_of(text, "Parameters")
     for name in names:
-        if not name.startswith("_") and name not in told:
+        if not name.startswith("_") and name not in documented:
             yield f"attribute {name} is not in the docstring"
 
 
@@ -91,14 +91,14 @@ def _missing_arguments(node: _Function, text: str) -> Iterator[str]:
     names = [item.arg for item in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)]
     names += [f"*{arguments.vararg.arg}"] if arguments.vararg else []
     names += [f"**{arguments.kwarg.arg}"] if arguments.kwarg else []
-    told = _names_of(text, "Parameters")
+    documented = _names_of(text, "Parameters")
     for name in names:
-        if name not in ("self", "cls") and not name.startswith("_") and name not in told:
+        if name not in ("self", "cls") and not name.startswith("_") and name not in documented:
             yield f"argument {name} is not in the docstring"
 
 
 def _missing_shapes(text: str) -> Iterator[str]:
-    """Arrays whose entry, type and description together, tells no shape."""
+    """Return the arrays whose entry, type and description together, gives no shape."""
     for entry in re.findall(r"^\S[^\n]*ndarray[^\n]*(?:\n +[^\n]+)*", text, re.MULTILINE):
         if "shape" not in entry:
             yield f"no shape of an array: {entry.splitlines()[0]}"
@@ -122,7 +122,7 @@ def _names_of(text: str, title: str) -> set[str]:
 
 
 def _raises(node: _Function) -> bool:
-    """Whether the body itself raises an error of its own; not what it hands on or asserts."""
+    """Check whether the body raises an error itself, apart from re-raised ones and assertions."""
     nested = {
         inner
         for part in ast.walk(node)

@@ -1,1 +1,1 @@
-"""How many instructions the standard calls take, and whether one has grown (tools/counts)."""
+"""Instruction counts of the standard calls, with a check against growth (tools/counts)."""

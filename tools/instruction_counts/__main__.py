@@ -50,7 +50,7 @@ def _read_options() -> argparse.Namespace:
         "--accept",
         nargs="+",
         metavar=("NAME", "REASON"),
-        help="record what this call (or 'all') takes now; where it has grown, with the reason",
+        help="record the present count of this call (or 'all'); growth needs a reason",
     )
     options = parser.parse_args()
     if options.accept and (options.name or len(options.accept) > 2):

@@ -1,4 +1,4 @@
-"""The standard calls: what is called with which case."""
+"""Standard calls and their cases."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Call(NamedTuple):
     Attributes
     ----------
     name : str
-        What the count is called.
+        Name of the count.
     kind : str
         ``run``, ``spectrum``, ``stepping``, ``element`` (``bench/standard_calls.f90``), ``batch``
         (the batch program), ``simulate``, ``sweep``, ``sweep_runs`` (``in_python.py``).
@@ -63,7 +63,7 @@ class Call(NamedTuple):
 
     @property
     def program(self) -> str:
-        """Which program makes the call: ``host``, ``batch`` or ``python``."""
+        """Program that makes the call: ``host``, ``batch`` or ``python``."""
         if self.kind in ("run", "spectrum", "stepping", "element"):
             return "host"
         return "batch" if self.kind == "batch" else "python"
@@ -115,7 +115,7 @@ CALLS = (
         (_ELEMENT, _CABLE, "&impact e = 0.9 /", _EXACT, "&solver t_end = 1.0 /"),
     ),
     Call("batch_program", "batch", (*_BASIC, _DOP853, "&output dt = 0.05 /")),
-    # little for the kernel to do: what Python adds is a good part of it
+    # little work for the kernel, so that the overhead of Python matters
     Call("python_simulate", "simulate", (*_BASIC, _DOP853, "&output dt = 0.02 /")),
     Call("python_sweep", "sweep", _BASIC),
     Call("python_sweep_runs", "sweep_runs", (*_BASIC, _DOP853)),

@@ -28,7 +28,7 @@ def _call_of(kind: str, case: rwmf.Case) -> Callable[[], object]:
     if kind == "sweep":
         row = {"T_s": [0.4, 0.8, 1.2, 1.6], "gamma": [5.0, 100.0]}
         return lambda: rwmf.sweep(case, row, threads=1)
-    # more than displacements: a run of its own for each point
+    # more than displacements: each point needs a separate run
     points = {"T_s": [0.8, 1.6]}
     return lambda: rwmf.sweep(
         case, points, threads=1, quantities=("u_s_max", "theta_max_over_alpha")

@@ -1,4 +1,4 @@
-"""The counts that are kept in the repository, and what of them may change how."""
+"""Counts stored in the repository, and rules for changing them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ARROW = " -> "
 
 
 class ReasonMissingError(Exception):
-    """Something has grown, and nobody says why."""
+    """A count has grown, and no reason is given."""
 
 
 class OtherSettingError(Exception):
@@ -37,7 +37,7 @@ class Ledger:
     Attributes
     ----------
     setting : dict of str to str
-        What they depend on besides the sources.
+        Conditions of the counts besides the sources.
     counts : dict of str to int
         Instructions by name of the call.
     reasons : dict of str to list of str
@@ -60,7 +60,7 @@ class Ledger:
         Returns
         -------
         Ledger
-            What it holds.
+            Its contents.
         """
         ledger = cls()
         name = ""
@@ -94,12 +94,12 @@ class Ledger:
         path.write_text(_HEAD + "\n".join(lines) + "\n", encoding="utf-8")
 
     def differences(self, setting: Mapping[str, str], name: str) -> list[str]:
-        """Say in what a setting differs from the recorded one, as far as a call depends on it.
+        """List the differences from the recorded setting that affect a call.
 
         Parameters
         ----------
         setting : mapping of str to str
-            What counts depend on, here.
+            Present conditions of the counts.
         name : str
             Name of the call.
 
@@ -122,7 +122,7 @@ class Ledger:
         Parameters
         ----------
         counts : mapping of str to int
-            What was measured.
+            Measured counts.
 
         Returns
         -------
@@ -152,9 +152,9 @@ class Ledger:
         measured : mapping of str to int
             New counts.
         setting : mapping of str to str
-            What they depend on.
+            Conditions of the counts.
         reason : str
-            Why what has grown may; '' where nothing has.
+            Reason for the growth of counts; '' without growth.
 
         Raises
         ------
@@ -188,7 +188,7 @@ class Ledger:
 
 
 def names_of(words: Iterable[str]) -> list[str]:
-    """Names of calls; ``all`` or none stands for every call.
+    """Return names of calls; ``all`` or an empty list selects every call.
 
     Parameters
     ----------
@@ -205,8 +205,8 @@ def names_of(words: Iterable[str]) -> list[str]:
     KeyError
         With the word that names no call.
     """
-    asked = set(words)
-    for word in asked - {"all"}:
+    requested = set(words)
+    for word in requested - {"all"}:
         if word not in NAMES:
             raise KeyError(word)
-    return [name for name in NAMES if not asked or "all" in asked or name in asked]
+    return [name for name in NAMES if not requested or "all" in requested or name in requested]

@@ -1,8 +1,8 @@
 """Count the instructions of standard calls by valgrind's callgrind.
 
-One thread, fixed hash seed, all symbols bound at start. The calls of a host and of Python are
-marked (``bench/callgrind_marks.c``): start-up, imports, reading and a first call do not count. Of
-the batch program counts what a second, equal case adds.
+One thread, fixed hash seed, all symbols bound at start. Calls of a host and of Python are marked
+(``bench/callgrind_marks.c``), which excludes start-up, imports, reading and a first call. The count
+of the batch program is the increase for a second, equal case.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from instruction_counts.calls import CALLS, Call, write_record
 
-# what an environment may say that changes counts
+# variables of the environment that affect counts
 _SETTINGS = {
     "LD_BIND_NOW": "1",
     "OMP_NUM_THREADS": "1",
@@ -36,7 +36,7 @@ _SUFFIXES = {".f90", ".F90", ".c", ".h", ".inc"}
 
 
 class UnmeasurableError(Exception):
-    """The counts cannot be taken: what is missing, and what to do."""
+    """The measurement is impossible; the message gives the missing part and a remedy."""
 
 
 class StaleBuildError(UnmeasurableError):
@@ -48,13 +48,13 @@ class ValgrindMissingError(UnmeasurableError):
 
 
 class Measured(NamedTuple):
-    """What was counted.
+    """Measured counts.
 
     Attributes
     ----------
     setting : dict of str to str
-        What counts depend on besides the sources: that of the build, and ``lanes``, the
-        instruction set that the kernel finds under valgrind, which knows no AVX-512.
+        Conditions of the counts besides the sources. These are those of the build, and ``lanes``,
+        the instruction set of the kernel under valgrind, which does not support AVX-512.
     counts : dict of str to int
         Instructions by name of the call.
     """
@@ -64,7 +64,7 @@ class Measured(NamedTuple):
 
 
 class Build(NamedTuple):
-    """The build folder of a checkout, and what is counted in it.
+    """The build folder of a checkout, and its programs.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Build(NamedTuple):
 
     @property
     def folder(self) -> Path:
-        """Where meson builds."""
+        """The build folder of meson."""
         return self.root / "build"
 
     @property
@@ -101,12 +101,12 @@ class Build(NamedTuple):
         return next(found, self.folder / "src" / "bindings" / "python" / "_kernel.so")
 
     def check(self) -> None:
-        """Complain when a program is missing or older than a source of it.
+        """Check that no program is missing or older than one of its sources.
 
         Raises
         ------
         StaleBuildError
-            With what to do.
+            With a remedy.
         """
         kernel = self.root / "src" / "rwmf"
         bench = self.root / "bench"
@@ -134,7 +134,7 @@ class Build(NamedTuple):
         Returns
         -------
         dict of str to str
-            What the counts of another machine would have to share.
+            Conditions that another machine must share for comparable counts.
 
         Raises
         ------
@@ -166,7 +166,7 @@ def measure(build: Build, names: Iterable[str]) -> Measured:
     Parameters
     ----------
     build : Build
-        What to run.
+        The build.
     names : iterable of str
         The calls.
 
@@ -208,7 +208,7 @@ def _files(sources: Iterable[Path]) -> Iterator[Path]:
     for source in sources:
         if source.is_file():
             yield source
-        # the baseline is not in what hosts and batch program link
+        # hosts and batch program do not link the baseline
         yield from (
             path
             for path in source.rglob("*")
@@ -270,7 +270,7 @@ def _total(text: str) -> int:
 
 
 def _run(build: Build, options: list[str], command: list[str | Path]) -> str:
-    """Run a program under callgrind and return what it prints."""
+    """Run a program under callgrind and return its output."""
     path = os.pathsep.join([str(build.root / "driver"), str(build.root / "tools")])
     done = subprocess.run(
         ["valgrind", "--tool=callgrind", *options, *map(str, command)],

@@ -7,6 +7,7 @@ install_docs() {
    for package in libjs-bootstrap5 libjs-lunr; do
       [[ -d "/usr/share/javascript/${package#libjs-}" ]] || missing+=("$package")
    done
+   [[ -d /usr/share/doc/fonts-texgyre-math ]] || missing+=(fonts-texgyre-math)
    if [[ ${#missing[@]} -gt 0 ]]; then
       may_install || die "missing: ${missing[*]}. Neither root nor sudo without password here"
       (trap drop_apt EXIT; install_packages "${missing[@]}")

@@ -1,1 +1,1 @@
-"""The documentation site: runs what its pages show, makes its references, builds and checks it."""
+"""Documentation site: run the code of its pages, make its references, build and check it."""

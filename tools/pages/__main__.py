@@ -1,4 +1,4 @@
-"""Builds the documentation site: ``tools/docs`` installs what this needs and calls it."""
+"""Build of the documentation site; ``tools/docs`` installs its requirements and calls it."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from pages import blocks, check, made
+from pages import blocks, check, made, sketches
 
 ROOT = blocks.ROOT
 BUILD = ROOT / "build" / "pages"
 SITE = ROOT / "build" / "site"
+SKETCHES = ROOT / "docs" / "theory" / "figures" / "sketches"
 _SECONDS_SHOWN = 0.1
 _SHOWN = (
     "examples",
@@ -27,7 +28,7 @@ _SHOWN = (
 
 
 def main() -> int:
-    """Build what has changed; the exit status is 1 when a page is at fault.
+    """Build the changed parts; the exit status is 1 for an error in a page.
 
     Returns
     -------
@@ -41,6 +42,13 @@ def main() -> int:
     try:
         for page in blocks.pages():
             run_blocks(page)
+        if not SKETCHES.is_dir():
+            (BUILD / "sketches.key").unlink(missing_ok=True)
+        _step(
+            "sketches",
+            lambda: sketches.write_all(SKETCHES),
+            _files("tools/pages/sketches", "driver/rwmf/plotting/style.py"),
+        )
         _step(
             "pages by Sphinx",
             _run_sphinx,
@@ -77,7 +85,7 @@ def run_blocks(page: Path) -> None:
     Raises
     ------
     PageError
-        For the first block that does not do what the page says.
+        For the first block whose result differs from the page.
     """
 
     def run() -> None:
@@ -110,7 +118,7 @@ def _step(name: str, run: Callable[[], None], inputs: Iterable[Path]) -> None:
 
 
 def _files(*places: str) -> list[Path]:
-    """List what git knows or would take of these places, so that nothing made counts."""
+    """List the files in these places that git tracks or would track, without generated files."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard", *places],
         cwd=ROOT,
@@ -122,7 +130,7 @@ def _files(*places: str) -> list[Path]:
 
 
 def _program() -> list[Path]:
-    """List what the blocks stand on."""
+    """List the files that the blocks depend on."""
     extensions = (ROOT / "build" / "src" / "bindings" / "python").glob("_*.so")
     return [*_files("driver", "inputs", *_SHOWN), *extensions]
 

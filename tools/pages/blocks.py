@@ -1,17 +1,17 @@
-"""Runs the code blocks of a page, in their order, in a folder of their own.
+"""Execution of the code blocks of a page in order, in a temporary folder.
 
 ========= =========================================================================================
-block     what is done with it
+block     treatment
 ========= =========================================================================================
-named     a file: in code letters, the name stands alone on the line before it. A path of the
-          repository has to be that file word for word; any other name is written.
-console   lines after ``$`` are run; what they print is that of the lines below, ``...`` is anything
-python    is run with the names of the blocks before it and prints the `text` block that follows
-nml       names groups and keys that there are
-fortran,  without a name: stands in a source file of the repository that is built, or is a namelist
+named     a file; its name is in code letters on the line before the block. The block of an existing
+          path must equal that file word for word; other names are written.
+console   lines after ``$`` are run. The output must equal the lines below; ``...`` is anything
+python    runs with the names of the blocks before it. Output must equal the `text` block after it
+nml       must contain existing groups and keys
+fortran,  without a name: must be part of a source file that is built, or be a namelist
 c, make
-sh        is not run (a build, hours, a cluster): it has to parse, with words that `rwmf` knows
-text      behind another than a python block: prose
+sh        is not run (a build, hours, a cluster), but parsed: words must be known to `rwmf`
+text      after other blocks than python: prose
 ========= =========================================================================================
 
 Figures that the blocks draw are kept beside the page, in ``figures/PAGE/``.
@@ -44,7 +44,7 @@ _RUN_BY = {"python", "console", "nml", "sh", "text"} | _SOURCES
 
 
 class PageError(Exception):
-    """A block of a page does not do what the page says."""
+    """The result of a block differs from the page."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def run_page(page: Path, folder: Path) -> None:
     Raises
     ------
     PageError
-        For the first block that does not do what the page says.
+        For the first block whose result differs from the page.
     """
     shutil.copytree(ROOT / "inputs", folder / "inputs")
     names: dict[str, object] = {}
@@ -138,7 +138,7 @@ def _run(block: Block, names: dict[str, object]) -> None:
         raise PageError(f"a block of the language '{block.language}':\n{block.text}")
     if block.name and (ROOT / block.name).is_file():
         if (ROOT / block.name).read_text(encoding="utf-8") != block.text:
-            raise PageError(f"{block.name} is not what the page shows")
+            raise PageError(f"{block.name} differs from the block of the page")
     elif block.name:
         Path(block.name).write_text(block.text, encoding="utf-8")
     elif block.language == "console":
@@ -180,7 +180,7 @@ def _run_console(text: str) -> None:
 
 
 def _commands(text: str) -> list[tuple[str, str]]:
-    """Split into commands, with their further lines behind a backslash, and what each prints."""
+    """Split into commands, with their lines continued by a backslash, and their outputs."""
     found: list[tuple[str, str]] = []
     goes_on = False
     for line in text.splitlines():
@@ -242,7 +242,7 @@ def _parse_shell(text: str) -> None:
 
 
 def _parse_words(words: list[str], line: str) -> None:
-    """Ask the command's own parser whether it knows these words."""
+    """Check the words of a command with its parser."""
     from rwmf.cli.parser import make_parser
 
     refused = io.StringIO()
@@ -289,14 +289,14 @@ def _tested_sources() -> str:
 
 
 def compare(found: str, expected: str) -> None:
-    """Compare word by word; `...` stands for any words.
+    """Compare word by word; `...` matches any words.
 
     Parameters
     ----------
     found : str
-        What was printed.
+        The output.
     expected : str
-        What the page says.
+        The output on the page.
 
     Raises
     ------

@@ -13,7 +13,7 @@ _REMOTE_STYLE = re.compile(r"(?:url\(|@import)\s*['\"]?(?:https?:)?//")
 
 
 class Page(HTMLParser):
-    """A page: what it is called, where it leads to, what it loads.
+    """A page with its targets, its links and its loaded files.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class Site:
         return {path: Page(path) for path in sorted(self.folder.rglob("*.html"))}
 
     def faults(self) -> list[str]:
-        """Find what is wrong.
+        """Find the errors of the page.
 
         Returns
         -------
@@ -102,7 +102,7 @@ class Site:
 
 
 def faults_of(folder: Path) -> list[str]:
-    """Find what is wrong with a site.
+    """Find the errors of a site.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ def build(output: Path, work: Path, version: str) -> list[str]:
 
 
 def _make_templates(folder: Path) -> None:
-    """Copy the templates that load something remote, and let them load our copies."""
+    """Copy the templates that load remote files, with links to our copies."""
     shutil.copytree(Path(ford.__file__).parent / "templates", folder)
     for path in folder.glob("*.html"):
         text = path.read_text(encoding="utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import groupby
 
 from rwmf import _library
@@ -9,15 +10,18 @@ from rwmf import _library
 _INTRODUCTION = """\
 # Namelist reference
 
-Made by `tools/docs --made` from the one table that also validates a case
+For users who write a case file: this page lists every group and key, its unit, default and range.
+
+`tools/docs --made` generates it from the table that also validates a case
 (`src/rwmf/input/schema.f90`).
 
-One group, one effect: a group that is absent is an effect that is not simulated. Names of groups
-and keys may be written in small or capital letters, texts stand in quotes, `!` begins a comment. An
-unknown group or key, a key given twice, a wrong type or a value that is not allowed is an error
-that names file, group, key, line, value and what is allowed. A value whose magnitude is outside
-the range of real buildings, *usual*, is no error: `check`, runs, spectra and sweeps warn. Zero is
-always usual.
+Each effect is one group; the program does not simulate an absent group. Write names in small or
+capital letters, texts in quotes, and comments after `!`. An unknown or repeated key, a wrong type
+or a forbidden value is an error with file, line, group, key and the allowed values. A magnitude
+outside the range of real buildings (*usual*) gives a warning only; zero never does.
+
+Leave out a *required* key if you give the dimensional keys named after "or". Beside a wall these
+keys need its mass: `m_w`, or `density` and `thickness`, of `&wall`.
 """
 
 
@@ -30,17 +34,21 @@ def make() -> str:
         One table for each group, in the order of the kernel's table.
     """
     parts = [_INTRODUCTION]
-    for group, keys in groupby(_library.schema(), key=lambda row: row.group):
+    for group, found in groupby(_library.schema(), key=lambda row: row.group):
+        keys = list(found)
         parts.append(
             f"\n## `&{group}`\n\n| key | type | unit | default | allowed | usual | meaning |"
         )
         parts.append("|---|---|---|---|---|---|---|")
-        parts.extend(_row(key) for key in keys)
+        parts.extend(_row(key, keys) for key in keys)
     return "\n".join(parts) + "\n"
 
 
-def _row(row: _library.KeyRow) -> str:
-    _, name, kind, unit, default, allowed, meaning, usual = row
+def _row(row: _library.KeyRow, group: Sequence[_library.KeyRow]) -> str:
+    _, name, kind, unit, default, allowed, meaning, usual, _ = row
     if kind == "choice":
         allowed = ", ".join(f"'{word}'" for word in allowed.split())
+    instead = [f"`{key.key}`" for key in group if key.gives == name]
+    if default == "required" and instead:
+        default = f"required, or {', '.join(instead)}"
     return f"| `{name}` | {kind} | {unit} | {default} | {allowed} | {usual} | {meaning} |"

@@ -1,6 +1,6 @@
 """The reference pages that a command makes: from the kernel's tables, its facade, the parser.
 
-``tools/docs --made`` writes them; a test holds them against what would be written.
+``tools/docs --made`` writes them; a test compares them with the present output.
 """
 
 from __future__ import annotations
@@ -19,23 +19,24 @@ from pages.blocks import DOCS, ROOT
 _COMMANDS = """\
 # Commands
 
-Made by `tools/docs --made` from the parser that reads the command line. `rwmf COMMAND --help` says
-the same in a terminal.
+For users of a terminal: this page lists every command with its arguments and options.
+`rwmf COMMAND --help` prints the same. `tools/docs --made` generates the page from the parser.
 
-Exit status: 0, 1 numerical failure, 2 input or output, 3 an error that nobody has foreseen
-(`RWMF_TRACEBACK=1` shows where), 130 interrupted. The batch program `rwmf-batch CASE.nml ...` needs
-no Python; its words are at the end.
+Exit status: 0 success, 1 numerical failure, 2 wrong input or output, 3 internal error
+(`RWMF_TRACEBACK=1` prints the traceback), 130 interrupted. The batch program
+`rwmf-batch CASE.nml ...` needs no Python; its options are at the end.
 """
 _FACADE = """\
 # Fortran interface
 
-Made by `tools/docs --made` from `src/rwmf.f90`, the module `rwmf`: all that a host program may use.
-What each name means, argument by argument, with units and shapes, is in the
-<a href="../fortran/module/rwmf.html">pages of the kernel</a>, module by module. How to use it:
-[embedding](../howto/embedding.md), [tutorial](../tutorials/host-program.md).
+For developers who call rwmf from Fortran: this page lists every public name of the module `rwmf`.
+The <a href="../fortran/module/rwmf.html">pages of the kernel</a> describe each argument with its
+unit and shape. How to use it: [embedding](../howto/embedding.md),
+[tutorial](../tutorials/host-program.md).
+`tools/docs --made` generates the page from `src/rwmf.f90`.
 
-`error` is allocated when a call failed: `error%stat`, `error%message`. Nothing prints or stops,
-nothing is kept between calls.
+A failed call allocates `error`, with `error%stat` and `error%message`. The library neither prints
+nor stops, and it keeps nothing between calls.
 """
 _DEFINITION = (
     r"^ *(?:(?!public|private|use|end)[^!:'\n]*\b(?:subroutine|function) {0}\b"

@@ -7,42 +7,40 @@ from rwmf.quantities import QUANTITIES, Quantity
 _INTRODUCTION = """\
 # Outputs
 
-Made by `tools/docs --made` from the one table that also orders and labels them
-(`src/rwmf/problem/quantity_table.f90`).
+For users who read results: this page gives key, name, unit and meaning of every output, and the
+condition under which a run reports it. `tools/docs --made` generates it from
+`src/rwmf/problem/quantity_table.f90`. The [glossary](glossary.md) explains the terms.
 
-A **key** stands in CSV and JSON and ends with its unit; `over_...` says what a number is divided
-by, `{i}` is the number of a floor or storey, from the ground up. What does not apply to a scene is
-absent.
+A **key** appears in CSV and JSON and ends with its unit. `over_...` names the divisor, and `{i}` is
+the number of a floor or storey, from the ground up. A run omits quantities that do not apply.
 
-A **name** is that of a variable in a dataset of Python. It has no unit: `attrs['units']` of the
-variable says it, `attrs['long_name']` the meaning. A number at the end that has a history under the
-same name ends with `_end`. Where two names stand, both lead to the same numbers; the second one
-has a unit and is there for programs that know it. Names and keys are taken alike wherever
-quantities are asked for, in any letters; a sweep calls its variable by the one of two names that it
-was asked for by.
+A **name** is a variable in a Python dataset, with its unit in `attrs['units']` and its meaning in
+`attrs['long_name']`. A final value whose history has the same name ends with `_end`. Two names in
+one row give the same numbers. You may request a quantity by name or key, in capital or small
+letters; a sweep keeps the name that you used.
 
-A number that describes the response is a variable. How the whole computation was done and what it
-took is without a name: an attribute of the dataset under its key, and over a grid a variable under
-its key. `rwmf.sweep` keeps any named quantity that a spectrum may be asked for.
+Response quantities are variables. Quantities that describe the computation have no name: they are
+attributes of the dataset, and variables over a grid. `rwmf.sweep` accepts every named quantity that
+a spectrum can report.
 
-Axes of a grid (`T_s_s`, `gamma`, `b_m`) may be more than a key of the case: of `&storeys` and of a
-wall without a frame other numbers follow them. What they are in a scene is the `long_name` of the
-coordinate and stands above the columns of a CSV file ([theory](../theory/theory.md), "Axes").
+With `&storeys`, and for a wall without a frame, an axis of a grid (`T_s_s`, `gamma`, `b_m`) scales
+several keys of the case. The `long_name` of the coordinate and the head of a CSV file say which
+([theory](../theory/storeys.md#axes)).
 
-How a number is found:
+The column *found* uses these words:
 
 | word | meaning |
 |---|---|
 | row | at the time of each row of a history |
 | peak | largest or smallest value at any time, located between the steps of the integrator |
-| time | when a peak is reached first |
-| end | in the end of the simulation |
+| time | first time of a peak |
+| end | at the end of the simulation |
 | count | number of events |
 | whether | yes or no |
 | before | known before the simulation begins |
 | axis | dimension of a grid |
-| work | what the computation took |
-| error | estimate, or comparison with something better |
+| work | effort of the computation |
+| error | estimated error, or difference from a more accurate result |
 
 Errors depend on `&solver rtol` and on the sensitivity S, the relative change of a quantity per
 relative change of the motion, at least 1:
@@ -52,19 +50,19 @@ relative change of the motion, at least 1:
 | peak of a floor acceleration | 100 `rtol` S of its value |
 | part of the energy ledger | 100 `rtol` S of the largest part: a small part has fewer digits |
 
-A peak of the friction demand is infinite where the pivot lifts, and S is large where it hardly
-does not.
+The peak of the friction demand is infinite if the pivot lifts, and S is large if its vertical
+reaction nearly vanishes.
 """
 _SECTIONS = {
     "history": "Columns of the history\n\n`CASE.history.csv`, with `&output dt`",
     "run": "Scalars of a run\n\n`rwmf run --json`, `CASE.summary.csv`",
     "spectrum": "Spectra\n\n`rwmf spectrum --json`, `CASE.spectrum.csv`",
-    "ordinate": "Ordinates of a spectrum\n\nWhat `&spectrum quantities`, `rwmf spectrum "
-    "--quantity`, `rwmf.spectrum(case, quantities=[...])`\nand `values` of a Fortran `spectrum_t` "
-    "report of each ordinate when asked: each as a number, 1 for\nyes, 0 for no, NaN for the time "
-    "of what did not happen. `&output` need not ask for it as well, only\n`friction_limit` has to "
-    "be given there. In Python it is a variable under its name, or under its key",
-    "sweep": "Sweeps\n\nBeside the scalars of a run that were asked for",
+    "ordinate": "Ordinates of a spectrum\n\nRequest them by `&spectrum quantities`, `rwmf spectrum "
+    "--quantity` or\n`rwmf.spectrum(case, quantities=[...])`; a Fortran host finds them in "
+    "`values` of `spectrum_t`.\nYes is 1, no is 0, and the time of an event that did not happen is "
+    "NaN. `&output` needs only\n`friction_limit`. In Python each quantity is a variable under its "
+    "name, or under its key",
+    "sweep": "Sweeps\n\nA sweep adds these to the requested scalars of a run",
     "cost": "Comparison of methods\n\n`rwmf cost --json`",
 }
 

@@ -1,8 +1,8 @@
-"""A case in the browser: a local page with sliders, pictures and numbers (``rwmf explore``).
+"""Browser page for a case: sliders, figures and numbers (``rwmf explore``).
 
-`server` speaks HTTP with this machine only. It hands questions to the processes of `workers`, where
-`model` answers them from the kernel. `controls` describes how each key is shown, and ``page`` is
-loaded by the browser.
+`server` serves HTTP to this machine only and passes requests to the processes of `workers`. There
+`model` computes the answers with the kernel. `controls` describes the control of each key; the
+browser loads ``page``.
 """
 
 from rwmf._explore.server import explore

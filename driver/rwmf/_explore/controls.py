@@ -1,8 +1,7 @@
-"""How the page shows each key of a case: range of its slider, what to begin with, what excludes it.
+"""Controls of the page for each key: slider range, initial value, exclusions.
 
-Keys, units, types and bounds are the kernel's. What stands here is only what suits a hand: ranges
-in which walls and frames lie, and what follows when a choice is made. A key that is not named
-here has a slider from its bounds.
+Keys, units, types and bounds come from the kernel. This table adds practical ranges of walls and
+frames, and the consequences of a choice. A key without an entry has a slider over its bounds.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from rwmf import _library
 
 __all__ = ["describe", "editable"]
 
-# where values usually lie: low, high, and whether equal ratios are equal ways of the slider
+# usual range of values: low, high, and True for a logarithmic slider
 _RANGES: dict[str, tuple[float, float, bool]] = {
     "wall.h": (0.5, 10.0, False),
     "wall.b": (0.1, 3.0, False),
@@ -68,7 +67,7 @@ _RANGES: dict[str, tuple[float, float, bool]] = {
     "spectrum.T_s_max": (1.0, 10.0, False),
     "spectrum.n": (10, 1000, True),
 }
-# what a key begins with when it is set on the page; others begin in the middle of their range
+# initial value of a key set on the page; other keys start in the middle of their range
 _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "wall.h": 2.0,
     "wall.b": 0.5,
@@ -142,7 +141,7 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "spectrum.quantities": ["u_s_max_m"],
 }
 _STRANDS = ("strands", "strand_area", "modulus", "initial_stress")
-# ways to say the same: setting one takes the others out
+# alternative keys: setting one removes the others
 _ALTERNATIVES = (
     ("motion.a_max_g", "motion.v_p"),
     ("motion.omega_p", "motion.T_p"),
@@ -186,7 +185,7 @@ _ALTERNATIVES = (
 )
 _MASS = "wall.m_w|density"
 _AXIS = ("spectrum.T_s_min", "spectrum.T_s_max", "spectrum.n")
-# keys that a key cannot do without, where their group is there; 'a|b' is one of two
+# keys required by a key when their group is present; 'a|b' means one of two
 _BRINGS: dict[str, tuple[str, ...]] = {
     "wall.density": ("wall.thickness",),
     "wall.thickness": ("wall.density",),
@@ -215,7 +214,7 @@ _BRINGS: dict[str, tuple[str, ...]] = {
     **{key: tuple(other for other in _AXIS if other != key) for key in _AXIS},
     "spectrum.spacing": _AXIS,
 }  # fmt: skip
-# keys that need one of these, or none of them (!), but not in order to be complete
+# keys that require one of these, or none of them (!), but not for completeness
 _ONLY_BESIDE: dict[str, tuple[str, ...]] = {
     "cable.length": ("cable.strands", "cable.rupture_strain"),
     "cable.hardening": ("cable.eta_y", "cable.yield_stress"),
@@ -231,14 +230,14 @@ _ONLY_BESIDE: dict[str, tuple[str, ...]] = {
     "vertical.unit": ("!vertical.ratio",),
     "vertical.scale": ("!vertical.ratio",),
 }
-# what Eq. (15) as printed does not have: it comes with the exact formulation
+# effects absent from Eq. (15) as printed, which imply the exact formulation
 _NOT_PUBLISHED = ("link", "cable.eta_y", "cable.yield_stress", "cable.rupture_strain",
                   "cable.law=truss")  # fmt: skip
 _PULSE = {"a_max_g|v_p": True, "T_p|omega_p": True, "t_0": False}
 _LOSING = {"cap": True, "post_cap": True, "residual": False, "lambda": False,
            "lambda_exponent": False}  # fmt: skip
-# keys that belong to some values of a choice only, with whether that value needs them; any other
-# value takes them out. 'a|b' is one of two.
+# keys for some values of a choice only, with True where the value requires them; other values
+# remove them. 'a|b' means one of two.
 _BELONGING: dict[str, dict[str, dict[str, bool]]] = {
     "motion.kind": {
         "none": {},
@@ -271,7 +270,7 @@ _BELONGING: dict[str, dict[str, dict[str, bool]]] = {
         "pinched": _LOSING | {"pinch_force": False, "pinch_displacement": False},
     },
 }
-# what a group needs beyond its required keys when it is put into a case
+# additional keys set when a group is added to a case
 _NEEDED_TOO = {
     "frame": ("T_s",),
     "storeys": ("k_over_m_w",),
@@ -282,13 +281,13 @@ _NEEDED_TOO = {
     "spectrum": ("T_s_min", "T_s_max", "n"),
     "initial": ("theta_over_alpha",),
 }
-# keys that a case has only beside groups, with whether it needs them there
+# keys allowed only together with groups, with True where required
 _ONLY_WITH = {
     "frame.gamma": (("wall",), True),
     "spectrum.gamma": (("wall", "frame"), False),
     "spectrum.b": (("wall",), False),
 }
-# keys that a group takes out, because it says the same in another way
+# keys removed by a group that describes the same property
 _INSTEAD_OF = {
     "storeys": ("frame.T_s", "frame.gamma", "frame.m_s", "frame.k_s", "p_delta.h_f"),
 }
@@ -314,19 +313,19 @@ _TITLES = {
     "output": "Output of runs",
     "spectrum": "Spectrum of runs",
 }
-# names of files are not the page's to give: an uploaded record is known by its number
+# the page must not set file names: an uploaded record has a number
 _NOT_EDITABLE = {("motion", "file"), ("vertical", "file")}
 
 _INTERVAL = re.compile(r"([\[(])([^,\s]+), ([^\])]+)[\])]")
 
 
 def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
-    """Keys that the page may set.
+    """Return the keys that the page may set.
 
     Returns
     -------
     dict
-        Type and, of a choice, its words, by group and key.
+        Type, and the words of a choice, by group and key.
     """
     return {
         row[:2]: (row.kind, tuple(row.allowed.split()) if row.kind == "choice" else ())
@@ -341,7 +340,7 @@ def describe() -> dict[str, Any]:
     Returns
     -------
     dict
-        ``groups`` (name, title, needs, needed_too, keys), and what excludes or needs each other.
+        ``groups`` (name, title, needs, needed_too, keys), exclusions and requirements.
     """
     keys: dict[str, list[dict[str, Any]]] = {}
     for row in _library.schema():
@@ -370,7 +369,7 @@ def describe() -> dict[str, Any]:
 
 
 def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
-    """Describe a key by its row of the kernel's table, with the range of its slider."""
+    """Describe a key from its row in the kernel's table, with the range of its slider."""
     name = f"{row.group}.{row.key}"
     kind, default, allowed = row.kind, row.default, row.allowed
     found: dict[str, Any] = {
@@ -394,24 +393,24 @@ def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
         if kind == "integer":
             found["start"] = round(float(str(start)))
     elif kind == "logical":
-        # what is set is what differs from the default
+        # a key is set when its value differs from the default
         found["start"] = default != ".true."
     elif kind == "text":
         found["start"] = _STARTS.get(name, "u_s_max_m")
     else:
-        # a list holds at least one number, or one word
+        # a list needs at least one number or word
         found["start"] = _STARTS.get(name, ["u_s_max_m"] if kind == "text list" else [1.0])
     return found
 
 
 def _range(default: str, allowed: str) -> tuple[float, float, bool]:
-    """Range of a slider from the bounds of its key."""
+    """Return the range of a slider from the bounds of its key."""
     own = _number(default)
     interval = _INTERVAL.fullmatch(allowed)
     if interval:
         low, high = _number(interval[2]), _number(interval[3])
         if low is not None and high is not None:
-            # a value on an end that does not belong to the interval would be refused
+            # the end of an open interval would be refused
             open_low, open_high = interval[1] == "(", allowed.endswith(")")
             inset = 1e-3 * (high - low)
             return low + inset * open_low, high - inset * open_high, low > 0 and high > 100 * low
@@ -428,7 +427,7 @@ def _range(default: str, allowed: str) -> tuple[float, float, bool]:
 
 
 def _number(text: str) -> float | None:
-    """Read a number of the kernel's table; None for a word."""
+    """Read a number from the kernel's table; None for a word."""
     if text in ("pi", "pi/2"):
         return math.pi / (2.0 if text.endswith("2") else 1.0)
     try:

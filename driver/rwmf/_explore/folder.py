@@ -1,4 +1,4 @@
-"""The folder of a server: removed when it ends, or by the next one if it has been killed."""
+"""Temporary folder of a server, removed at its end, or by the next server after a crash."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _PREFIX = "rwmf-explore-"
 
 
 class Folder:
-    """A new temporary folder, locked for as long as this process lives.
+    """A new temporary folder, locked until this process ends.
 
-    The lock is on the folder itself, and the system releases it with the process. A folder without
-    a lock therefore belongs to a server that was killed.
+    The operating system releases the lock of the folder with the process. A folder without a lock
+    therefore belongs to a terminated server.
     """
 
     def __init__(self) -> None:
@@ -28,12 +28,12 @@ class Folder:
             if lock is not None:
                 _remove(left, lock)
         while self._lock is None:
-            # another server may take a folder without a lock for one that was left behind
+            # between creation and lock another server may take the folder for an abandoned one
             self.path = Path(tempfile.mkdtemp(prefix=_PREFIX))
             self._lock = _locked(self.path)
 
     def remove(self) -> None:
-        """Remove the folder with its content; a second call does nothing."""
+        """Remove the folder with its contents; further calls have no effect."""
         if self._lock is not None:
             _remove(self.path, self._lock)
             self._lock = None
@@ -45,7 +45,7 @@ def _locked(path: Path) -> int | None:
     Returns
     -------
     int or None
-        Descriptor that holds the lock; None if there is no such folder, or it is in use.
+        Descriptor that holds the lock; None if the folder is missing or in use.
     """
     try:
         found = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
@@ -54,7 +54,7 @@ def _locked(path: Path) -> int | None:
     with suppress(OSError):
         if os.fstat(found).st_uid == os.geteuid():
             fcntl.flock(found, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # it may have been removed between opening and locking
+            # another process may have removed it before the lock
             if os.path.samestat(os.fstat(found), os.lstat(path)):
                 return found
     os.close(found)

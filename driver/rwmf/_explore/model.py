@@ -1,8 +1,8 @@
-"""What the page shows, from the kernel: answers to its questions as texts, numbers and arrays.
+"""Answers to the requests of the page, computed by the kernel: texts, numbers and arrays.
 
-Nothing here knows HTTP; `worker` runs it in a process apart from the server. Arrays are sent as
-bytes of 32-bit floats in base64, which is made and read ten times faster than numbers as text; the
-key numbers are texts of all their digits.
+This module is independent of HTTP; `worker` runs it in a process separate from the server. Arrays
+travel as 32-bit floats in base64, which is ten times faster to write and read than decimal numbers.
+Key numbers are texts with all digits.
 """
 
 from __future__ import annotations
@@ -31,43 +31,43 @@ from rwmf.quantities import find
 
 __all__ = ["Model", "as_files", "encode", "start"]
 
-Watch = Callable[[int], None]
+Poll = Callable[[int], None]
 Array = npt.NDArray[np.float64]
 
-# rows of a history: more than a screen has columns, few enough to be drawn at once
+# rows of a history: more than the columns of a screen, few enough to draw at once
 _ROWS = 1500
-# a period axis that contains the case's own, where the case has none [s]
+# range of the period axis for a case without a period [s]
 _PERIODS = (0.05, 3.0)
-# of an ordinate: beyond the samples of a long record; an elastic wall (e = 1) on a stiff frame
-# chatters through a record without end, and would hold up all other periods
+# time limit of an ordinate, sufficient for a long record. An elastic wall (e = 1) on a stiff frame
+# can chatter through a whole record and would block the other periods
 _MOST_STEPS = 500_000
-# curves of the frame alone, and uploaded records, that a process keeps
+# number of curves of the bare frame, and of uploaded records, that a process keeps
 _KEPT = 32
 _KEPT_RECORDS = 3
-# columns of a history that the page draws
+# history columns drawn by the page
 _SHOWN = re.compile(r"time$|theta$|u_s$|u_g_ddot$|energy_|floor_\d+$|storey_\d+_drift$")
-# groups that a frame without a wall does not have, whatever they need
+# groups that a frame without a wall cannot have
 _NOT_BARE = ("output", "spectrum", "cable", "impact", "initial")
-# work of a run that depends on what else is asked for, or on the machine
+# counters that depend on the requested outputs or on the machine
 _NOT_KEY_NUMBERS = ("warnings", "effects", "method", "rtol", "seconds", "rhs_evaluations")
 
 
 class _Record(NamedTuple):
-    """A record that a page has sent."""
+    """A record uploaded by the page."""
 
     path: Path
     base: Case
 
 
 def as_files(case: Case, folder: Path) -> tuple[Case, list[Path]]:
-    """Save the motions of a case from arrays, so that its namelist can name them.
+    """Save the motions from arrays as files that a namelist can name.
 
     Parameters
     ----------
     case : Case
         The case.
     folder : Path
-        Where to save them.
+        Folder for the files.
 
     Returns
     -------
@@ -84,7 +84,7 @@ def as_files(case: Case, folder: Path) -> tuple[Case, list[Path]]:
 
 
 def start(case: Case, made: list[Path]) -> dict[str, Any]:
-    """Describe keys, and the case to begin with.
+    """Describe keys and the initial case.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def start(case: Case, made: list[Path]) -> dict[str, Any]:
 
 
 def encode(value: object) -> bytes:
-    """Write an answer as JSON.
+    """Encode an answer as JSON.
 
     Parameters
     ----------
@@ -118,21 +118,21 @@ def encode(value: object) -> bytes:
     Returns
     -------
     bytes
-        One line without its end.
+        One line without line end.
     """
-    # a name of a file may hold bytes that are no text
+    # a file name may contain bytes that are not UTF-8
     return json.dumps(value, allow_nan=False).encode("ascii", "replace")
 
 
 class Model:
-    """Answers to the questions of any number of pages about one case and its variants.
+    """Answers to requests about one case and its variants, for any number of pages.
 
     Parameters
     ----------
     case : Case
-        What the pages begin with.
+        Initial case of the pages.
     folder : Path
-        Where uploaded records are, each in a folder with its number.
+        Folder of uploaded records, each in a subfolder with its number.
     """
 
     def __init__(self, case: Case, folder: Path) -> None:
@@ -140,18 +140,18 @@ class Model:
         self._case = case
         self._records: OrderedDict[str, _Record] = OrderedDict()
         self._alone: OrderedDict[str, str] = OrderedDict()
-        # one for the browser, which draws while the next question is computed
+        # one processor stays free for the browser, which draws during the next computation
         self._threads = max(1, (os.cpu_count() or 2) - 1)
 
-    def history(self, question: Question, watch: Watch) -> dict[str, Any]:
+    def history(self, question: Question, poll: Poll) -> dict[str, Any]:
         """Run a case.
 
         Parameters
         ----------
         question : Question
-            Which case.
-        watch : callable
-            Called about 20 times a second; what it raises stops the kernel.
+            Selects the case.
+        poll : callable
+            Called about 20 times a second; an exception that it raises stops the kernel.
 
         Returns
         -------
@@ -163,7 +163,7 @@ class Model:
         InputError, NumericalError
             As the kernel reports them.
         BadQuestionError
-            When there is no such record.
+            When the record does not exist.
         """
         case = self._case_of(question)
         t_end = float(case.solver.t_end)
@@ -171,7 +171,7 @@ class Model:
             output={"dt": t_end / _ROWS if t_end > 0 else 1.0, "energy": True, "reactions": True}
         )
         begun = time.perf_counter()
-        with _library.start_simulation(shown.kernel, "", watch) as run:
+        with _library.start_simulation(shown.kernel, "", poll) as run:
             seconds = time.perf_counter() - begun
             names, values = run.history()
             summary, events = run.summary(), run.events()
@@ -196,28 +196,29 @@ class Model:
             "kernel_seconds": seconds,
         }
 
-    def spectrum(self, question: Question, watch: Watch) -> dict[str, Any]:
-        """Compute a spectrum of a case over periods, and that of its frame alone.
+    def spectrum(self, question: Question, poll: Poll) -> dict[str, Any]:
+        """Compute the spectrum of a case and that of its frame without a wall.
 
         Parameters
         ----------
         question : Question
-            Which case, how many periods, which quantity.
-        watch : callable
+            Selects case, number of periods and quantity.
+        poll : callable
             As in `history`.
 
         Returns
         -------
         dict
-            ``T``, ``values``, ``alone`` (None without one), ``failed`` (how many of each status),
-            ``overturned`` (periods), what the quantity is, and which others the scene has.
+            ``T``, ``values``, ``alone`` (or None), ``failed`` (number of each status),
+            ``overturned`` (periods), description of the quantity, and the other quantities of the
+            scene.
 
         Raises
         ------
         InputError, NumericalError
             As the kernel reports them.
         BadQuestionError
-            When there is no such record.
+            When the record does not exist.
         """
         case = self._case_of(question)
         if "T_s" not in case.kernel.axes():
@@ -226,10 +227,10 @@ class Model:
         key = _key_of(question.quantity, case)
         periods = _grid(case, question.points)
         begun = time.perf_counter()
-        values, status = self._row_of(case, periods, key, watch)
-        alone = self._frame_alone(question, case, periods, key, watch)
+        values, status = self._row_of(case, periods, key, poll)
+        alone = self._frame_alone(question, case, periods, key, poll)
         seconds = time.perf_counter() - begun
-        # status names of what is no number
+        # reasons for missing numbers
         names, counts = np.unique(status[status != "ok"], return_counts=True)
         quantity = find(key)
         return {
@@ -244,71 +245,71 @@ class Model:
         }
 
     def cost(self, question: Question, report: Callable[[int, int], None]) -> dict[str, Any]:
-        """Measure what accuracy costs.
+        """Measure the cost of accuracy.
 
         Parameters
         ----------
         question : Question
-            Which case.
+            Selects the case.
         report : callable
-            Called with the number of finished units of work and of all; what it raises ends it.
+            Called with the numbers of finished and of all units of work; an exception that it
+            raises ends the measurement.
 
         Returns
         -------
         dict
-            As ``rwmf cost --json``; what is not finite is None.
+            As ``rwmf cost --json``; values that are not finite are None.
 
         Raises
         ------
         InputError, NumericalError
             As the kernel reports them.
         """
-        # quadruple precision is in a library of its own, which is loaded when it is needed
+        # quadruple precision needs a second library, loaded on demand
         from rwmf._cost import cost
 
         found = cost(self._case_of(question), progress=report)
         return dict(_plain(found.to_dict()))
 
     def add_record(self, number: str, unit: str | None, dt: float | None) -> dict[str, Any]:
-        """Check a record that a page has sent.
+        """Check a record uploaded by the page.
 
         Parameters
         ----------
         number : str
-            Of its folder, which holds this one file.
+            Number of the record's folder, which contains this file only.
         unit : str, optional
-            Of its accelerations, unless the file says it.
+            Unit of the accelerations, unless the file gives it.
         dt : float, optional
-            Interval of its samples [s], where the file has one column.
+            Interval of the samples [s], for a file with one column.
 
         Returns
         -------
         dict
-            ``record`` (its number), ``name``, ``motion`` (keys of the group), ``end`` (time of its
-            last sample), ``facts``.
+            ``record`` (number), ``name``, ``motion`` (keys of the group), ``end`` (time of the last
+            sample), ``facts``.
 
         Raises
         ------
         InputError
-            When the kernel does not accept the record; the message names the file as its owner
-            does.
+            When the kernel refuses the record; the message gives the file's original name.
         """
         (path,) = (self._folder / number).iterdir()
         base = self._with_record(path, unit, dt)
         motion = given(base)["motion"]
-        # the other processes make the same case of it
+        # the other processes make the same case from these keys
         self._keys_of(number).write_text(json.dumps(motion), encoding="ascii")
         end = float(f"{base.kernel.end_of_motion():.12g}")
         facts = f"{end:g} s, peak {base.kernel.peak_of_motion() / base.model.g:.3g} g"
         return {"record": number, "name": path.name, "motion": motion, "end": end, "facts": facts}
 
-    def plainly(self, error: RwmfError) -> str:
-        """Say what is wrong without file and lines of a namelist, which the page does not have.
+    def message_of(self, error: RwmfError) -> str:
+        """Return the message of an error without the file and lines of a namelist.
 
         Parameters
         ----------
         error : RwmfError
-            Of a question.
+            Error of a request.
 
         Returns
         -------
@@ -318,13 +319,13 @@ class Model:
         text = re.sub(r" \(line \d+\)", "", str(error))
         for label in (f"{self._case.source} (edited): ", f"{self._case.source}: "):
             text = text.removeprefix(label)
-        # an uploaded record has the name that its owner gave it
+        # an uploaded record appears under its original name
         return re.sub(rf"{re.escape(str(self._folder))}/[^/]+/", "", text)
 
     def _with_record(self, path: Path, unit: str | None, dt: float | None) -> Case:
-        """Put a record into the case; which keys it takes is seen from the file by the kernel."""
+        """Put a record into the case; the kernel detects the keys that the file needs."""
         own = {"kind": "record", "file": str(path), "scale": 1.0}
-        # AT2 has unit and interval, two columns have times
+        # AT2 gives unit and interval, two columns give times
         tries = [own, own | {"unit": unit}, own | {"unit": unit, "dt": dt}]
         problem: InputError | None = None
         scene = self._case.replace(vertical=None, motion=None)
@@ -342,7 +343,7 @@ class Model:
         return case_of(question, self._record(question.record).base)
 
     def _keys_of(self, number: str) -> Path:
-        """File with the keys of &motion that go with a record."""
+        """Return the file with the keys of &motion for a record."""
         return self._folder / f"{number}.json"
 
     def _record(self, number: str) -> _Record:
@@ -362,7 +363,7 @@ class Model:
 
     def _namelist(self, case: Case, record: str) -> str:
         text = case.to_namelist()
-        # files in the server's folder are saved beside the namelist
+        # records in the server's folder are saved beside the namelist
         files = [*self._folder.glob("case_*.txt")]
         if record:
             files.append(self._record(record).path)
@@ -371,19 +372,19 @@ class Model:
         return text
 
     def _row_of(
-        self, case: Case, periods: Array, key: str, watch: Watch
+        self, case: Case, periods: Array, key: str, poll: Poll
     ) -> tuple[Array, npt.NDArray[np.str_]]:
         """Return a quantity and the status over periods."""
         with _library.start_rows(
-            case.kernel, "", ["T_s"], periods[:, None], [key], self._threads, watch
+            case.kernel, "", ["T_s"], periods[:, None], [key], self._threads, poll
         ) as found:
             values = found.values()
             return values[key].ravel().astype(np.float64), values["status"].ravel()
 
     def _frame_alone(
-        self, question: Question, case: Case, periods: Array, key: str, watch: Watch
+        self, question: Question, case: Case, periods: Array, key: str, poll: Poll
     ) -> str | None:
-        """Return the curve of the frame without a wall, packed; it depends on few of the keys."""
+        """Return the encoded curve of the frame without a wall; it depends on few keys."""
         if "wall" not in question.groups or "frame" not in question.groups:
             return None
         gone = [name for name, needs in _library.needs_of_groups().items()
@@ -402,9 +403,9 @@ class Model:
             return self._alone[name]
         try:
             bare = case.replace(**changes)
-            values, _ = self._row_of(bare, periods, key, watch)
+            values, _ = self._row_of(bare, periods, key, poll)
         except (InputError, NumericalError):
-            # a quantity of the wall, or storeys that no wall holds up
+            # a quantity of the wall, or storeys that need a wall
             return None
         self._alone[name] = _pack(values)
         if len(self._alone) > _KEPT:
@@ -413,12 +414,12 @@ class Model:
 
 
 def _quoted(text: str) -> str:
-    """Write a text for a place between the quotes of a namelist."""
+    """Escape a text for a quoted value of a namelist."""
     return text.replace("'", "''")
 
 
 def _key_of(word: str, case: Case) -> str:
-    """Return the key of a quantity that is given by key or name, in any case of letters."""
+    """Return the key of a quantity given by key or name, in upper or lower case."""
     for key in case.kernel.applicable():
         if word.lower() in (name.lower() for name in (key, *find(key).names("ordinate"))):
             return key
@@ -426,7 +427,7 @@ def _key_of(word: str, case: Case) -> str:
 
 
 def _early_end(case: Case) -> list[str]:
-    """Warn of a run that does not contain all of the ground motion."""
+    """Warn when a run ends before the ground motion."""
     end = case.kernel.end_of_motion()
     t_end = float(case.solver.t_end)
     if not t_end < end * (1.0 - 1e-9):
@@ -436,13 +437,13 @@ def _early_end(case: Case) -> list[str]:
 
 
 def _pack(values: npt.ArrayLike) -> str:
-    """Write an array as base64 of little-endian 32-bit floats."""
+    """Encode an array as base64 of little-endian 32-bit floats."""
     with np.errstate(over="ignore"):
         return base64.b64encode(np.asarray(values).astype("<f4").tobytes()).decode()
 
 
 def _key_numbers(summary: dict[str, Any]) -> list[list[str]]:
-    """Key, text with all digits, unit and meaning of each named scalar."""
+    """Return key, text with all digits, unit and definition of each named scalar."""
     return [
         [key, _text(value), find(key).unit, find(key).meaning]
         for key, value in summary.items()
@@ -472,7 +473,7 @@ _FORCES = {"frame": "F_s/(m_s g)", "cable": "P/(m_w g)", "fuse": "F/(m_w g)"}
 
 
 def _scene_of(case: Case) -> dict[str, Any]:
-    """Measures that the picture of the wall and the marker in the spectrum need."""
+    """Return the dimensions for the sketch of the wall and the marker in the spectrum."""
     found: dict[str, Any] = dict.fromkeys(case.groups, True)
     if case.wall is not None:
         h, b = float(case.wall.h), float(case.wall.b)
@@ -486,13 +487,13 @@ def _scene_of(case: Case) -> dict[str, Any]:
 
 
 def _period_of(case: Case) -> float | None:
-    """Return where the case stands on the axis of its spectrum [s]."""
+    """Return the period of the case on the axis of its spectrum [s]."""
     axis = case.kernel.axes().get("T_s")
     return None if axis is None else axis.value
 
 
 def _grid(case: Case, points: int) -> Array:
-    """Periods of the spectrum: those of the case's own range, with its own period in it."""
+    """Return the periods of the spectrum: the case's range, including its period."""
     low, high = _PERIODS
     group: Mapping[str, Any] = case.groups.get("spectrum", {})
     if group.get("T_s"):
@@ -510,7 +511,7 @@ def _grid(case: Case, points: int) -> Array:
 
 
 def _plain(value: object) -> Any:  # noqa: ANN401 (JSON has several types)
-    """Make what JSON can hold: what is not finite becomes None."""
+    """Convert a value for JSON; numbers that are not finite become None."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, list):

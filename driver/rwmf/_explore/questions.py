@@ -1,4 +1,4 @@
-"""Questions of the page: what may stand in them, and the case that they mean."""
+"""Requests of the page: validation and conversion to a case."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ _NUMBER = re.compile(r"([0-9]{1,9})?", re.ASCII)
 
 
 class BadQuestionError(ValueError):
-    """The page, or whoever speaks in its place, says what no question can be."""
+    """The request is malformed."""
 
 
 class Question(NamedTuple):
-    """What the page asks about.
+    """A request of the page.
 
     Attributes
     ----------
     groups : dict
         Keys and values of each group.
     record : str
-        Number of an uploaded record, '' for the case's own.
+        Number of an uploaded record, '' for the record of the case.
     points : int
-        Periods of the spectrum.
+        Number of periods of the spectrum.
     quantity : str
-        Key of what the spectrum shows, '' for the scene's own.
+        Key of the spectrum's quantity, '' for the default of the scene.
     """
 
     groups: dict[str, dict[str, Any]]
@@ -43,7 +43,7 @@ class Question(NamedTuple):
 
 
 def given(case: Case) -> dict[str, dict[str, Any]]:
-    """List what a case gives, as the page gives it back.
+    """List the given values of a case, in the form in which the page returns them.
 
     Parameters
     ----------
@@ -67,31 +67,32 @@ def given(case: Case) -> dict[str, dict[str, Any]]:
 
 
 def read(body: object) -> Question:
-    """Check a question.
+    """Validate a request.
 
     Parameters
     ----------
     body : object
-        What the JSON of the page says.
+        Contents of the page's JSON.
 
     Returns
     -------
     Question
-        The same, with the types of the keys.
+        The request, with values of the types of their keys.
 
     Raises
     ------
     BadQuestionError
-        When it is no question: a group or key that the page does not set, a value of another type.
+        When the request contains a group or key that the page does not set, or a value of wrong
+        type.
     """
     if not isinstance(body, dict):
-        raise BadQuestionError("a question is an object")
+        raise BadQuestionError("a request must be an object")
     unknown = body.keys() - {"groups", "record", "points", "quantity"}
     if unknown:
-        raise BadQuestionError(f"a question has no {min(map(str, unknown))!r}")
+        raise BadQuestionError(f"a request has no key {min(map(str, unknown))!r}")
     groups = body.get("groups")
     if not isinstance(groups, dict):
-        raise BadQuestionError("a question has groups")
+        raise BadQuestionError("a request must have groups")
     pairs = editable()
     known = {group for group, _ in pairs}
     for name, keys in groups.items():
@@ -99,7 +100,7 @@ def read(body: object) -> Question:
             raise BadQuestionError(f"{name[:40]!r} is no group, or has no keys")
         for key in keys:
             if (name, key) not in pairs:
-                raise BadQuestionError(f"&{name} has no key {key[:40]!r} that the page sets")
+                raise BadQuestionError(f"&{name} has no key {key[:40]!r} that the page may set")
     record, points = body.get("record", ""), body.get("points", 200)
     quantity = body.get("quantity", "")
     if not isinstance(record, str) or not isinstance(quantity, str):
@@ -116,7 +117,7 @@ def read(body: object) -> Question:
 
 
 def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any:  # noqa: ANN401
-    """Return a value with the type of its key."""
+    """Convert a value to the type of its key."""
     if kind == "real":
         return _real(name, value)
     if kind == "integer":
@@ -158,19 +159,19 @@ def _real(name: str, value: object) -> float:
 
 
 def case_of(question: Question, base: Case) -> Case:
-    """Make the case that a question means.
+    """Make the case of a request.
 
     Parameters
     ----------
     question : Question
         From `read`.
     base : Case
-        A case with the records that it means.
+        A case with the records of the request.
 
     Returns
     -------
     Case
-        The case; other numbers in the same keys cost microseconds.
+        The case; new numbers for the same keys take microseconds.
 
     Raises
     ------
@@ -185,7 +186,7 @@ def case_of(question: Question, base: Case) -> Case:
         old = before.get(name, {})
         new: dict[str, object] = dict.fromkeys(old.keys() - keys.keys())
         new |= {key: value for key, value in keys.items() if key not in old or old[key] != value}
-        # the name of a record's file is not the page's to give, but it may be left out
+        # the page must not set the name of a record's file, but may omit it
         has_file = name in base.groups and bool(base.groups[name].get("file"))
         if has_file and not _has_record(name, keys):
             new["file"] = None

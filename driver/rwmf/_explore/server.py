@@ -1,9 +1,8 @@
-"""The server of the page: Python's own, for this machine only.
+"""Server of the page, from Python's standard library, for this machine only.
 
-Another site in the same browser, or another user, must not use it. Whoever asks needs the token,
-which stands in the fragment of the address: browsers send that to nobody. A name that somebody
-else lets point to this machine is refused, as is a question that another page has made the browser
-ask.
+Other web sites in the same browser and other users must not use it. Every request needs the token,
+which is in the fragment of the address; browsers do not send fragments. The server refuses foreign
+host names that resolve to this machine, and requests that another page triggered.
 """
 
 from __future__ import annotations
@@ -43,14 +42,14 @@ _HOST = "127.0.0.1"
 _PAGE = Path(__file__).parent / "page"
 _START = Path(__file__).parent / "start.nml"
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
-# a question names every key of a case; a record has millions of samples at most [bytes]
+# a request lists every key of a case; a record has at most millions of samples [bytes]
 _MOST_QUESTION = 64 * 1024
 _MOST_RECORD = 32 * 1024 * 1024
-# uploaded records that a server keeps
+# largest number of uploaded records
 _MOST_RECORDS = 100
-# connections at the same time; a browser has six for a page
+# largest number of connections; a browser opens six for a page
 _MOST_CONNECTIONS = 200
-# limit of the time in which a request arrives [s]
+# time limit for receiving a request [s]
 _ARRIVAL = 60.0
 _ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 _HEADERS = {
@@ -66,11 +65,11 @@ _HEADERS = {
 
 
 class _GoneError(Exception):
-    """Nobody waits for the answer any more."""
+    """The client has closed the connection."""
 
 
 class _RefusedError(Exception):
-    """A request that is answered with a status and one line."""
+    """A request to be answered with an error status and one line."""
 
     def __init__(self, status: int, message: str) -> None:
         super().__init__(message)
@@ -78,25 +77,25 @@ class _RefusedError(Exception):
 
 
 class PageServer(ThreadingHTTPServer):
-    """Serves the page, and answers its questions about a case.
+    """HTTP server of the page and its requests about a case.
 
     Parameters
     ----------
     case : Case
-        What the page begins with.
+        Initial case of the pages.
     port : int
-        Of this machine; 0 for a free one.
+        Port of this machine; 0 for a free one.
 
     Raises
     ------
     OutputError
-        When the port cannot be had.
+        When the port cannot be used.
     """
 
     daemon_threads = True
-    # at the end the browser may still hold its connections
+    # the browser may keep connections open after the end
     block_on_close = False
-    # connections that wait to be accepted; with five, several pages wait a second for the sixth
+    # queue of connections; with the default of five, several pages would wait a second
     request_queue_size = 128
 
     def __init__(self, case: Case, port: int = 0) -> None:
@@ -105,11 +104,11 @@ class PageServer(ThreadingHTTPServer):
             self.case, self.made = as_files(case, self.folder.path)
             self.token = secrets.token_urlsafe(24)
             self.ending = threading.Event()
-            # times after which a request that has not arrived is given up
+            # deadlines of requests that are still incomplete
             self.arriving: dict[socket.socket, float] = {}
             self._records = 0
             self._lock = threading.Lock()
-            # no name of a request becomes a path: these are all there are
+            # no name in a request becomes a path: only these files exist
             self.files = {
                 f"/{path.relative_to(_PAGE).as_posix()}": path
                 for path in _PAGE.rglob("*")
@@ -129,18 +128,18 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """The page's address, with the token in its fragment."""
+        """Address of the page, with the token in its fragment."""
         return f"http://{_HOST}:{self.server_port}/#{self.token}"
 
     def handle_error(self, request: object, client_address: object) -> None:
-        """Say nothing of connections that break off; show what was not foreseen.
+        """Ignore broken connections; show unexpected errors.
 
         Parameters
         ----------
         request : socket
             The connection.
         client_address : tuple
-            Who has opened it.
+            Address of the client.
         """
         error = sys.exc_info()[1]
         if not isinstance(error, OSError | _GoneError):
@@ -159,7 +158,7 @@ class PageServer(ThreadingHTTPServer):
         Returns
         -------
         bool
-            Whether it is served.
+            True when the connection is accepted.
         """
         if len(self.arriving) >= _MOST_CONNECTIONS:
             return False
@@ -178,7 +177,7 @@ class PageServer(ThreadingHTTPServer):
         super().shutdown_request(request)
 
     def service_actions(self) -> None:
-        """Close connections whose request does not arrive."""
+        """Close connections with overdue requests."""
         now = time.monotonic()
         for connection, until in list(self.arriving.items()):
             if now > until:
@@ -186,14 +185,14 @@ class PageServer(ThreadingHTTPServer):
                     connection.shutdown(socket.SHUT_RDWR)
 
     def new_record(self, content: bytes, name: str) -> str:
-        """Keep the file of a record.
+        """Store the file of a record.
 
         Parameters
         ----------
         content : bytes
             The file: AT2, or one or two columns.
         name : str
-            Its name, for the namelist.
+            File name for the namelist.
 
         Returns
         -------
@@ -203,9 +202,9 @@ class PageServer(ThreadingHTTPServer):
         Raises
         ------
         BadQuestionError
-            When the name is none of a file.
+            When the name is not a valid file name.
         """
-        # a namelist takes blanks at its ends for none of it
+        # a namelist ignores blanks at the ends of a name
         plain = Path(name.replace("\\", "/")).name.strip()
         if not plain.isprintable() or not 0 < len(plain.encode()) <= 120 or plain in (".", ".."):
             raise BadQuestionError("the name of the record is no name of a file")
@@ -226,20 +225,20 @@ class PageServer(ThreadingHTTPServer):
         return number
 
     def drop_record(self, number: str) -> None:
-        """Remove the file of a record that is not accepted.
+        """Remove the file of a refused record.
 
         Parameters
         ----------
         number : str
-            Of the record.
+            Number of the record.
         """
         shutil.rmtree(self.folder.path / number, ignore_errors=True)
         with self._lock:
-            # numbers are not used twice, unless this is the last
+            # reuse only the last number
             self._records -= number == str(self._records)
 
     def end(self) -> None:
-        """Stop what is computed, and give back port and folder."""
+        """Stop computations; release port and folder."""
         self.ending.set()
         self.workers.end()
         self.server_close()
@@ -247,22 +246,22 @@ class PageServer(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """One connection of a browser."""
+    """Connection of a browser."""
 
     server: PageServer
     protocol_version = "HTTP/1.1"
     server_version = "rwmf"
     sys_version = ""
-    # what is no request at all gets a status line as well
+    # malformed requests also get a status line
     default_request_version = "HTTP/1.0"
-    # headers and body leave together: no delay between them
+    # send headers and body together, without delay between them
     wbufsize = -1
     disable_nagle_algorithm = True
-    # a connection without a question is closed [s]
+    # idle connections are closed after this time [s]
     timeout = 60
 
     def handle_one_request(self) -> None:
-        """Serve a request, which has a limited time to arrive."""
+        """Serve a request within a time limit for its arrival."""
         self.server.arriving[self.connection] = time.monotonic() + _ARRIVAL
         super().handle_one_request()
 
@@ -271,29 +270,29 @@ class _Handler(BaseHTTPRequestHandler):
         self._guarded(self._send_file)
 
     def do_POST(self) -> None:
-        """Answer a question."""
+        """Answer a request for a computation."""
         self._guarded(self._answer)
 
     def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
-        """Answer what is no request of a page, with the headers of all answers.
+        """Answer an invalid request, with the headers of all answers.
 
         Parameters
         ----------
         code : int
             Status.
         message, explain : str, optional
-            What is wrong.
+            Description of the error.
         """
         self._fail(code, explain or message or "this is no request of the page")
 
     def log_message(self, format: str, *args: object) -> None:
-        """Say nothing: the terminal belongs to whoever started the server."""
+        """Print nothing: the terminal belongs to the user."""
 
     def _guarded(self, serve: Callable[[], None]) -> None:
-        """Check who asks, and answer what goes wrong with a status and one line."""
+        """Check the client, and answer errors with a status and one line."""
         try:
-            # a connection of before may last longer than the server
-            self._watch()
+            # a persistent connection may outlast the server
+            self._check_connection()
             self._check_sender()
             serve()
         except _RefusedError as error:
@@ -310,10 +309,10 @@ class _Handler(BaseHTTPRequestHandler):
             self.close_connection = True
         except Exception as error:
             traceback.print_exc()
-            self._fail(500, f"unforeseen {type(error).__name__}: {error}")
+            self._fail(500, f"unexpected {type(error).__name__}: {error}")
 
     def _check_sender(self) -> None:
-        """Refuse what no page of this server sends."""
+        """Refuse requests that the page of this server does not send."""
         hosts = [f"{name}:{self.server.server_port}" for name in (_HOST, "localhost")]
         for name in ("Host", "Origin", "X-Token", "Content-Length"):
             if len(self.headers.get_all(name, [])) > 1:
@@ -351,10 +350,14 @@ class _Handler(BaseHTTPRequestHandler):
             question = read(_json(self._body(_MOST_QUESTION)))
             if url.path == "/api/cost":
                 self._stream(
-                    lambda report: server.workers.ask("cost", (question,), self._watch, report)
+                    lambda report: server.workers.ask(
+                        "cost", (question,), self._check_connection, report
+                    )
                 )
                 return
-            answer = server.workers.ask(url.path.removeprefix("/api/"), (question,), self._watch)
+            answer = server.workers.ask(
+                url.path.removeprefix("/api/"), (question,), self._check_connection
+            )
         else:
             raise _RefusedError(404, "there is no such question")
         self._send(200, "application/json", answer)
@@ -373,28 +376,28 @@ class _Handler(BaseHTTPRequestHandler):
         number = self.server.new_record(content, words.get("name", [""])[0])
         try:
             arguments = (number, words.get("unit", [None])[0], interval)
-            return self.server.workers.ask("add_record", arguments, self._watch)
+            return self.server.workers.ask("add_record", arguments, self._check_connection)
         except BaseException:
             self.server.drop_record(number)
             raise
 
     def _body(self, most: int) -> bytes:
-        """Read what is sent with the question."""
+        """Read the body of the request."""
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdigit()) or "Transfer-Encoding" in self.headers:
             raise _RefusedError(411, "a question says how long it is")
-        # so many digits are no length, whatever they say
+        # reject more digits than any valid length has
         if len(length) > 12 or int(length) > most:
             raise _RefusedError(413, f"too long: at most {most // 1024} KiB are taken")
         content = self.rfile.read(int(length))
         if len(content) < int(length):
             raise _GoneError
-        # the answer may take its time
+        # computing the answer is not limited by the deadline of the request
         self.server.arriving[self.connection] = math.inf
         return content
 
-    def _watch(self) -> None:
-        """Give up when the browser has closed the connection: it wants something newer."""
+    def _check_connection(self) -> None:
+        """Stop the computation when the browser has closed the connection."""
         if self.server.ending.is_set():
             raise _GoneError
         poll = select.poll()
@@ -404,10 +407,10 @@ class _Handler(BaseHTTPRequestHandler):
                 raise _GoneError
 
     def _is_held(self) -> bool:
-        """Whether a process still holds the other end, of which no more comes.
+        """Check whether a process still holds the other end of a half-closed connection.
 
-        A client may close the direction of its questions and wait for the answer. The connection
-        itself does not tell it from one that has gone; the table of the system does.
+        A client may close its sending direction and wait for the answer. The socket alone cannot
+        distinguish this from a closed client; the connection table of the system can.
         """
         ends = (f"{self.client_address[1]:04X}", f"{self.server.server_port:04X}")
         for table in ("/proc/net/tcp", "/proc/net/tcp6"):
@@ -415,7 +418,7 @@ class _Handler(BaseHTTPRequestHandler):
                 for line in Path(table).read_text(encoding="ascii").splitlines()[1:]:
                     words = line.split()
                     if tuple(word[-4:] for word in words[1:3]) == ends:
-                        # without a process that holds it, it has no inode
+                        # an entry without a process has no inode
                         return words[9] != "0"
         return False
 
@@ -427,7 +430,7 @@ class _Handler(BaseHTTPRequestHandler):
 
         def report(done: int, total: int) -> None:
             nonlocal last
-            self._watch()
+            self._check_connection()
             if (done, total) != last:
                 last = (done, total)
                 self._line(encode({"done": done, "total": total}))
@@ -442,7 +445,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.flush()
 
     def _fail(self, status: int, message: str) -> None:
-        # what is left of the request would be taken for the next one
+        # the rest of the request would be read as the next one
         self.close_connection = True
         with suppress(ConnectionError, TimeoutError):
             self._send(status, "application/json", encode({"error": message}))
@@ -488,12 +491,12 @@ def _interrupt(number: int, frame: object) -> None:
 
 
 def _set_signals(action: Any, numbers: Iterable[int]) -> dict[int, Any]:  # noqa: ANN401
-    """Set what signals do.
+    """Set signal handlers.
 
     Returns
     -------
     dict
-        What they did before; empty in a thread other than the main one.
+        The previous handlers; empty in a thread other than the main one.
     """
     if threading.current_thread() is not threading.main_thread():
         return {}
@@ -508,34 +511,34 @@ def explore(
 ) -> None:
     """Show a case in the browser, with a slider for every number; Ctrl-C ends it.
 
-    The page is served to this machine only, works without a network and leaves the case as it is:
-    what the sliders say is saved from the page as a namelist.
+    The page is served to this machine only, works without a network and does not change the case.
+    You can save the state of the sliders as a namelist from the page.
 
     Parameters
     ----------
     case : Case or path, optional
-        What to begin with; otherwise the case of `inputs/fig12_one_sine.nml`.
+        Initial case; otherwise that of `inputs/fig12_one_sine.nml`.
     port : int
         Port of this machine, 0 for a free one.
     open_browser : bool
-        Whether to open the page, or only to print its address.
+        Open the page in a browser, not only print its address.
 
     Raises
     ------
     InputError
         When the case is not acceptable.
     OutputError
-        When the port cannot be had.
+        When the port cannot be used.
     """
     if not 0 <= port <= 65535:
         raise InputError(f"port = {port}: must be in [0, 65535]")
     if case is None:
-        # without the place of the package: the case is nobody's file
+        # without the path of the package, because the case belongs to no file of the user
         case = Case.from_text(_START.read_text(encoding="utf-8"), "fig12_one_sine.nml")
     else:
         case = case_of(case)
-    # whatever ends the process ends it as Ctrl-C does: no folder stays behind. What is ignored,
-    # as by nohup, stays so
+    # treat termination signals like Ctrl-C, so that the folder is removed. Ignored signals, as with
+    # nohup, stay ignored
     ends = [x for x in _ENDS if signal.getsignal(x) is not signal.SIG_IGN]
     before = _set_signals(_interrupt, ends)
     server = None
@@ -543,11 +546,11 @@ def explore(
         server = PageServer(case, port)
         _say(f"{server.address}\nCtrl-C ends it")
         if open_browser:
-            # a browser in a terminal returns when it is left
+            # a terminal browser blocks until its user leaves it
             threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
         server.serve_forever(poll_interval=0.1)
     except KeyboardInterrupt:
-        # a second signal does not interrupt the end
+        # a second signal must not interrupt the clean-up
         _set_signals(signal.SIG_IGN, before)
         _say("ended")
     finally:
@@ -559,6 +562,6 @@ def explore(
 
 
 def _say(text: str) -> None:
-    # the terminal may have gone
+    # the terminal may be closed
     with suppress(OSError):
         print(text, flush=True)

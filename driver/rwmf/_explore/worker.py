@@ -1,7 +1,7 @@
-"""A process that computes answers for the server of the page.
+"""Process that computes answers for the server of the page.
 
-The kernel runs here and not in the server: a crash, or memory that is not enough, ends this
-process only. It ends itself with the server, however that ends.
+The kernel runs here and not in the server: a crash or lack of memory ends this process only. The
+process also ends when the server does.
 """
 
 from __future__ import annotations
@@ -23,50 +23,50 @@ __all__ = ["serve"]
 
 
 class _StoppedError(Exception):
-    """The server does not need the answer any more."""
+    """The server no longer needs the answer."""
 
 
 def _take(connection: Connection, tasks: queue.Queue[Any], stopped: threading.Event) -> None:
-    """Read what the server sends: a task, or None to stop the present one."""
+    """Receive messages of the server: a task, or None to stop the present one."""
     try:
         while True:
             task = connection.recv()
             if task is None:
                 stopped.set()
             else:
-                # a wish to stop that came too late does not concern the next task
+                # a late stop request must not affect the next task
                 stopped.clear()
                 tasks.put(task)
     except (EOFError, OSError):
-        # the server has ended, perhaps killed; the kernel may be in the middle of a run
+        # the server has ended, perhaps killed, possibly during a run of the kernel
         os._exit(0)
 
 
 def serve(connection: Connection) -> None:
-    """Answer questions until the server ends.
+    """Answer requests until the server ends.
 
     Parameters
     ----------
     connection : Connection
-        Brings first the case and the folder of the uploaded records, then tasks: the name of a
-        method of `Model` and its arguments. Takes back pairs: what it is, and the content.
+        Delivers the case and the folder of the uploaded records, then tasks: name of a method of
+        `Model` and its arguments. Answers are pairs of kind and content.
     """
     tasks: queue.Queue[Any] = queue.Queue()
     stopped = threading.Event()
 
-    def watch(_: int = 0) -> None:
+    def poll(_: int = 0) -> None:
         if stopped.is_set():
             raise _StoppedError
 
     def report(done: int, total: int) -> None:
-        watch()
+        poll()
         connection.send(("progress", (done, total)))
 
     model = Model(*connection.recv())
     threading.Thread(target=_take, args=(connection, tasks, stopped), daemon=True).start()
     while True:
         name, arguments = tasks.get()
-        more = {"history": (watch,), "spectrum": (watch,), "cost": (report,)}.get(name, ())
+        more = {"history": (poll,), "spectrum": (poll,), "cost": (report,)}.get(name, ())
         try:
             connection.send(("answer", encode(getattr(model, name)(*arguments, *more))))
         except _StoppedError:
@@ -74,16 +74,16 @@ def serve(connection: Connection) -> None:
         except BadQuestionError as error:
             connection.send(("bad", str(error)))
         except RwmfError as error:
-            connection.send(("refused", model.plainly(error)))
+            connection.send(("refused", model.message_of(error)))
         except MemoryError:
             connection.send(("refused", "the case needs more memory than a computation may have"))
         except Exception as error:
             traceback.print_exc()
-            connection.send(("failed", f"unforeseen {type(error).__name__}: {error}"))
+            connection.send(("failed", f"unexpected {type(error).__name__}: {error}"))
 
 
 def _limit_memory() -> None:
-    """Leave half of the memory to the browser and everything else."""
+    """Limit the memory to half, for the browser and other programs."""
     half = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
     _, most = resource.getrlimit(resource.RLIMIT_DATA)
     if most == resource.RLIM_INFINITY or most > half:

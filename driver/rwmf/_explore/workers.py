@@ -1,4 +1,4 @@
-"""The processes that compute answers: started when needed, kept, replaced after a crash."""
+"""Pool of the processes that compute answers: started on demand, replaced after a crash."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from rwmf.errors import InputError
 
 __all__ = ["BrokenError", "BusyError", "Workers"]
 
-# computations at the same time; a page has one, and one more while it measures costs
+# largest number of concurrent computations; a page needs one, and a second for its cost chart
 _MOST = max(4, min(8, os.cpu_count() or 4))
-# how long a computation may go on while all others are busy and a question waits [s]
+# time after which a computation may be stopped when requests wait and no process is free [s]
 _LONG = 10.0
-# longest computation [s]; a cost chart takes many runs
+# time limit of a computation [s]; a cost chart takes many runs
 _LIMITS = {"history": 30.0, "spectrum": 60.0, "add_record": 60.0, "cost": 600.0}
-# how often a waiting thread looks whether the page still wants its answer [s]
+# interval at which a waiting thread checks the connection to the page [s]
 _LOOK = 0.05
-# how long a worker may take to stop before it is killed [s]
+# time for a worker to stop before it is killed [s]
 _PATIENCE = 2.0
 
-Watch = Callable[[], None]
+Poll = Callable[[], None]
 Report = Callable[[int, int], None]
 
 
@@ -41,19 +41,19 @@ class BrokenError(Exception):
 
 
 class BusyError(Exception):
-    """A computation was stopped: others wait, or it took longer than a page waits."""
+    """A computation was stopped in favour of others, or at its time limit."""
 
 
 class _Worker:
-    """One process and the connection to it."""
+    """A process and the connection to it."""
 
     def __init__(self, case: Case, folder: Path) -> None:
         self.connection, theirs = Pipe()
         package = str(Path(__file__).parents[2])
         path = os.pathsep.join([package, *(entry for entry in sys.path if entry)])
         with theirs:
-            # in a session of its own it gets no signal of the terminal; -P: no module of the
-            # present folder takes the place of one of ours
+            # a separate session receives no signals of the terminal; -P: modules of the current
+            # folder must not replace ours
             self.process = subprocess.Popen(
                 [sys.executable, "-P", "-m", "rwmf._explore.worker", str(theirs.fileno())],
                 pass_fds=(theirs.fileno(),),
@@ -67,20 +67,20 @@ class _Worker:
         self.connection.send((case, folder))
 
     def end(self) -> None:
-        """End the process, whatever it does."""
+        """End the process at once."""
         self.process.kill()
         self.process.wait()
 
 
 class Workers:
-    """Answers questions, each in a process of its own.
+    """Processes that answer requests.
 
     Parameters
     ----------
     case : Case
-        What the pages begin with.
+        Initial case of the pages.
     folder : Path
-        Where uploaded records are.
+        Folder of uploaded records.
     """
 
     def __init__(self, case: Case, folder: Path) -> None:
@@ -90,11 +90,11 @@ class Workers:
         self._all: set[_Worker] = set()
         self._waiting: deque[object] = deque()
         self._ended = False
-        # it loads the package while the browser loads the page
+        # load the package while the browser loads the page
         self._free.append(self._start())
 
     def ask(
-        self, name: str, arguments: tuple[Any, ...], watch: Watch, report: Report | None = None
+        self, name: str, arguments: tuple[Any, ...], poll: Poll, report: Report | None = None
     ) -> bytes:
         """Compute an answer.
 
@@ -104,10 +104,10 @@ class Workers:
             Method of `Model`.
         arguments : tuple
             Its arguments.
-        watch : callable
-            Called about 20 times a second; what it raises stops the computation.
+        poll : callable
+            Called about 20 times a second; an exception that it raises stops the computation.
         report : callable, optional
-            Called with what is done and what there is to do; as `watch`.
+            Called with the numbers of finished and of all units of work; otherwise as `poll`.
 
         Returns
         -------
@@ -117,22 +117,22 @@ class Workers:
         Raises
         ------
         InputError
-            When the kernel refuses the case, in its words.
+            When the kernel refuses the case; the message is the kernel's.
         BadQuestionError
-            When the question is none.
+            When the request is malformed.
         BrokenError
-            When the process ended, or failed in an unforeseen way.
+            When the process ended or failed unexpectedly.
         BusyError
-            When it had to give way to other questions, or took too long.
+            When the computation was stopped for other requests, or exceeded its time limit.
         """
-        worker = self._take(watch)
+        worker = self._take(poll)
         usable = False
         try:
             worker.connection.send((name, arguments))
-            kind, content = self._follow(worker, _LIMITS[name], watch, report)
+            kind, content = self._follow(worker, _LIMITS[name], poll, report)
             usable = True
         except (EOFError, ConnectionResetError, BrokenPipeError):
-            watch()
+            poll()
             raise BrokenError(_end_of(worker.process)) from None
         except BaseException:
             usable = _stop(worker)
@@ -156,15 +156,15 @@ class Workers:
         self._all.add(worker)
         return worker
 
-    def _take(self, watch: Watch) -> _Worker:
-        """Wait for a worker; first come, first served."""
+    def _take(self, poll: Poll) -> _Worker:
+        """Wait for a worker in order of arrival."""
         me = object()
         begun = time.monotonic()
         with self._change:
             self._waiting.append(me)
             try:
                 while True:
-                    watch()
+                    poll()
                     if self._waiting[0] is me:
                         worker = self._idle()
                         if worker is not None:
@@ -187,7 +187,7 @@ class Workers:
         return self._start() if len(self._all) < _MOST and not self._ended else None
 
     def _make_room(self) -> None:
-        """Let the longest computation give way if it has had its time."""
+        """Stop the longest computation once it has used its guaranteed time."""
         if self._all and not any(worker.gives_way for worker in self._all):
             oldest = min(self._all, key=lambda worker: worker.begun)
             oldest.gives_way = time.monotonic() - oldest.begun > _LONG
@@ -202,17 +202,17 @@ class Workers:
             self._change.notify_all()
 
     def _follow(
-        self, worker: _Worker, limit: float, watch: Watch, report: Report | None
+        self, worker: _Worker, limit: float, poll: Poll, report: Report | None
     ) -> tuple[str, Any]:
         """Wait for the end of a computation."""
         while True:
             if time.monotonic() - worker.begun > limit:
                 raise BusyError(
-                    f"stopped after {limit:g} s, the most that a page waits: shorten t_end, raise "
+                    f"stopped after {limit:g} s, the limit of a page: shorten t_end, raise "
                     "rtol, check damping and stiffness, or run the case by the command rwmf"
                 )
             if not worker.connection.poll(_LOOK):
-                watch()
+                poll()
                 if worker.gives_way:
                     seconds = time.monotonic() - worker.begun
                     raise BusyError(
@@ -233,7 +233,7 @@ def _stop(worker: _Worker) -> bool:
     Returns
     -------
     bool
-        Whether the worker can take another one.
+        True when the worker can take another task.
     """
     until = time.monotonic() + _PATIENCE
     with suppress(EOFError, OSError):
@@ -245,7 +245,7 @@ def _stop(worker: _Worker) -> bool:
 
 
 def _end_of(process: subprocess.Popen[bytes]) -> str:
-    """Say how a process ended."""
+    """Describe the end of a process."""
     try:
         status = process.wait(_PATIENCE)
     except subprocess.TimeoutExpired:

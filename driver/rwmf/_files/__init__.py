@@ -1,1 +1,1 @@
-"""Files and streams: complete or not at all, and never over what was read."""
+"""Files and streams: written completely or not at all, never over an input."""

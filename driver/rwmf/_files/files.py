@@ -1,13 +1,12 @@
-"""Files that are written: complete or not at all, and never in the place of an input.
+"""Output files, written completely or not at all, and never over an input.
 
-Every writer of the package writes into `replacing`: a new file beside the target that takes its
-name when its bytes are on the disk. The order is write, fsync, rename, fsync of the folder; what
-becomes superfluous (the journal of a sweep) is removed after that.
+Every writer of the package uses `replacing`: a new file beside the target takes the target's name
+once its bytes are on the disk. The order is write, fsync, rename, fsync of the folder. Superfluous
+files (the journal of a sweep) are removed afterwards.
 
-A new file has a random name and is created exclusively, so that nothing planted under its name is
-followed, and it is locked while it is written. So the file of a killed run is known by its lock,
-which nobody holds, on every host that shares the folder; the next run into the folder removes it.
-The batch program keeps to the same names and locks.
+A new file has a random name and is created exclusively, so that no prepared link is followed. It is
+locked while it is written. The file of a killed run therefore has no lock, on any host that shares
+the folder. The next run in the folder removes it. The batch program uses the same names and locks.
 """
 
 from __future__ import annotations
@@ -42,7 +41,7 @@ __all__ = [
 _TEMPORARY = re.compile(r"\.rwmf-[0-9a-f]{16}\.tmp(\.\w+)?")
 _DESCRIPTOR = re.compile(r"/(?:dev|proc/(?:self|thread-self))/fd/(\d+)")
 _NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
-# as the kernel counts before it takes a chain of links for a circle
+# the kernel's limit for a chain of links
 _MOST_LINKS = 40
 
 
@@ -50,14 +49,14 @@ def check_outputs(
     outputs: Iterable[str | os.PathLike[str] | None],
     inputs: Iterable[str | os.PathLike[str]] = (),
 ) -> None:
-    """Complain about a place that cannot be written before the computation, not after it.
+    """Refuse, before the computation, outputs that cannot be written.
 
     Parameters
     ----------
     outputs : iterable of path or None
         Files that the run writes.
     inputs : iterable of path
-        Files that it reads: none of the outputs may be one of them, under whatever name.
+        Files that it reads; no output may be one of them, under any name.
 
     Raises
     ------
@@ -83,14 +82,14 @@ def check_outputs(
 
 
 def check_not_read(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLike[str]]) -> None:
-    """Refuse to write a file that is read, under whatever name.
+    """Refuse to write an input file, under any name.
 
     Parameters
     ----------
     path : path
         File to write.
     inputs : iterable of path
-        Files that are read.
+        Input files.
 
     Raises
     ------
@@ -103,7 +102,7 @@ def check_not_read(path: str | os.PathLike[str], inputs: Iterable[str | os.PathL
 
 
 def is_regular_or_new(path: str | os.PathLike[str]) -> bool:
-    """Tell whether a path, links followed, is a regular file or nothing yet.
+    """Check that a path, after following links, is a regular file or does not exist.
 
     Parameters
     ----------
@@ -113,29 +112,29 @@ def is_regular_or_new(path: str | os.PathLike[str]) -> bool:
     Returns
     -------
     bool
-        Whether a file can be made or read there.
+        True when a file can be created or read there.
     """
     return not _is_special(_resolve(Path(path)))
 
 
 @contextmanager
 def replacing(path: str | os.PathLike[str], ending: str = "") -> Iterator[BinaryIO]:
-    """Give a new file that takes the place of another when the block ends without an error.
+    """Open a new file that replaces another when the block ends without an error.
 
-    A link stays, its target is replaced. What is no regular file (a pipe, a device, an open
-    descriptor as /dev/stdout) stays what it is and gets the bytes.
+    A link stays and its target is replaced. Special files (a pipe, a device, an open descriptor as
+    /dev/stdout) are not replaced but written to.
 
     Parameters
     ----------
     path : path
-        The target; what is there stays until the new file is complete and on the disk.
+        The target; an existing file stays until the new one is complete and on the disk.
     ending : str
-        What the name of the new file ends with, for writers that go by it.
+        Ending of the new file's name, for writers that depend on it.
 
     Yields
     ------
     file
-        To be written; its `name` is its path.
+        The file to write; its `name` is its path.
 
     Raises
     ------
@@ -153,7 +152,7 @@ def replacing(path: str | os.PathLike[str], ending: str = "") -> Iterator[Binary
         _remove_leftovers(target.parent.absolute())
         stream = _create(target.parent, ending)
         try:
-            # renamed under the lock: nobody takes the file for that of a killed run
+            # renamed while locked, so that no process removes it as a file of a killed run
             with stream:
                 yield stream
                 stream.flush()
@@ -172,7 +171,7 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
     path : path
         The target.
     content : bytes
-        All of it.
+        The whole content.
 
     Raises
     ------
@@ -184,7 +183,7 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
 
 
 def remove(path: Path) -> None:
-    """Remove a file, if it is there, for good: a power cut does not bring it back.
+    """Remove a file, if it exists, durably: a power failure does not restore it.
 
     Parameters
     ----------
@@ -203,7 +202,7 @@ def remove(path: Path) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """Bring the names in a folder to the disk, as far as its file system can.
+    """Write the names of a folder to the disk, if its file system supports it.
 
     Parameters
     ----------
@@ -218,7 +217,7 @@ def sync_folder(folder: Path) -> None:
     try:
         descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     except PermissionError:
-        # it may be written without being readable
+        # a folder may be writable but not readable
         return
     try:
         os.fsync(descriptor)
@@ -231,7 +230,7 @@ def sync_folder(folder: Path) -> None:
 
 @contextmanager
 def reported(path: str | os.PathLike[str]) -> Iterator[None]:
-    """Turn what the operating system says about writing a file into an `OutputError`.
+    """Convert errors of the operating system on writing a file into `OutputError`.
 
     Parameters
     ----------
@@ -261,12 +260,12 @@ def _open_new(path: str, _: int) -> int:
 
 
 def _create(folder: Path, ending: str) -> BinaryIO:
-    """Create a file under a random name and lock it; with the permissions that umask leaves."""
+    """Create and lock a file with a random name and the permissions set by umask."""
     while True:
         path = folder / f".rwmf-{secrets.token_hex(8)}.tmp{ending}"
         stream = open(path, "w+b", opener=_open_new)  # noqa: SIM115
         try:
-            # another process may have looked before the lock, and removed the file
+            # another process may have found the file before the lock, and removed it
             if _lock(stream.fileno(), unsupported=True) and path.exists():
                 return stream
         except BaseException:
@@ -277,7 +276,7 @@ def _create(folder: Path, ending: str) -> BinaryIO:
 
 
 def _lock(descriptor: int, *, unsupported: bool) -> bool:
-    """Lock a file; `unsupported` is the answer where the file system has no locks."""
+    """Lock a file; return `unsupported` where the file system has no locks."""
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -289,11 +288,11 @@ def _lock(descriptor: int, *, unsupported: bool) -> bool:
 
 @functools.cache
 def _remove_leftovers(folder: Path) -> None:
-    """Remove files of killed runs: ours, and with a lock that nobody holds. Once a process."""
+    """Remove unlocked files of killed runs, once per process."""
     try:
         left = [path for path in folder.iterdir() if _TEMPORARY.fullmatch(path.name)]
     except OSError:
-        # a folder that cannot be listed can be written
+        # a folder that cannot be listed may still be writable
         return
     for name in left:
         try:
@@ -312,7 +311,7 @@ def _remove_leftovers(folder: Path) -> None:
 
 
 def _resolve(path: Path) -> Path:
-    """Follow the links of the last name, to a place that may be empty, or to a descriptor."""
+    """Follow the links of the last name to a file, an unused name or a descriptor."""
     for _ in range(_MOST_LINKS):
         if _DESCRIPTOR.fullmatch(os.fspath(path)):
             return path
@@ -328,7 +327,7 @@ def _resolve(path: Path) -> Path:
 
 
 def _check_owner(link: Path) -> None:
-    """Refuse a link that another user may have planted in a folder that all may write."""
+    """Refuse a link of another user in a folder that all may write."""
     folder = link.parent.stat()
     shared = folder.st_mode & stat.S_ISVTX and folder.st_mode & stat.S_IWOTH
     if shared and link.lstat().st_uid not in (os.geteuid(), folder.st_uid):
@@ -336,7 +335,7 @@ def _check_owner(link: Path) -> None:
 
 
 def _is_special(target: Path) -> bool:
-    """Tell whether there is what is written through: no regular file and no folder."""
+    """Check for a special file, which is neither a regular file nor a folder."""
     if _DESCRIPTOR.fullmatch(os.fspath(target)):
         return True
     try:
@@ -347,10 +346,10 @@ def _is_special(target: Path) -> bool:
 
 
 def _copy(source: Path, target: Path) -> None:
-    """Give all bytes to what is no regular file."""
+    """Copy all bytes to a special file."""
     found = _DESCRIPTOR.fullmatch(os.fspath(target))
     if found and sys.stdout is not None:
-        # what has been printed so far comes first
+        # keep the order with text that was printed before
         sys.stdout.flush()
     place = os.dup(int(found[1])) if found else os.open(target, os.O_WRONLY | os.O_CLOEXEC)
     with source.open("rb") as reader, os.fdopen(place, "wb") as writer:

@@ -1,4 +1,4 @@
-"""Names of files: which there can be, and how messages and NetCDF show them."""
+"""File names: validity, and display in messages and NetCDF."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ __all__ = ["is_name_of_folder", "problem_of_name", "readable", "shorten"]
 
 _T = TypeVar("_T")
 
-# bytes of one part of a path, and of a whole one, that Linux takes
+# Linux limits of a part of a path and of a path [bytes]
 _NAME_BYTES = 255
 _PATH_BYTES = 4095
-# letters of a wrong word in a message
+# letters of a wrong word shown in a message
 _SHOWN = 80
 
 
 def shorten(word: object) -> str:
-    """Show a word in a message, a long one by its beginning.
+    """Shorten a long word for a message.
 
     Parameters
     ----------
     word : object
-        What is shown as text.
+        Value to show as text.
 
     Returns
     -------
     str
-        At most 80 letters of it, and how many there are.
+        At most 80 letters, and the number of letters.
     """
     text = str(word)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}... ({len(text)} letters)"
 
 
 def is_name_of_folder(word: str) -> bool:
-    """Tell whether a name can be nothing but a folder's: ``.``, ``..``, ``/``.
+    """Check whether a name can only be a folder's: ``.``, ``..``, ``/``.
 
     Parameters
     ----------
@@ -45,13 +45,13 @@ def is_name_of_folder(word: str) -> bool:
     Returns
     -------
     bool
-        Whether no file can have it.
+        True when no file can have it.
     """
     return Path(word).name in ("", "..")
 
 
 def problem_of_name(word: str) -> str | None:
-    """Say why no file can have a name.
+    """Explain why a file name is invalid.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def problem_of_name(word: str) -> str | None:
     Returns
     -------
     str or None
-        What is wrong; None when a file may be called so.
+        The reason; None for a valid name.
     """
     try:
         raw = os.fsencode(word)
@@ -77,17 +77,17 @@ def problem_of_name(word: str) -> str | None:
 
 
 def readable(value: _T) -> _T | str:
-    """Show bytes of a name that are no UTF-8 by their numbers: NetCDF holds UTF-8 only.
+    """Replace the bytes of a name that are not UTF-8 by their numbers, as NetCDF requires.
 
     Parameters
     ----------
     value : str or number
-        A text, for example with names of files; numbers stay.
+        A text, for example with names of files; numbers are unchanged.
 
     Returns
     -------
     str or number
-        What UTF-8 can hold.
+        The text in UTF-8, or the number.
     """
     if not isinstance(value, str):
         return value

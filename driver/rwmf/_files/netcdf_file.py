@@ -1,8 +1,8 @@
-"""A new NetCDF file on a disk that may be full.
+"""New NetCDF file, safe on a full disk.
 
-HDF5 cannot close a file whose writes fail: what it still holds is found again when the process
-ends, which then dies. So it is never told of a failure. Whatever the disk does not take is kept in
-memory until HDF5 has closed the file, and the error is raised then.
+HDF5 cannot close a file after a failed write; its remaining data end the process with a crash at
+exit. This module therefore hides failures from HDF5. Data that the disk refuses stay in memory
+until HDF5 has closed the file. Then the error is raised.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ __all__ = ["new_file"]
 
 @contextmanager
 def new_file(path: Path) -> Iterator[tuple[File, Callable[[], None]]]:
-    """Give an empty NetCDF file that appears when the block ends without an error.
+    """Open an empty NetCDF file that appears when the block ends without an error.
 
     Parameters
     ----------
@@ -36,9 +36,9 @@ def new_file(path: Path) -> Iterator[tuple[File, Callable[[], None]]]:
     Yields
     ------
     file : h5netcdf.File
-        To be filled.
+        The file to fill.
     check : callable
-        Raises the error when the disk has refused a part; for long fillings.
+        Raises the error of a failed write; for use between parts of a large file.
 
     Raises
     ------
@@ -53,17 +53,17 @@ def new_file(path: Path) -> Iterator[tuple[File, Callable[[], None]]]:
             with h5netcdf.File(disk, "w") as file:
                 yield file, disk.check
         finally:
-            # the cause, whatever HDF5 makes of it
+            # the original error, whatever HDF5 reports
             disk.check()
 
 
 class _Disk(io.RawIOBase):
-    """A file that takes everything; what the disk refuses it keeps itself.
+    """File object that accepts all data and keeps those that the disk refuses.
 
     Parameters
     ----------
     stream : file
-        Where the bytes go as long as that works.
+        Destination while writing works.
     """
 
     def __init__(self, stream: BinaryIO) -> None:
@@ -74,17 +74,17 @@ class _Disk(io.RawIOBase):
         self._end = 0
 
     def check(self) -> None:
-        """Raise what went wrong, if anything did."""
+        """Raise the first error, if any."""
         if self._error is not None:
             raise self._error
 
     def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
-        """Move to a place, which may lie behind the end."""
+        """Move to a position, possibly behind the end."""
         self._position = offset + (0, self._position, self._end)[whence]
         return self._position
 
     def write(self, data: Buffer) -> int:
-        """Take all bytes."""
+        """Accept all bytes."""
         content = bytes(data)
         written = 0
         try:
@@ -100,7 +100,7 @@ class _Disk(io.RawIOBase):
         return len(content)
 
     def readinto(self, buffer: Buffer) -> int:
-        """Give back what has been written; zeros where nothing has."""
+        """Read written bytes, and zeros in gaps."""
         view = memoryview(buffer).cast("B")
         first, n = self._position, len(view)
         found = os.pread(self._descriptor, n, first)

@@ -1,4 +1,4 @@
-"""Standard output and error of the command: closed, full, or without a name's letters."""
+"""Standard streams of the command: closed, full, or with a limited character set."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ if TYPE_CHECKING:
 __all__ = ["ReaderGoneError", "guarded"]
 
 _STANDARD_ERROR = 2
-# name of the handler of letters that a stream cannot show
+# error handler for letters that a stream cannot encode
 _ANYWAY = "rwmf"
 
 
 class ReaderGoneError(BrokenPipeError):
-    """Whoever reads the output through a pipe has seen enough."""
+    """The reader of the output has closed the pipe."""
 
 
 class _Stream(io.FileIO):
-    """A standard stream. A full or closed one loses what is printed, but stops no computation.
+    """Standard stream whose output is lost when it is full or closed; computations continue.
 
     Attributes
     ----------
     error : OSError, optional
-        The first one.
+        The first error.
     """
 
     def __init__(self, descriptor: int) -> None:
@@ -39,7 +39,7 @@ class _Stream(io.FileIO):
         self.error: OSError | None = None
 
     def write(self, data: Buffer) -> int:
-        """Take all bytes; only a reader of the output who has seen enough ends the command."""
+        """Accept all bytes; only a reader that closes the pipe ends the command."""
         if self.error is None:
             try:
                 return super().write(data)
@@ -52,12 +52,12 @@ class _Stream(io.FileIO):
 
 @contextmanager
 def guarded() -> Iterator[list[OSError]]:
-    """Look after the standard streams of the process.
+    """Handle errors of the standard streams of the process.
 
     Yields
     ------
     list of OSError
-        Filled when the block ends: why the standard output could not be written.
+        Filled at the end of the block with the errors of the standard output.
     """
     _fill()
     codecs.register_error(_ANYWAY, _show_anyway)
@@ -65,7 +65,7 @@ def guarded() -> Iterator[list[OSError]]:
     usual = {name: getattr(sys, name) for name in ("stdout", "stderr")}
     raw: dict[str, _Stream] = {}
     for name, stream in usual.items():
-        # what stands in for a stream, as in tests, is not the command's business
+        # a replaced stream, as in tests, stays as it is
         if stream is getattr(sys, f"__{name}__"):
             raw[name] = _Stream(stream.fileno())
             setattr(sys, name, _wrapped(raw[name], stream))
@@ -91,25 +91,25 @@ def _wrapped(raw: _Stream, usual: io.TextIOWrapper) -> io.TextIOWrapper:
 
 
 def _fill() -> None:
-    """Let no file of results get the number of a standard stream that the caller has closed.
+    """Occupy the descriptors of closed standard streams, so that no result file gets one.
 
-    What is printed would go into it. What takes the number instead can only be read, so that
-    printing on a closed standard output fails as on a full one.
+    Printed text would otherwise go into the result file. The substitutes are read-only, so that
+    printing on a closed standard output fails as on a full disk.
     """
     while (descriptor := os.open(os.devnull, os.O_RDONLY)) <= _STANDARD_ERROR:
         os.set_inheritable(descriptor, True)
     os.close(descriptor)
     if sys.stdout is None:
         sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115
-        # by its name, as `guarded` looks for it
+        # by its name, which `guarded` uses
         setattr(sys, "__stdout__", sys.stdout)  # noqa: B010
     if sys.stderr is None:
-        # without it messages would go to the standard output
+        # otherwise messages would go to the standard output
         sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115
 
 
 def _show_anyway(error: UnicodeError) -> tuple[str | bytes, int]:
-    """Print names that are no UTF-8 as their bytes, letters that a terminal lacks as numbers."""
+    """Print names that are not UTF-8 as bytes, and unsupported letters as numbers."""
     try:
         return codecs.lookup_error("surrogateescape")(error)
     except UnicodeError:

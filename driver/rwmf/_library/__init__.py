@@ -1,7 +1,7 @@
-"""The one place that knows the compiled kernel: buffers, handles, status numbers, Ctrl-C.
+"""Interface to the compiled kernel: buffers, handles, status numbers, Ctrl-C.
 
 Text enters the kernel as UTF-8 bytes and leaves it in byte buffers. No other module imports the
-extensions; `measure`, which needs that in quadruple precision, is imported by those who measure.
+extensions. `measure`, which needs the extension in quadruple precision, is imported on demand.
 """
 
 from rwmf._library.kernel_case import (

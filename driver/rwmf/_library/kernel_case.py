@@ -1,4 +1,4 @@
-"""A case in the kernel: read and validated once, whoever computes from it."""
+"""Cases in the kernel, read and validated once for all computations."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ __all__ = ["Changes", "KernelCase", "Samples", "SceneAxis", "keep_samples", "rea
 
 
 class SceneAxis(NamedTuple):
-    """What an axis of a spectrum is in a scene.
+    """Definition of a spectrum's axis in a scene.
 
     Attributes
     ----------
     value : float, optional
-        What the scene has without the axis; None for nothing.
+        Value in the scene without the axis; None if it has none.
     unit : str
-        Its unit, '1' for none.
+        Unit, '1' for none.
     meaning : str
-        What it is, and what follows it.
+        Definition, and the properties that follow it.
     """
 
     value: float | None
@@ -37,12 +37,12 @@ class SceneAxis(NamedTuple):
 
 
 class Samples:
-    """Samples of a ground motion, checked.
+    """Validated samples of a ground motion.
 
     Parameters
     ----------
     memory : Memory
-        Of the kernel.
+        Memory in the kernel.
     """
 
     def __init__(self, memory: Memory) -> None:
@@ -50,19 +50,19 @@ class Samples:
 
     @property
     def handle(self) -> int:
-        """The handle, good as long as this object."""
+        """Handle, valid as long as this object."""
         return self._memory.handle
 
 
 class Changes(NamedTuple):
-    """Keys of a case that get other numbers.
+    """Keys of a case that get new numbers.
 
     Attributes
     ----------
     names : tuple of str
-        ``group.key`` each.
+        ``group.key`` of each.
     sizes : tuple of int
-        How many numbers each gets: one, any number for a list, or 0, which takes the key out.
+        Numbers for each key: one, any number for a list, or 0 to remove the key.
     """
 
     names: tuple[str, ...]
@@ -70,34 +70,34 @@ class Changes(NamedTuple):
 
 
 class KernelCase:
-    """A case as the kernel has read it: any number of threads may compute from it at once.
+    """A case in the kernel, safe for concurrent computations.
 
     Parameters
     ----------
     memory : Memory
-        Of the kernel.
+        Memory in the kernel.
     origin : KernelCase, optional
-        Of a changed case: that which was read.
+        For a changed case: the case that was read.
     source : str
-        What a message begins with.
+        Beginning of messages.
     """
 
     def __init__(self, memory: Memory, origin: KernelCase | None = None, source: str = "") -> None:
         self._memory = memory
         self._source = source
-        # what was read: of a changed case that with the samples of its records
+        # the case that was read; it holds the samples of the records
         self._origin = origin
         self._looked_up: tuple[Changes, Memory] | None = None
-        # whether the lines of the text are the user's
+        # True when line numbers refer to text of the user
         self.has_lines: bool = origin is None or origin.has_lines
 
     @property
     def handle(self) -> int:
-        """The handle, good as long as this object."""
+        """Handle, valid as long as this object."""
         return self._memory.handle
 
     def find(self, changes: Changes) -> Memory:
-        """Look up keys that change; the last ones are remembered.
+        """Look up keys to change; the last ones are cached.
 
         Parameters
         ----------
@@ -107,12 +107,12 @@ class KernelCase:
         Returns
         -------
         Memory
-            For `changed`.
+            Argument of `changed`.
 
         Raises
         ------
         InputError
-            When the case has no such key, or it holds no numbers.
+            When the case has no such key, or the key holds no numbers.
         """
         last = self._looked_up
         if last is not None and last[0] == changes:
@@ -127,16 +127,16 @@ class KernelCase:
         return found
 
     def changed(self, found: Memory, numbers: npt.NDArray[np.float64], source: str) -> KernelCase:
-        """Make a case with other numbers; it shares the samples of the records, and their motion.
+        """Make a case with other numbers; it shares the records' samples and the motion.
 
         Parameters
         ----------
         found : Memory
             From `find`.
         numbers : numpy.ndarray, shape (n,)
-            One for each key, of lists theirs one after the other; logicals as 1 and 0.
+            One per key, lists concatenated; logicals as 1 and 0.
         source : str
-            What a message begins with.
+            Beginning of messages.
 
         Returns
         -------
@@ -166,7 +166,7 @@ class KernelCase:
         return int(_cases.ordinates(self.handle))
 
     def describe(self) -> list[list[str]]:
-        """One row a value: ``group.key``, type, value, unit, ``given`` or ``default``.
+        """Return one row per value: ``group.key``, type, value, unit, ``given`` or ``default``.
 
         Returns
         -------
@@ -176,7 +176,7 @@ class KernelCase:
         return split_table(fetch_text(_kernel.describe, self.handle))
 
     def inventory(self) -> dict[str, list[str]]:
-        """List what the case will simulate and report.
+        """List effects and outputs of the case.
 
         Returns
         -------
@@ -193,7 +193,7 @@ class KernelCase:
         return {word: [name for name in names if name] for word, *names in rows}
 
     def applicable(self) -> list[str]:
-        """List the keys of the quantities that a spectrum of the scene may be asked for.
+        """List the keys of the quantities available in a spectrum of the scene.
 
         Returns
         -------
@@ -208,12 +208,12 @@ class KernelCase:
         return self._ask(_kernel.applicable).split("\t")
 
     def axes(self) -> dict[str, SceneAxis]:
-        """Say which axes the scene has in a spectrum, and what they are in it.
+        """Return the axes that a spectrum of the scene can have, with their definitions.
 
         Returns
         -------
         dict of str to SceneAxis
-            ``b``, ``gamma`` and ``T_s`` as far as the scene has them, the slowest first.
+            ``b``, ``gamma`` and ``T_s``, those that the scene has, the slowest first.
         """
         rows = split_table(fetch_text(_kernel.axes_of_case, self.handle))[:-1]
         return {
@@ -222,44 +222,44 @@ class KernelCase:
         }
 
     def default_quantity(self) -> str:
-        """Key of what is reported of the scene where nothing else is asked for.
+        """Return the key of the quantity that a spectrum reports by default.
 
         Returns
         -------
         str
-            That of the displacement of the frame, without one of the rotation.
+            Displacement of the frame, or without a frame the rotation.
         """
         return fetch_text(_kernel.axes_of_case, self.handle).splitlines()[-1]
 
     def spectrum_method(self) -> str:
-        """Name the method by which a spectrum or a sweep of the case is computed.
+        """Return the name of the method for a spectrum or a sweep of the case.
 
         Returns
         -------
         str
-            What `&solver method` says, of ``auto`` what that means there.
+            Value of `&solver method`, with ``auto`` resolved.
         """
         return fetch_text(_kernel.spectrum_method, self.handle)
 
     def warnings(self, keys: Iterable[str] = ()) -> list[str]:
-        """List what the user should know about the case, in its spectrum if it has one.
+        """Return the warnings about the case and its spectrum.
 
         Parameters
         ----------
         keys : iterable of str, optional
-            Quantities that are reported; otherwise those that the case asks for.
+            Requested quantities; otherwise those of the case.
 
         Returns
         -------
         list of str
-            One line each.
+            One line per warning.
         """
-        asked = encode("\t".join(keys))
-        text = fetch_text(_kernel.case_warnings, self.handle, asked)
+        requested = encode("\t".join(keys))
+        text = fetch_text(_kernel.case_warnings, self.handle, requested)
         return [line for line in text.split("\t") if line]
 
     def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:
-        """Fetch a text that the kernel may refuse."""
+        """Fetch a text, and raise the error of the kernel if there is one."""
 
         def call(buffer: npt.NDArray[np.int8]) -> int:
             message = message_buffer()
@@ -272,17 +272,17 @@ class KernelCase:
 
     @contextmanager
     def own_lines(self) -> Iterator[None]:
-        """Take numbers of lines out of messages where the text is not the user's.
+        """Remove line numbers from messages about text that the user has not written.
 
         Yields
         ------
         None
-            Nothing.
+            Control to the block.
 
         Raises
         ------
         InputError
-            In the place of one that is raised inside.
+            Replaces the one that is raised inside.
         """
         try:
             yield
@@ -292,7 +292,7 @@ class KernelCase:
             raise InputError(without_lines(str(error))) from None
 
     def end_of_motion(self) -> float:
-        """When the ground has come to rest, at the end of pulse or record; 0 without motion [s].
+        """Return the end of the pulse or record; 0 without motion [s].
 
         Returns
         -------
@@ -302,7 +302,7 @@ class KernelCase:
         return float(_kernel.end_of_motion(self.handle))
 
     def peak_of_motion(self) -> float:
-        """Largest horizontal acceleration of the ground [m/s2].
+        """Return the largest horizontal acceleration of the ground [m/s2].
 
         Returns
         -------
@@ -326,17 +326,16 @@ def read_case(
     text : str
         Namelist text.
     source : str
-        Path of its file, against whose folder the path of a record is resolved; '' when it was
-        made in memory.
+        Path of its file, whose folder record paths are relative to; '' for text made in memory.
     known : KernelCase, optional
-        Where both name the same record, its samples are taken and the file is not read again.
+        A case whose samples are reused for the same record, instead of reading the file again.
     motion, vertical : Samples, optional
-        What `&motion file` and `&vertical file` are the names of: no file is read.
+        Samples for `&motion file` and `&vertical file`; no file is read.
 
     Returns
     -------
     KernelCase
-        What all computations start from.
+        The case for computations.
 
     Raises
     ------
@@ -351,7 +350,7 @@ def read_case(
 
 
 def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64] | None) -> Samples:
-    """Check samples of a ground motion and keep them in the kernel.
+    """Check samples of a ground motion and store them in the kernel.
 
     Parameters
     ----------
@@ -363,7 +362,7 @@ def keep_samples(values: npt.NDArray[np.float64], times: npt.NDArray[np.float64]
     Returns
     -------
     Samples
-        For `read_case`.
+        Argument of `read_case`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Waiting for the kernel in a way that Ctrl-C can end."""
+"""Calls of the kernel that Ctrl-C can end."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ __all__ = ["Progress", "wait_for", "write"]
 Progress = Callable[[int], None]
 _T = TypeVar("_T")
 
-# how often the waiting thread looks for Ctrl-C and reports progress: well below 0.2 s
+# interval at which the waiting thread checks for Ctrl-C and reports progress: well below 0.2 s
 _POLL_SECONDS = 0.05
-# how long a thread of the kernel waits for the next call
+# time after which an idle thread of the kernel ends
 _IDLE_SECONDS = 1.0
 
 
@@ -32,26 +32,26 @@ def wait_for(
     wrap: Callable[[int], _T],
     progress: Progress | None,
 ) -> _T:
-    """Wait for the kernel in a way that Ctrl-C can end, and wrap the handle that it returns.
+    """Wait for a call of the kernel, interruptible by Ctrl-C, and wrap the returned handle.
 
     Parameters
     ----------
     call : callable
-        Gets two whole numbers, in which it counts what is done and looks for the wish to stop;
-        returns handle, status and length of the message.
+        Receives two whole numbers, its progress counter and the stop flag that it polls; returns
+        handle, status and length of the message.
     message : numpy.ndarray of bytes, shape (n,)
-        Where the call leaves its message.
+        Buffer for the message of the call.
     source : str
-        What a message begins with: the path of the case's file, or ''.
+        Beginning of messages: path of the case's file, or ''.
     wrap : callable
-        Makes a result of the handle.
+        Makes the result from the handle.
     progress : callable, optional
-        Called about 20 times a second with the number of what is done.
+        Called about 20 times a second with the progress counter.
 
     Returns
     -------
     object
-        What `wrap` makes.
+        Result of `wrap`.
 
     Raises
     ------
@@ -62,7 +62,7 @@ def wait_for(
     """
     control = np.zeros(2, dtype=np.int64)
     if progress is None and threading.current_thread() is not threading.main_thread():
-        # signals go to the main thread: nothing can interrupt this one
+        # only the main thread receives signals: this one cannot be interrupted
         handle, status, n = call(control)
     else:
         handle, status, n = _call_beside(call, control, wrap, progress)
@@ -80,26 +80,26 @@ class _Written:
         pass
 
     def close(self) -> None:
-        """Nothing to release."""
+        """Do nothing: there is no memory to release."""
 
 
 def write(call: Callable[[npt.NDArray[np.int64]], tuple[int, int]]) -> tuple[int, int]:
-    """Wait for the kernel to write files in a way that Ctrl-C can end.
+    """Wait until the kernel has written files, interruptible by Ctrl-C.
 
     Parameters
     ----------
     call : callable
-        Gets two whole numbers, as in `wait_for`; returns status and length of the message.
+        Receives two whole numbers, as in `wait_for`; returns status and length of the message.
 
     Returns
     -------
     tuple of int
-        What the call returns.
+        Result of the call.
 
     Raises
     ------
     Interrupted
-        After Ctrl-C, unless the files were complete by then.
+        After Ctrl-C, unless the files were already complete.
     """
     control = np.zeros(2, dtype=np.int64)
     if threading.current_thread() is not threading.main_thread():
@@ -125,7 +125,7 @@ def _call_beside(
     wrap: Callable[[int], Any],
     progress: Progress | None,
 ) -> tuple[int, int, int]:
-    """Call the kernel in a thread of its own: a signal must find this one in Python code."""
+    """Call the kernel in a worker thread, so that this one can handle signals in Python."""
     outcome: list[tuple[int, int, int] | BaseException] = []
     running = threading.Lock()
 
@@ -133,7 +133,7 @@ def _call_beside(
         try:
             outcome.append(call(control))
         except BaseException as error:
-            # handed over to the waiting thread
+            # passed to the waiting thread
             outcome.append(error)
         finally:
             running.release()
@@ -147,7 +147,7 @@ def _call_beside(
                 progress(int(control[0]))
     except BaseException as error:
         control[1] = 1
-        # the end may have come while the exception was on its way
+        # the call may have ended while the exception was raised
         while not outcome:
             running.acquire(timeout=_POLL_SECONDS)
         _idle.append(worker)
@@ -162,9 +162,9 @@ def _call_beside(
 
 
 class _Worker:
-    """A thread that runs calls of the kernel, and ends when it has had none for a while.
+    """A thread that runs calls of the kernel and ends after some idle time.
 
-    A thread costs as much as a short run: it takes the memory of its first run from the system.
+    Starting a thread costs as much as a short run: its first run allocates memory.
     """
 
     def __init__(self) -> None:
@@ -179,19 +179,19 @@ class _Worker:
                 try:
                     _idle.remove(self)
                 except ValueError:
-                    # taken out in the meantime: a call is on its way
+                    # another thread has taken this worker, so a call follows
                     continue
                 return
             task()
             del task
 
 
-# workers that wait for a call; a forked child has none, because threads stay behind
+# idle workers; a forked child has none, because threads are not copied
 _idle: list[_Worker] = []
 os.register_at_fork(after_in_child=_idle.clear)
 
 
 def _discard(outcome: tuple[int, int, int] | BaseException, wrap: Callable[[int], Any]) -> None:
-    """Release a result that nobody wants any more."""
+    """Release a result that is no longer needed."""
     if not isinstance(outcome, BaseException) and outcome[1] == 0:
         wrap(outcome[0]).close()

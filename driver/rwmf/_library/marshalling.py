@@ -1,4 +1,4 @@
-"""Texts and failures as they cross the border between Python and the kernel."""
+"""Conversion of texts and errors between Python and the kernel."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ def raise_for(
     writing: bool = False,
     source: str = "",
 ) -> None:
-    """Turn the kernel's status into an exception; its message begins with the case's file.
+    """Raise the exception for a status of the kernel; its message begins with the case's file.
 
     Parameters
     ----------
     status : int
-        Of the kernel; 0 is none.
+        Status of the kernel; 0 means success.
     message : numpy.ndarray of bytes, shape (n,)
         The kernel's message.
     length : int
-        Of the message [bytes]; it may be longer than what came.
+        Length of the message [bytes], possibly longer than the buffer.
     writing : bool
-        Whether a file was to be written.
+        True when the call writes a file.
     source : str
-        What a message begins with: the path of the case's file, or ''.
+        Beginning of messages: path of the case's file, or ''.
 
     Raises
     ------
     InputError, NumericalError, OutputError, Interrupted
-        When the status is not 0, by what it is.
+        When the status is not 0; the status determines the type.
     """
     if status == 0:
         return
@@ -55,14 +55,14 @@ def raise_for(
 
 
 def fetch_text(procedure: Callable[..., int], *arguments: object) -> str:
-    """Ask for a text; a second time with the room that it needs when the first is too small.
+    """Fetch a text, with a second call when the first buffer is too small.
 
     Parameters
     ----------
     procedure : callable
-        Fills the buffer that comes last and returns the length of the text [bytes].
+        Fills the buffer in its last argument and returns the length of the text [bytes].
     *arguments
-        What it takes before.
+        Its other arguments.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def fetch_text(procedure: Callable[..., int], *arguments: object) -> str:
 
 
 def summary_item(line: str, real: float, count: int) -> tuple[str, Any]:
-    """Key and typed value of a line ``key<TAB>kind<TAB>text`` and the numbers that go with it.
+    """Return key and typed value of a line ``key<TAB>kind<TAB>text`` and its numbers.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def split_table(text: str) -> list[list[str]]:
     Parameters
     ----------
     text : str
-        One line a row, tabs between its cells.
+        One line per row, tabs between cells.
 
     Returns
     -------
@@ -120,18 +120,18 @@ def split_table(text: str) -> list[list[str]]:
 
 
 def message_buffer() -> npt.NDArray[np.int8]:
-    """Make room for a message of the kernel.
+    """Allocate a buffer for a message of the kernel.
 
     Returns
     -------
     numpy.ndarray of bytes, shape (8192,)
-        The room.
+        The buffer.
     """
     return np.empty(_MESSAGE_BYTES, dtype=np.int8)
 
 
 def encode(text: str) -> bytes:
-    """Turn a text into what the kernel takes.
+    """Encode a text for the kernel.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def encode(text: str) -> bytes:
     Returns
     -------
     bytes
-        UTF-8, or the bytes that a name of a file really has.
+        UTF-8, or the original bytes of a file name.
 
     Raises
     ------
@@ -149,22 +149,22 @@ def encode(text: str) -> bytes:
         When UTF-8 cannot hold the text.
     """
     try:
-        # file names that are not UTF-8 come as surrogates and go back to the same bytes
+        # surrogates in file names that are not UTF-8 become the original bytes
         return text.encode("utf-8", "surrogateescape")
     except UnicodeEncodeError as error:
         letter = f"U+{ord(text[error.start]):04X}"
-        raise InputError(f"a text has {letter} in it, which is no character of UTF-8") from None
+        raise InputError(f"a text contains {letter}, which UTF-8 cannot encode") from None
 
 
 def decode(buffer: npt.NDArray[np.int8], length: int) -> str:
-    """Turn what the kernel gives into a text.
+    """Decode a text of the kernel.
 
     Parameters
     ----------
     buffer : numpy.ndarray of bytes, shape (n,)
-        What the kernel has filled.
+        Buffer filled by the kernel.
     length : int
-        How much of it is the text [bytes].
+        Length of the text [bytes].
 
     Returns
     -------

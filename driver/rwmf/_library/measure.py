@@ -1,4 +1,4 @@
-"""Measurements by the kernel: one method or procedure, and the quadruple-precision reference."""
+"""Measurements by the kernel: methods, procedures of practice, quadruple-precision reference."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ __all__ = [
     "Reference",
     "measure_baseline",
     "measure_method",
-    "peak_asked_of",
+    "requested_peak",
     "solve_reference",
 ]
 
-# impacts beyond are counted, their times left out: only chatter has so many
+# number of stored impact times; only chatter exceeds it
 _MOST_IMPACTS = 20000
 
 
 @dataclasses.dataclass(frozen=True)
 class Measurement:
-    """One way to compute a case.
+    """Results and cost of one computation of a case.
 
     Attributes
     ----------
     values : dict
-        Numbers by the kernel's names, unit included, and that of the case's `accuracy_of`; NaN for
-        what does not apply to the scene or to the procedure.
+        Numbers by the kernel's names, unit included, and the quantity of `accuracy_of`; NaN where
+        the scene or the procedure does not have the quantity.
     impact_times : numpy.ndarray, shape (impacts,)
         Times of the impacts [s].
     steps, rhs_evaluations, impacts : int
         Counts.
     overturned : bool
-        Whether the wall overturned.
+        True when the wall overturned.
     seconds : float
-        Fastest of all repeats, measured inside the kernel [s].
+        Fastest of all repetitions, measured inside the kernel [s].
     dt : float
         Step of a procedure with fixed steps [s], else NaN.
     """
@@ -63,7 +63,7 @@ class Measurement:
     dt: float = float("nan")
 
     def close(self) -> None:
-        """Release nothing: everything has been copied."""
+        """Do nothing: all data have been copied."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -73,9 +73,9 @@ class Reference(Measurement):
     Attributes
     ----------
     differences : dict
-        How much each value differs from that at a looser tolerance.
+        Difference of each value from that at a looser tolerance.
     impact_differences : numpy.ndarray, shape (impacts,)
-        The same for each impact time [s].
+        Difference of each impact time [s].
     """
 
     differences: dict[str, float] = dataclasses.field(default_factory=dict)
@@ -84,8 +84,8 @@ class Reference(Measurement):
     )
 
 
-def peak_asked_of(case: Case) -> str | None:
-    """Return what `accuracy` and `verify` of a case are about.
+def requested_peak(case: Case) -> str | None:
+    """Return the quantity whose accuracy a case requests.
 
     Parameters
     ----------
@@ -95,14 +95,14 @@ def peak_asked_of(case: Case) -> str | None:
     Returns
     -------
     str or None
-        As `&solver accuracy_of` has it, None where the case leaves it to the kernel.
+        Value of `&solver accuracy_of`, None for the kernel's default.
     """
-    asked: str | None = getattr(case.solver, "accuracy_of", None)
-    return asked
+    requested: str | None = getattr(case.solver, "accuracy_of", None)
+    return requested
 
 
 def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measurement:
-    """Run a case with a method and tolerance, repeatedly.
+    """Measure repeated runs of a case with a method and a tolerance.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measu
     rtol : float
         As `&solver rtol` [-].
     budget : float
-        Time to be spent on repeats [s]; 0: one run.
+        Time for repetitions [s]; 0: one run.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measu
 
 
 def measure_baseline(case: Case, name: str, divisor: float, budget: float) -> Measurement:
-    """Run a case with one of today's procedures, repeatedly.
+    """Measure repeated runs of a case with a procedure of practice.
 
     Parameters
     ----------
@@ -155,9 +155,9 @@ def measure_baseline(case: Case, name: str, divisor: float, budget: float) -> Me
     name : str
         'ode45', 'rk4' or 'newmark'.
     divisor : float
-        The step is the usual interval of samples over this [-].
+        Ratio of the usual sampling interval to the step [-].
     budget : float
-        Time to be spent on repeats [s]; 0: one run.
+        Time for repetitions [s]; 0: one run.
 
     Returns
     -------
@@ -196,8 +196,8 @@ def solve_reference(
 ) -> Reference:
     """Run a case in quadruple precision at two tolerances.
 
-    The quadruple kernel is a library of its own, to which a case of the double one means nothing:
-    it reads the text, and the records, again.
+    The quadruple kernel is a separate library, which cannot use a case of the double kernel: it
+    reads the text and the records again.
 
     Parameters
     ----------
@@ -206,13 +206,13 @@ def solve_reference(
     rtol_loose, rtol : float
         Relative tolerances [-]; the results are those of the second.
     progress : callable, optional
-        Called about 20 times a second with the number of finished runs; what it raises stops the
-        kernel.
+        Called about 20 times a second with the number of finished runs; an exception that it raises
+        stops the kernel.
 
     Returns
     -------
     Reference
-        Results, and how much they differ between the tolerances.
+        Results, and their differences between the tolerances.
 
     Raises
     ------
@@ -251,7 +251,7 @@ def solve_reference(
 
 
 class _Buffers:
-    """Arrays that the kernel fills."""
+    """Arrays filled by the kernel."""
 
     def __init__(self) -> None:
         self.values = np.full(_n_values(), np.nan)
@@ -270,16 +270,16 @@ _Call = Callable[
 
 
 class _Found(dict[str, Any]):
-    """Facts of a run; nothing of them stays in the kernel."""
+    """Copied data of a run, independent of the kernel's memory."""
 
     def close(self) -> None:
-        """Release nothing."""
+        """Do nothing: there is no memory to release."""
 
 
 def _run(
     call: _Call, case: Case, progress: Callable[[int], None] | None = None
 ) -> tuple[dict[str, Any], _Buffers]:
-    """Wait for the kernel in a way that Ctrl-C can end."""
+    """Wait for the kernel, interruptible by Ctrl-C."""
     buffers = _Buffers()
     message = message_buffer()
     found = _Found()
@@ -314,7 +314,7 @@ def _n_values() -> int:
 def _by_name(values: npt.NDArray[np.float64], case: Case) -> dict[str, float]:
     named = dict(zip(_names(), values.tolist(), strict=True))
     peak = named.pop("peak")
-    asked = peak_asked_of(case)
-    if asked is not None:
-        named[asked] = peak
+    requested = requested_peak(case)
+    if requested is not None:
+        named[requested] = peak
     return named

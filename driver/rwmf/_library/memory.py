@@ -1,7 +1,7 @@
 """Memory of the kernel behind handles.
 
-Cases and results stay in the kernel as long as Python refers to them, be it through an array alone:
-the large arrays are not copied.
+Cases and results stay in the kernel as long as Python refers to them, even through an array only;
+large arrays are not copied.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ __all__ = ["Memory", "MemoryView"]
 
 
 class Memory:
-    """Memory of the kernel behind a handle, given back when nothing refers to it any more.
+    """Memory of the kernel behind a handle, released with the last reference.
 
     Parameters
     ----------
     handle : int
-        Of the kernel.
+        Handle of the kernel.
     """
 
     __slots__ = ("handle",)
@@ -34,21 +34,21 @@ class Memory:
 
 
 class MemoryView:
-    """What numpy needs to see an array of the kernel; the array keeps the memory alive.
+    """Array interface for numpy to an array of the kernel; it keeps the memory alive.
 
     Parameters
     ----------
     memory : Memory
-        That the array lies in.
+        Memory that contains the array.
     address : int
-        Of its first number.
+        Address of the first number.
     shape : tuple of int
-        In C's order.
+        Shape in C order.
     """
 
     def __init__(self, memory: Memory, address: int, shape: tuple[int, ...]) -> None:
         self.memory = memory
-        # in C's order: the first index of Fortran, which runs fastest, is the last one here
+        # C order: the first index of Fortran, which varies fastest, is the last one here
         self.__array_interface__ = {
             "version": 3,
             "typestr": np.dtype(np.float64).str,

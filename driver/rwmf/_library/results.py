@@ -1,4 +1,4 @@
-"""Results in the kernel, and what Python sees of them."""
+"""Results in the kernel's memory and their Python views."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from rwmf._library.memory import Memory, MemoryView
 
 __all__ = ["Run", "Spectrum"]
 
-# scalars of a run that are fetched at once
-_FIRST_ROOM = 256
+# scalars of a run in one call
+_FIRST_CAPACITY = 256
 
 
 class Result:
-    """A result in the kernel's memory; leave the ``with`` block and it is released.
+    """A result in the kernel's memory, released at the end of the ``with`` block.
 
-    Arrays that show its memory keep it until they are gone as well.
+    Arrays that view the memory keep it alive.
 
     Parameters
     ----------
     case : KernelCase
-        That was computed.
+        The computed case.
     handle : int
-        Of the result.
+        Handle of the result.
     """
 
     def __init__(self, case: KernelCase, handle: int) -> None:
@@ -39,7 +39,7 @@ class Result:
 
     @property
     def memory(self) -> Memory:
-        """The memory; an address in the kernel must never be used after its release."""
+        """The memory; its address must not be used after the release."""
         if self._memory is None:
             raise RuntimeError("this result of the kernel has been released")
         return self._memory
@@ -50,7 +50,7 @@ class Result:
         return self.memory.handle
 
     def close(self) -> None:
-        """Let go of the kernel's memory; calling it twice does no harm."""
+        """Release the kernel's memory; further calls have no effect."""
         self._memory = None
 
     def __enter__(self) -> Self:
@@ -63,7 +63,7 @@ class Result:
         value: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Let go of the kernel's memory."""
+        """Release the kernel's memory."""
         self.close()
 
 
@@ -71,7 +71,7 @@ class Run(Result):
     """Result of one simulation."""
 
     def summary(self) -> dict[str, Any]:
-        """Named scalars and lists: the keys of ``rwmf run --json`` in their order.
+        """Return named scalars and lists: the keys of ``rwmf run --json`` in their order.
 
         Returns
         -------
@@ -79,30 +79,29 @@ class Run(Result):
             Values by key.
         """
         lines: list[str] = []
-        room = _FIRST_ROOM
+        capacity = _FIRST_CAPACITY
         while True:
-            reals, counts = np.zeros(room), np.zeros(room, dtype=np.int64)
+            reals, counts = np.zeros(capacity), np.zeros(capacity, dtype=np.int64)
             lines = fetch_text(
                 _kernel.result_summary, self._case.handle, self.handle, reals, counts
             ).splitlines()
-            if len(lines) <= room:
+            if len(lines) <= capacity:
                 break
-            room = len(lines)
+            capacity = len(lines)
         numbers = zip(lines, reals.tolist(), counts.tolist(), strict=False)
         return dict(summary_item(*item) for item in numbers)
 
     def history(self) -> tuple[list[str], npt.NDArray[np.float64]]:
-        """Column names and values (columns, rows); both empty without `&output dt`.
+        """Return column names and values (columns, rows); both empty without `&output dt`.
 
-        The values are the kernel's memory, which the array keeps: changes of it show in whatever
-        else looks at the history of this run.
+        The values are a view of the kernel's memory: all views of this history share changes.
 
         Returns
         -------
         list of str
             Names of the columns.
         numpy.ndarray, shape (columns, rows)
-            The values, in the units that the names end with.
+            The values, in the units at the ends of the names.
         """
         address, n_rows, n_columns, _ = _kernel.result_history(self.handle)
         if n_columns == 0:
@@ -111,7 +110,7 @@ class Run(Result):
         return fetch_text(_kernel.result_columns, self.handle).splitlines(), values
 
     def events(self) -> dict[str, npt.NDArray[Any]]:
-        """Arrays over the events: kind (names), t [s], theta [rad] and theta_dot [rad/s].
+        """Return arrays over the events: kind (names), t [s], theta [rad] and theta_dot [rad/s].
 
         For the bare frame theta is the displacement [m] and theta_dot its rate [m/s].
 
@@ -138,7 +137,7 @@ class Run(Result):
         source : str
             Path of the case's file.
         folder : str
-            Where the files are made.
+            Folder for the files.
 
         Raises
         ------
@@ -161,19 +160,19 @@ class Spectrum(Result):
     """Result of a spectrum."""
 
     def warnings(self) -> list[str]:
-        """Say what to keep in mind about all ordinates.
+        """Return the warnings for all ordinates.
 
         Returns
         -------
         list of str
-            One line each.
+            One line per warning.
         """
         return [
             line for line in fetch_text(_kernel.spectrum_warnings, self.handle).split("\t") if line
         ]
 
     def method(self) -> str:
-        """Name the method.
+        """Return the name of the method.
 
         Returns
         -------
@@ -183,7 +182,7 @@ class Spectrum(Result):
         return self._case.spectrum_method()
 
     def axes(self) -> dict[str, SceneAxis]:
-        """Say what the axes are in the scene.
+        """Return the definitions of the axes in the scene.
 
         Returns
         -------
@@ -193,23 +192,23 @@ class Spectrum(Result):
         return self._case.axes()
 
     def facts(self) -> dict[str, Any]:
-        """Sizes and cost: n_T, n_gamma, n_b, threads, rhs_evaluations, seconds.
+        """Return sizes and cost: n_T, n_gamma, n_b, threads, rhs_evaluations, seconds.
 
         Returns
         -------
         dict
-            The facts by name; the time in s.
+            Values by name; the time in s.
         """
         names = ("n_T", "n_gamma", "n_b", "threads", "rhs_evaluations", "seconds")
         return dict(zip(names, _kernel.spectrum_shape(self.handle), strict=True))
 
     def values(self) -> dict[str, npt.NDArray[Any]]:
-        """T_s [s], gamma [-], b [m], status (b, gamma, T_s), each quantity likewise by its key.
+        """Return T_s [s], gamma [-], b [m], status (b, gamma, T_s), and each quantity by its key.
 
         Returns
         -------
         dict of str to numpy.ndarray
-            Axes of shape (n,), the others of shape (n_b, n_gamma, n_T).
+            Axes of shape (n,), all others of shape (n_b, n_gamma, n_T).
         """
         shape = tuple(_kernel.spectrum_shape(self.handle)[:3])
         keys = fetch_text(_kernel.spectrum_quantities, self.handle).split("\t")
@@ -218,7 +217,7 @@ class Spectrum(Result):
         found = np.asarray(MemoryView(self.memory, address, (len(keys), *shape[::-1])))
         places = np.zeros(found[0].size, dtype=np.int8)
         names = fetch_text(_kernel.spectrum_status, self.handle, places).split("\t")
-        # only those that occur: the longest name says how much memory each ordinate takes
+        # only statuses that occur: the longest name sets the memory per ordinate
         counts = np.bincount(places, minlength=len(names) + 1)
         used = [name if n > 0 else "" for name, n in zip(["", *names], counts, strict=True)]
         status = np.array(used, dtype=str)[places]

@@ -1,4 +1,4 @@
-"""Computations of the kernel that give a result."""
+"""Computations of the kernel that return a result."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ def check_threads(threads: int, name: str = "threads") -> int:
     threads : int
         Threads of the kernel, 0 for all.
     name : str
-        What says so, for the message.
+        Name of the argument, for the message.
 
     Returns
     -------
     int
-        The same.
+        The number.
 
     Raises
     ------
     InputError
-        When it is no number of threads, or more than a spectrum takes on this machine: 16 for
-        each processor that the process may use, and 256 in any case.
+        When it is no valid number of threads or exceeds the limits of a spectrum: 16 for each
+        processor available to the process, and 256.
     """
     most = int(_kernel.most_threads())
     try:
@@ -58,9 +58,9 @@ def start_simulation(case: KernelCase, source: str, progress: Progress | None = 
     case : KernelCase
         From `read_case`.
     source : str
-        What a message begins with: the path of the case's file, or ''.
+        Beginning of messages: path of the case's file, or ''.
     progress : callable, optional
-        Called about 20 times a second; what it raises stops the kernel.
+        Called about 20 times a second; an exception that it raises stops the kernel.
 
     Returns
     -------
@@ -98,13 +98,13 @@ def start_spectrum(
     case : KernelCase
         From `read_case`, with `&spectrum`.
     source : str
-        What a message begins with: the path of the case's file, or ''.
+        Beginning of messages: path of the case's file, or ''.
     threads : int
         Threads of the kernel, 0 for all.
     progress : callable, optional
         Called about 20 times a second with the number of finished ordinates.
     quantities : sequence of str
-        Keys of what each ordinate reports; none: what the case asks for.
+        Keys of the requested quantities; none: those of the case.
 
     Returns
     -------
@@ -139,20 +139,20 @@ def start_rows(
     threads: int = 0,
     progress: Progress | None = None,
 ) -> Spectrum:
-    """Compute runs of one case whose numbers differ in a worker thread.
+    """Compute runs of one case with different numbers in a worker thread.
 
     Parameters
     ----------
     case : KernelCase
-        From `read_case`: what all rows have in common.
+        Case from `read_case`, common to all rows.
     source : str
-        What a message begins with: the path of the case's file, or ''.
+        Beginning of messages: path of the case's file, or ''.
     columns : sequence of str
         ``T_s``, ``gamma``, ``b``, ``scale`` (a factor on the horizontal motion) or ``group.key``.
     values : numpy.ndarray, shape (rows, columns)
         The numbers, each in the unit of its key.
     quantities : sequence of str
-        Keys of what each row reports; none: what the case asks for.
+        Keys of the requested quantities; none: those of the case.
     threads : int
         Threads of the kernel, 0 for all.
     progress : callable, optional
@@ -162,7 +162,7 @@ def start_rows(
     -------
     Spectrum
         To be closed by the caller; the rows are its last dimension, that of T_s. A row whose
-        numbers the rules of the case do not allow has the status ``refused`` and NaN.
+        numbers violate the rules of the case has the status ``refused`` and NaN.
 
     Raises
     ------
@@ -173,7 +173,7 @@ def start_rows(
     """
     message = message_buffer()
     threads = check_threads(threads)
-    # the kernel's order; no copy of what is stored row by row
+    # the kernel's order; row-wise data need no copy
     table = np.ascontiguousarray(values, dtype=np.float64).T
     names, keys = encode("\t".join(columns)), encode("\t".join(quantities))
 

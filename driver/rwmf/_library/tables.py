@@ -1,4 +1,4 @@
-"""What the kernel tells about itself: version, and its tables of keys, groups and quantities."""
+"""Version of the kernel and its tables of keys, groups and quantities."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ __all__ = [
 
 @functools.cache
 def version() -> str:
-    """Version of the compiled kernel.
+    """Return the version of the compiled kernel.
 
     Returns
     -------
     str
-        Three numbers with dots between them.
+        Three numbers separated by dots.
     """
     return fetch_text(_kernel.version)
 
 
 def instruction_set() -> str:
-    """Instructions that spectra use on this processor.
+    """Return the instruction set that spectra use on this processor.
 
     Returns
     -------
@@ -56,6 +56,8 @@ class KeyRow(NamedTuple):
         As in the reference of the namelist.
     usual : str
         Range in real buildings.
+    gives : str
+        Key of the group that may be left out when this one is given; empty for most keys.
     """
 
     group: str
@@ -66,6 +68,7 @@ class KeyRow(NamedTuple):
     allowed: str
     meaning: str
     usual: str
+    gives: str
 
 
 @functools.cache
@@ -81,7 +84,7 @@ def schema() -> tuple[KeyRow, ...]:
 
 
 def needs_of_groups() -> dict[str, list[str]]:
-    """Return the groups of a case, each with those without which it must not be given.
+    """Return the groups of a case, each with the groups that it requires.
 
     Returns
     -------
@@ -101,13 +104,13 @@ def quantities() -> list[list[str]]:
     Returns
     -------
     list of list of str
-        One row a quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
+        One row per quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
     """
     return split_table(fetch_text(_kernel.quantities))
 
 
 def meant_quantity(word: str) -> str:
-    """Find the quantity that a word may mean: a word of the field, or a misspelled key.
+    """Find the quantity for a technical term or a misspelled key.
 
     Parameters
     ----------
@@ -123,7 +126,7 @@ def meant_quantity(word: str) -> str:
 
 
 def result_names(source: str) -> list[str]:
-    """Return the files that the batch program may write for a case.
+    """Return the names of the files that the batch program may write for a case.
 
     Parameters
     ----------

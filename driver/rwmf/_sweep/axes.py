@@ -1,4 +1,4 @@
-"""The axes of a sweep: numbers, which go to the kernel as columns, and scenes, which are none."""
+"""Axes of a sweep: columns of numbers for the kernel, or scenes."""
 
 from __future__ import annotations
 
@@ -47,16 +47,16 @@ Scenes = npt.NDArray[np.uint32]
 Entries = dict[str, dict[str, Value]]
 Key = tuple[str, str]
 SCALE = "scale"
-# name of the dimension of the rows of a table
+# dimension of the rows of a table
 POINT = "point"
-# what the names of columns without a group set
+# keys set by columns without a group
 _PLACES = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "b")}
-# names of axes that set several keys at once
+# axes that set several keys at once
 PAIRS = {"eta": ("cable.eta_0", "cable.eta_alpha")}
 # types of keys that differ from row to row of one call of the kernel
 NUMBERS = ("real", "integer", "logical")
 _WORDS = {"true": 1.0, ".true.": 1.0, "1": 1.0, "false": 0.0, ".false.": 0.0, "0": 0.0}
-# numbers that say what there is to move or how a file is read: a scene a value
+# numbers that select a motion or the format of a file: each value is a scene
 _OF_SCENE = ("storeys.n", "motion.dt", "vertical.dt")
 
 
@@ -69,15 +69,15 @@ class Coordinate:
     name : str
         Name of the coordinate.
     dimension : str
-        Dimension that it labels.
+        Labelled dimension.
     values : numpy.ndarray, shape (positions,), or tuple, one label a scene
-        Numbers of a column, or what scenes differ in.
+        Numbers of a column, or the differing settings of the scenes.
     unit : str
         Unit of the values, '' for texts.
     meaning : str
-        What it is.
+        Definition.
     column : str
-        The kernel's name of what the numbers set: ``T_s``, ``gamma``, ``b``, ``scale`` or
+        Kernel name of the quantity set by the numbers: ``T_s``, ``gamma``, ``b``, ``scale`` or
         ``group.key``; '' for labels of scenes.
     """
 
@@ -91,12 +91,12 @@ class Coordinate:
 
 @dataclass(frozen=True)
 class Scene:
-    """What no row of a call of the kernel can change.
+    """Settings that the rows of one kernel call cannot vary.
 
     Attributes
     ----------
     record : RecordFile, optional
-        Ground motion in the place of the case's own, to its last sample.
+        Ground motion that replaces the case's, used to its last sample.
     settings : tuple of (key, value)
         Texts and lists, by group and key.
     """
@@ -105,12 +105,12 @@ class Scene:
     settings: tuple[tuple[Key, Value], ...] = ()
 
     def apply(self, entries: Entries) -> None:
-        """Put record and settings into the groups of a case.
+        """Insert record and settings into the groups of a case.
 
         Parameters
         ----------
         entries : dict of str to dict
-            Groups of the case, which are changed.
+            Groups of the case, modified in place.
         """
         if self.record is not None:
             entries["motion"] = self.record.motion()
@@ -123,7 +123,7 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """One dimension of a sweep: a table with a row a position.
+    """One dimension of a sweep: a table with one row per position.
 
     Attributes
     ----------
@@ -132,11 +132,11 @@ class Axis:
     coordinates : tuple of Coordinate
         Its columns.
     scenes : tuple of Scene
-        Different scenes of the positions.
+        Distinct scenes of the positions.
     scene_of : numpy.ndarray, shape (size,)
-        Place of each position's scene in `scenes`.
+        Index into `scenes` for each position.
     where : callable
-        Names a position in messages.
+        Describes a position in messages.
     """
 
     name: str
@@ -152,7 +152,7 @@ class Axis:
 
     @property
     def columns(self) -> dict[str, Array]:
-        """Numbers by the kernel's names of what they set."""
+        """Numbers by the kernel names of the quantities that they set."""
         return {
             item.column: item.values
             for item in self.coordinates
@@ -161,7 +161,7 @@ class Axis:
 
     @property
     def keys(self) -> set[Key]:
-        """Groups and keys that it sets."""
+        """Groups and keys that the axis sets."""
         settings = {key for scene in self.scenes for key, _ in scene.settings}
         return settings | {key_of_column(name) for name in self.columns}
 
@@ -171,7 +171,7 @@ class Axis:
         Parameters
         ----------
         position : int
-            Along the axis.
+            Position along the axis.
 
         Returns
         -------
@@ -192,7 +192,7 @@ def record_axis(records: Sequence[RecordFile]) -> Axis:
     Returns
     -------
     Axis
-        A scene a position.
+        An axis with one scene per position.
     """
     scenes = tuple(Scene(record) for record in records)
     labels = record_coordinates("record", records)
@@ -200,7 +200,7 @@ def record_axis(records: Sequence[RecordFile]) -> Axis:
 
 
 def _each(scenes: Sequence[Scene]) -> Scenes:
-    """Give each position its own scene."""
+    """Assign one scene to each position."""
     return np.arange(len(scenes), dtype=np.uint32)
 
 
@@ -210,9 +210,9 @@ def record_coordinates(dimension: str, records: Sequence[RecordFile]) -> tuple[C
     Parameters
     ----------
     dimension : str
-        Dimension that is labelled.
+        Labelled dimension.
     records : sequence of RecordFile
-        One a label.
+        One per label.
 
     Returns
     -------
@@ -242,12 +242,12 @@ def grid_axis(name: str, values: object) -> Axis:
     Returns
     -------
     Axis
-        With columns when the kernel takes numbers for it, otherwise with a scene a position.
+        An axis of columns where the kernel accepts numbers, otherwise of scenes.
 
     Raises
     ------
     InputError
-        When the values do not fit it.
+        When the values do not fit the axis.
     """
     parts = PAIRS.get(name, (name,))
     rows = _rows(name, values, len(parts))
@@ -280,14 +280,14 @@ def grid_axis(name: str, values: object) -> Axis:
 def column_coordinate(
     column: str, dimension: str, name: str, values: Array | tuple[Value, ...]
 ) -> Coordinate:
-    """Label a dimension with a column's values.
+    """Make the coordinate for the values of a column.
 
     Parameters
     ----------
     column : str
-        The kernel's name of what is set.
+        Kernel name of the quantity.
     dimension : str
-        Dimension that is labelled.
+        Labelled dimension.
     name : str
         Name of the coordinate.
     values : numpy.ndarray, shape (positions,), or tuple
@@ -296,7 +296,7 @@ def column_coordinate(
     Returns
     -------
     Coordinate
-        With unit and meaning from the kernel's tables.
+        Coordinate with unit and definition from the kernel's tables.
     """
     if column == SCALE:
         unit, meaning = "1", "factor on the ground motion"
@@ -313,15 +313,15 @@ def column_coordinate(
 
 
 def name_axes(grid: Mapping[str, _T], label: str = "grid") -> dict[str, _T]:
-    """Give every axis of a grid its one name, however the grid spells what it sets.
+    """Convert the names of a grid to canonical axis names.
 
     Parameters
     ----------
     grid : mapping
-        Values by names: ``scale``, ``eta``, or keys of a case, with their group or without it;
-        the case of the letters does not matter.
+        Values by names: ``scale``, ``eta``, or keys of a case, with or without their group; upper
+        and lower case do not matter.
     label : str
-        What messages begin with.
+        Beginning of messages.
 
     Returns
     -------
@@ -331,7 +331,7 @@ def name_axes(grid: Mapping[str, _T], label: str = "grid") -> dict[str, _T]:
     Raises
     ------
     InputError
-        When there is no such key, or when two axes set the same.
+        When a key does not exist, or when two axes set the same key.
     """
     found: dict[str, _T] = {}
     words: dict[Key, str] = {}
@@ -369,7 +369,7 @@ def keys_of_axis(name: str) -> tuple[Key, ...]:
     Returns
     -------
     tuple of (group, key)
-        In the kernel's spelling; for ``scale`` a key that no case has.
+        Canonical names; for ``scale`` a key that no case has.
     """
     return tuple(key_of_column(part) for part in PAIRS.get(name, (name,)))
 
@@ -380,12 +380,12 @@ def key_of_column(column: str) -> Key:
     Parameters
     ----------
     column : str
-        The kernel's name of what is set.
+        Kernel name of the quantity.
 
     Returns
     -------
     group, key : str
-        In the kernel's spelling; for ``scale`` a key that no case has.
+        Canonical names; for ``scale`` a key that no case has.
     """
     if column == SCALE:
         return ("motion", "amplitude")
@@ -394,7 +394,7 @@ def key_of_column(column: str) -> Key:
 
 
 def kind_of(name: str) -> str:
-    """Return the type of what an axis sets.
+    """Return the type of an axis's values.
 
     Parameters
     ----------
@@ -412,7 +412,7 @@ def kind_of(name: str) -> str:
 
 
 def is_number(name: str) -> bool:
-    """Tell whether the rows of one call of the kernel may differ in what an axis sets.
+    """Check whether rows of one kernel call can differ in the key of an axis.
 
     Parameters
     ----------
@@ -422,20 +422,20 @@ def is_number(name: str) -> bool:
     Returns
     -------
     bool
-        Whether it is a number, and none that a scene is made of.
+        True for a number that does not define a scene.
     """
     return kind_of(name) in NUMBERS and name not in _OF_SCENE
 
 
 def put_number(entries: Entries, column: str, value: float) -> None:
-    """Put a number of a column into the groups of a case.
+    """Insert a number of a column into the groups of a case.
 
     Parameters
     ----------
     entries : dict of str to dict
-        Groups of the case, which are changed.
+        Groups of the case, modified in place.
     column : str
-        The kernel's name of what is set; the factor ``scale`` is no key and left out.
+        Kernel name of the quantity; the factor ``scale`` is no key and is ignored.
     value : float
         The number.
     """
@@ -443,25 +443,25 @@ def put_number(entries: Entries, column: str, value: float) -> None:
     if column != SCALE:
         types = {"integer": int, "logical": bool}
         number = types.get(kind, float)(value)
-        # a column holds lists of one number
+        # a column holds lists with a single number
         _put(entries, key_of_column(column), (number,) if kind.endswith("list") else number)
 
 
 def take_numbers(
     name: str, values: object, where: Callable[[int], str], shown: str | None = None
 ) -> Array:
-    """Take the numbers of a column.
+    """Convert the values of a column to numbers.
 
     Parameters
     ----------
     name : str
-        The kernel's name of what is set.
+        Kernel name of the quantity.
     values : sequence or array, shape (n,)
         The values.
     where : callable
-        Names the place of a position in messages.
+        Describes a position in messages.
     shown : str, optional
-        Name of the column in messages, its own when absent.
+        Name of the column in messages; `name` by default.
 
     Returns
     -------
@@ -471,15 +471,15 @@ def take_numbers(
     Raises
     ------
     InputError
-        When one is not.
+        When a value is not such a number.
     """
     kind = kind_of(name)
     array = np.asarray(values)
     if isinstance(values, list) and any(isinstance(item, bool) for item in values):
-        # beside numbers NumPy takes a truth value for 0 or 1
+        # beside numbers NumPy converts a truth value to 0 or 1
         array = array.astype(object)
     if array.dtype.kind not in ("iufb" if kind == "logical" else "iuf"):
-        # an array of a list with texts in it has texts alone
+        # NumPy converts a list with one text to an array of texts
         items = values if isinstance(values, list) else array.tolist()
         array = np.array([_number(value, kind) for value in items])
     numbers = np.ascontiguousarray(array, dtype=np.float64)
@@ -504,7 +504,7 @@ def _item(values: object, i: int) -> object:
 
 
 def _number(value: object, kind: str) -> float:
-    """Return a number, NaN for what is none."""
+    """Return a number, or NaN for other values."""
     if kind == "logical" and isinstance(value, str):
         return _WORDS.get(value.strip().lower(), np.nan)
     if kind == "logical" and isinstance(value, bool | np.bool_):
@@ -514,10 +514,10 @@ def _number(value: object, kind: str) -> float:
 
 
 def _rows(name: str, values: object, width: int) -> list[tuple[Value, ...]]:
-    """Values of an axis, a tuple a position."""
+    """Return the values of an axis, one tuple per position."""
     if np.ma.is_masked(values):
         raise InputError(f"grid: {name} = {show(values)}: has masked values: must be numbers")
-    # a bare value is a list of one
+    # a single value becomes a list of one
     found = to_items(values)
     values = [values] if found is None else found
     items = [
@@ -531,7 +531,7 @@ def _rows(name: str, values: object, width: int) -> list[tuple[Value, ...]]:
     if wrong:
         raise InputError(f"grid: {name} = {show(wrong[0])}: must be a finite number")
     if len(set(rows)) < len(rows):
-        raise InputError(f"grid: {name}: a value stands there twice")
+        raise InputError(f"grid: {name}: a value is given twice")
     return rows
 
 
@@ -543,12 +543,12 @@ def _put(entries: Entries, key: Key, value: Value) -> None:
 
 @functools.cache
 def _table() -> dict[Key, _library.KeyRow]:
-    """Rows of the kernel's table of keys."""
+    """Return the rows of the kernel's table of keys."""
     return {(row.group, row.key): row for row in _library.schema()}
 
 
 def _find_key(name: str, label: str) -> Key:
-    """Group and key of a name, in the spelling of the kernel's table."""
+    """Return group and key of a name, in canonical form."""
     group, _, key = name.rpartition(".")
     matches = [
         known

@@ -1,7 +1,8 @@
-"""Finished chunks of a sweep on disk: a file that only grows and survives ``kill -9``.
+"""Store of finished chunks: an append-only file that survives ``kill -9``.
 
-A text line, the layout with the table of its points, then one entry a chunk with its checksum. An
-entry that a killed process left incomplete is found by its checksum and cut off.
+The file has one text line, the layout with the table of its points, and then one entry per chunk
+with a checksum. The checksum identifies an entry that a killed process left incomplete; it is
+removed.
 """
 
 from __future__ import annotations
@@ -33,23 +34,23 @@ _LAYOUT = 2**64 - 1
 
 
 class ChunkStore:
-    """The chunks that are done.
+    """Finished chunks of a sweep.
 
     Parameters
     ----------
     path : path
-        The file; it is made, or continued when it belongs to the same layout.
+        The file; it is created, or continued when it belongs to the same layout.
     layout : Layout
         The sweep.
     restart : bool
-        Begin a store that is there anew, whatever sweep it belongs to.
+        Replace an existing store of any sweep.
 
     Raises
     ------
     InputError
-        When the file belongs to another sweep, with the difference, or is no journal.
+        When the file belongs to another sweep (the message shows the difference) or is no journal.
     OutputError
-        When it cannot be written, or when another process writes it.
+        When it cannot be written, or when another process is writing it.
     """
 
     def __init__(self, path: Path, layout: Layout, *, restart: bool = False) -> None:
@@ -64,7 +65,7 @@ class ChunkStore:
             raise
 
     def _scan(self, restart: bool) -> dict[int, int]:
-        """Find the complete entries, or begin the file; what follows them is cut off."""
+        """Find the complete entries or create the file; remove incomplete data."""
         index: dict[int, int] = {}
         end = 0
         for number, offset, payload, following in _entries(self._file, self.path):
@@ -93,15 +94,15 @@ class ChunkStore:
             )
 
     def __contains__(self, number: int) -> bool:
-        """Whether a chunk is done."""
+        """Return True for a finished chunk."""
         return number in self._index
 
     def __len__(self) -> int:
-        """Count the chunks that are done."""
+        """Count the finished chunks."""
         return len(self._index)
 
     def add(self, chunk: Chunk) -> None:
-        """Keep a chunk; when this returns it is on the disk.
+        """Append a chunk and wait until it is on the disk.
 
         Parameters
         ----------
@@ -125,7 +126,7 @@ class ChunkStore:
         return offset
 
     def _write(self, content: bytes | memoryview) -> None:
-        # without a buffer: what the disk refuses would be tried again when the file is closed
+        # unbuffered: a buffer would repeat a failed write when the file is closed
         rest = memoryview(content)
         while rest:
             rest = rest[self._file.write(rest) :]
@@ -136,7 +137,7 @@ class ChunkStore:
         Parameters
         ----------
         number : int
-            One that is done.
+            A finished chunk.
 
         Returns
         -------
@@ -148,7 +149,7 @@ class ChunkStore:
         return _unpack(number, self._file.read(_HEAD.unpack(head)[1]), self.layout)
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         self._file.close()
 
     def __enter__(self) -> Self:
@@ -161,12 +162,12 @@ class ChunkStore:
         value: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Let go of the file."""
+        """Close the file."""
         self.close()
 
 
 def read_layout(path: Path) -> Layout:
-    """Read which sweep a journal belongs to.
+    """Read the layout of a journal.
 
     Parameters
     ----------
@@ -202,7 +203,7 @@ def _entries(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes, int]
     offset = len(magic)
     while len(head := file.read(_HEAD.size)) == _HEAD.size:
         number, length, _ = _HEAD.unpack(head)
-        # a torn length could ask for all memory
+        # a damaged length could request all memory
         if length > os.fstat(file.fileno()).st_size - offset:
             return
         payload = file.read(length)
@@ -213,7 +214,7 @@ def _entries(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes, int]
 
 
 def _head(number: int, *parts: bytes | memoryview) -> bytes:
-    """Make what stands before the parts of an entry."""
+    """Make the header of an entry."""
     length = sum(map(len, parts))
     checksum = zlib.crc32(struct.pack("<QQ", number, length))
     for part in parts:
@@ -238,9 +239,9 @@ def _unpack(number: int, payload: bytes, layout: Layout) -> Chunk:
 
 
 def _open_locked(path: Path) -> BinaryIO:
-    """Open or make the file that the name stands for, and lock it.
+    """Open or create the file of this name, and lock it.
 
-    The name may change hands until the lock is there: whoever finishes a sweep removes its journal.
+    Another process may replace the file before the lock: finishing a sweep removes its journal.
     """
     while True:
         file = open(path, "a+b", buffering=0, opener=_open_regular)  # noqa: SIM115
@@ -260,7 +261,7 @@ def _open_locked(path: Path) -> BinaryIO:
 
 
 def _open_regular(path: str, flags: int) -> int:
-    """Open a file; neither through a link, which may be planted, nor what is no file."""
+    """Open a regular file without following links."""
     descriptor = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)

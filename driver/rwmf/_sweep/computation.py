@@ -1,4 +1,4 @@
-"""The sweep itself: plan, compute, keep, assemble; and the joining of parts."""
+"""Sweeps: planning, computation, storage and assembly; merging of parts."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ Progress = Callable[[int, int], None]
 
 
 class RunOptions(TypedDict, total=False):
-    """Arguments of `sweep` on how its runs are computed, that a study hands on.
+    """Arguments of `sweep` on the execution of its runs, which studies pass on.
 
     Attributes
     ----------
     threads : int
         Threads, 0 for all.
     executor : concurrent.futures.Executor, optional
-        Processes, MPI ranks or Dask workers in their place.
+        Processes, MPI ranks or Dask workers instead of threads.
     progress : callable, optional
-        Called with the number of finished runs and of all.
+        Called with the numbers of finished and of all runs.
     chunk : int
-        Largest number of runs in a chunk, 0 for the usual one.
+        Largest number of runs in a chunk, 0 for the default.
     """
 
     threads: int
@@ -52,7 +52,7 @@ class RunOptions(TypedDict, total=False):
 
 
 class SweepOptions(RunOptions, total=False):
-    """Arguments of `sweep` that a study hands on, those on how records are read included.
+    """Arguments of `sweep` that studies pass on, including those on reading records.
 
     Attributes
     ----------
@@ -87,65 +87,65 @@ def sweep(
     period: float | None = None,
     damping: float | None = None,
 ) -> xr.Dataset:
-    """Run the product of records, the rows of a table and parameters.
+    """Compute the runs of all combinations of records, table rows and grid values.
 
     Parameters
     ----------
     case : Case or path
-        What all runs have in common; the values of its `&spectrum` are part of the grid.
+        Settings common to all runs; the values of its `&spectrum` are part of the grid.
     grid : mapping, optional
-        Values by name of the axis: ``T_s`` [s], ``gamma`` [-], ``b`` [m], ``scale`` (factor on
-        the motion), ``eta`` (pairs eta_0, eta_alpha), or any key of the case (``e``,
+        Values by name of the axis: ``T_s`` [s], ``gamma`` [-], ``b`` [m], ``scale`` (factor on the
+        motion) or ``eta`` (pairs eta_0, eta_alpha). Any key of the case is an axis as well (``e``,
         ``formulation``, ``frame.xi_s``).
     records : sequence of str, path or Motion, optional
-        Ground motions in the place of the case's own, see `find_records`; each runs to its last
+        Ground motions that replace the case's, see `find_records`; each run lasts to the last
         sample unless ``t_end`` is in the grid.
     file : str or path, optional
-        NetCDF file to write. Finished chunks are kept beside it until it is complete: the same
-        call continues where it was interrupted and gives the same bytes.
+        NetCDF file to write. Finished chunks are kept beside it until it is complete: repeating the
+        call continues an interrupted sweep and gives the same bytes.
     points : mapping, pandas.DataFrame, xarray.Dataset, structured array, str or path, optional
-        Table whose rows are runs with their own numbers, or the CSV or NetCDF file that holds it.
-        Its columns are named as the axes of a grid; ``record`` holds names or paths of records.
-        They are coordinates along the dimension ``point``.
+        Table whose rows are runs with individual numbers, or the CSV or NetCDF file that contains
+        it. Its columns have the names of grid axes; ``record`` holds names or paths of records.
+        They become coordinates along the dimension ``point``.
     quantities : sequence of str, optional
-        What is kept of each run, thousands of runs a call of the kernel; otherwise ``u_s_max``, of
-        a wall without a frame ``theta_max_over_alpha``.
+        Quantities stored for each run; the default is ``u_s_max``, or ``theta_max_over_alpha`` for
+        a wall without a frame.
     threads : int
-        Threads, 0 for all; not used with an executor. The result does not depend on it.
+        Threads, 0 for all; ignored with an executor. The result does not depend on it.
     executor : concurrent.futures.Executor, optional
-        Other engine: processes, MPI ranks, Dask workers.
+        Alternative engine: processes, MPI ranks, Dask workers.
     progress : callable, optional
-        Called with the number of finished runs and of all.
+        Called with the numbers of finished and of all runs.
     restart : bool
-        Discard what an earlier call left in the place of `file`; nothing else than a sweep.
+        Discard an earlier sweep in `file`; other files are not replaced.
     part : (int, int)
-        (K, N): only the K-th of N parts of the chunks, to be joined by `merge`; needs `file`.
+        (K, N): only the K-th of N parts of the chunks, for a later `merge`; requires `file`.
     chunk : int
-        Largest number of runs in a chunk, 0 for the usual one.
+        Largest number of runs in a chunk, 0 for the default.
     unit : str, optional
         Unit of records that are not AT2: 'g', 'm/s2' or 'cm/s2'.
     dt : float, optional
-        Sampling interval [s] of records of one column.
+        Sampling interval of records of one column [s].
     intensity : str, optional
-        ``pseudo_acceleration`` (of a linear oscillator) or ``peak_acceleration``: each record is
-        scaled so that this is 1 g, and the values of ``scale`` in the grid are then levels of it
-        in g.
+        ``pseudo_acceleration`` (of a linear oscillator) or ``peak_acceleration``. Each record is
+        scaled to an intensity of 1 g, so that the values of ``scale`` are intensities in g.
     period, damping : float, optional
-        Period [s] and damping ratio [-] of that oscillator; otherwise those of the frame. Both
-        are required where the runs differ in the structure (period, mass ratio, storeys, wall):
-        each record then has one factor for all runs.
+        Period [s] and damping ratio [-] of that oscillator; otherwise those of the frame. Both are
+        required where the runs differ in the structure (period, mass ratio, storeys, wall), because
+        each record has one factor for all runs.
 
     Returns
     -------
     xarray.Dataset
-        The quantities and ``status`` (numbers, their names in its ``flag_meanings``) over all
-        axes; the attribute ``warnings`` says what some of the runs do not conserve. With a file it
-        is opened from there, with a part it is empty but for attributes.
+        The quantities and ``status`` (numbers, named in its ``flag_meanings``) over all axes. The
+        attribute ``warnings`` lists conservation laws that some runs violate. With a file the
+        dataset is opened from it; for a part it has attributes only.
 
     Raises
     ------
     InputError
-        When something is not acceptable, when `file` is read by the sweep or belongs to another.
+        When an argument is not acceptable, or when `file` is an input of the sweep or holds
+        another.
     OutputError
         When the file cannot be written.
     Interrupted
@@ -163,7 +163,7 @@ def sweep(
 
 
 class _Work:
-    """Chunks of a plan that one call is to compute, with the report of its progress."""
+    """Chunks of a plan for one call, with progress reports."""
 
     def __init__(
         self,
@@ -176,7 +176,7 @@ class _Work:
         _check_part(part)
         self.plan = plan
         self.part = part
-        # of an executor its owner decides
+        # the owner of an executor chooses the number of its workers
         self._threads = count_threads(threads) if executor is None else 0
         self._executor = executor
         self._progress = progress
@@ -184,26 +184,26 @@ class _Work:
         self._numbers = range(k - 1, plan.layout.n_chunks, n)
 
     def run(self, done: set[int]) -> Iterator[Chunk]:
-        """Compute what is not done."""
+        """Compute the missing chunks."""
         layout = self.plan.layout
         sizes = {number: layout.chunk_size(number) for number in self._numbers}
         total = sum(sizes.values())
         finished = sum(sizes[number] for number in done if number in sizes)
         missing = [number for number in self._numbers if number not in done]
 
-        def tell(unfinished: int = 0) -> None:
+        def report_progress(unfinished: int = 0) -> None:
             if self._progress is not None:
                 self._progress(finished + unfinished, total)
 
-        tell()
+        report_progress()
         if self._executor is None:
-            chunks = run_in_threads(self.plan.task, missing, self._threads, tell)
+            chunks = run_in_threads(self.plan.task, missing, self._threads, report_progress)
         else:
             chunks = run_on(self._executor, (self.plan.task(number) for number in missing))
         for result in chunks:
             finished += sizes[result.number]
             yield result
-            tell()
+            report_progress()
 
 
 def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
@@ -219,7 +219,7 @@ def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
             if work.part[1] == 1:
                 _drop_store(store_path, layout)
             return open_result(path)
-        # nothing else is discarded than a sweep
+        # discard nothing but a sweep
         netcdf.read_identity(path)
     with ChunkStore(store_path, layout, restart=restart) as store:
         if restart:
@@ -236,21 +236,21 @@ def _sweep_to_file(work: _Work, path: Path, restart: bool) -> xr.Dataset:
         if work.part[1] > 1:
             return xr.Dataset(attrs=netcdf.attributes(layout))
         netcdf.write(layout, store.get, path)
-        # under its lock: what another process finds is the file
+        # rename while locked, so that another process finds the complete file
         files.remove(store_path)
     return open_result(path)
 
 
 def _drop_store(path: Path, layout: Layout) -> None:
-    """Remove the store that a run left which was killed when the file was complete."""
+    """Remove the store of a run that was killed after completing its file."""
     if path.exists():
-        # that of another sweep, or of a running one, is not ours to remove
+        # keep the store of another sweep or of a running one
         with contextlib.suppress(InputError, OutputError), ChunkStore(path, layout):
             files.remove(path)
 
 
 def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
-    """Name the file that keeps the finished chunks of a sweep, or of one part of it.
+    """Return the path of the store for the chunks of a sweep or of one part.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
     Returns
     -------
     path
-        The file beside it.
+        Path of the store, beside the file.
     """
     suffix = "" if part[1] == 1 else f".part-{part[0]}-of-{part[1]}"
     return path.with_name(f"{path.name}{suffix}.journal")
@@ -270,7 +270,7 @@ def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
 
 @checked
 def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str]) -> xr.Dataset:
-    """Join the parts of a sweep; the file is that of an undivided one.
+    """Join the parts of a sweep into the same file as an undivided one.
 
     Parameters
     ----------
@@ -282,7 +282,7 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
     Returns
     -------
     xarray.Dataset
-        Opened from the file.
+        Dataset opened from the file.
 
     Raises
     ------
@@ -295,7 +295,7 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
     parts = [path_of("parts", part) for part in parts]
     files.check_outputs([file], parts)
     if not parts:
-        raise InputError("parts: none is given")
+        raise InputError("parts: the list is empty")
     layout = read_layout(Path(parts[0]))
     stores: list[ChunkStore] = []
     try:
@@ -328,7 +328,7 @@ def open_result(path: Path) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Opened, not read.
+        Opened, but not yet read.
     """
     return xr.open_dataset(path, engine="h5netcdf")
 
@@ -351,7 +351,7 @@ def _check_part(part: tuple[int, int], *, in_memory: bool = False) -> None:
 
 
 def _to_dataset(layout: Layout, source: Callable[[int], Chunk]) -> xr.Dataset:
-    """Label a sweep that was kept in memory as xarray would read it from its file."""
+    """Label a sweep in memory as if xarray had read it from a file."""
     names = netcdf.status_names(layout, source)
     arrays = netcdf.assemble(layout, source, names)
     dataset = xr.Dataset(attrs=netcdf.attributes(layout))

@@ -1,4 +1,4 @@
-"""Parts of a spectrum that the batch program wrote, joined into one CSV file."""
+"""Merging of spectrum parts from the batch program into one CSV file."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from rwmf.errors import InputError
 
 __all__ = ["merge_csv"]
 
-# written by rwmf-batch --part below the version
+# line below the version, written by rwmf-batch --part
 _PART = re.compile(r"# part (\d{1,9})/(\d{1,9})$")
 
 
 @dataclass(frozen=True)
 class _Part:
-    """One file: its number, the lines that all parts share, its lines of numbers."""
+    """One file: its number, the lines common to all parts, its lines of numbers."""
 
     path: str
     k: int
@@ -29,7 +29,7 @@ class _Part:
 
 
 def merge_csv(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str]) -> None:
-    """Join the parts of a spectrum; the file is that of an undivided run, byte for byte.
+    """Join the parts of a spectrum into the file of an undivided run, byte for byte.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def merge_csv(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[s
     Raises
     ------
     InputError
-        When a part is missing, stands there twice, or belongs to another case.
+        When a part is missing, repeated, or belongs to another case.
     OutputError
         When the file cannot be written.
     """
@@ -71,7 +71,7 @@ def _read(path: str) -> _Part:
 
 
 def _interleave(parts: list[_Part]) -> list[str]:
-    """Rows in the order of an undivided run: the parts share out the periods in turn."""
+    """Return the rows of an undivided run: periods were dealt to the parts in turn."""
     curves = [_curves(part) for part in parts]
     if len({len(found) for found in curves}) > 1:
         raise InputError("merge: the parts do not have the same mass ratios and widths")
@@ -84,7 +84,7 @@ def _interleave(parts: list[_Part]) -> list[str]:
 
 
 def _curves(part: _Part) -> list[list[str]]:
-    """Rows of equal width and mass ratio, which stand before the period."""
+    """Return the rows grouped by width and mass ratio, the columns before the period."""
     names = part.head[-1].rstrip("\n").split(",")
     n = names.index("T_s_s") if "T_s_s" in names else 0
     curves: dict[tuple[str, ...], list[str]] = {}

@@ -1,4 +1,4 @@
-"""Who computes the chunks: threads of the kernel, or any executor of ``concurrent.futures``."""
+"""Execution of chunks: threads of the kernel, or any executor of ``concurrent.futures``."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ __all__ = ["EXECUTORS", "count_threads", "open_executor", "run_in_threads", "run
 
 EXECUTORS = ("threads", "processes", "mpi", "dask")
 Report = Callable[[int], None]
-# chunks that wait in an executor: enough for a thousand workers, little memory
+# chunks queued in an executor: enough for a thousand workers with little memory
 _WINDOW = 2048
-# the same for each thread of this process
+# chunks queued for each thread of this process
 _CHUNKS_AHEAD = 2
 _WAIT_SECONDS = 0.1
-# below that many chunks a thread, the kernel's own threads share a chunk more evenly
+# with fewer chunks per thread, threads of the kernel share each chunk more evenly
 _CHUNKS_A_THREAD = 4
 
 
 class _StoppedError(Exception):
-    """Ends the kernels of the other threads."""
+    """Stops the kernels of the other threads."""
 
 
 class _Counter:
-    """Runs that are done in unfinished chunks, and the wish to stop."""
+    """Number of finished runs in unfinished chunks, and the stop flag."""
 
     def __init__(self) -> None:
         self._done: dict[int, int] = {}
@@ -46,7 +46,7 @@ class _Counter:
         self._done.pop(number, None)
 
     def total(self) -> int:
-        # a copy: other threads add to it
+        # copy, because other threads modify it
         return sum(list(self._done.values()))
 
 
@@ -56,7 +56,7 @@ def count_threads(threads: int) -> int:
     Parameters
     ----------
     threads : int
-        As asked for; 0: OMP_NUM_THREADS, otherwise all cores that the process may use.
+        Requested number; 0: OMP_NUM_THREADS, otherwise all cores available to the process.
 
     Returns
     -------
@@ -66,13 +66,13 @@ def count_threads(threads: int) -> int:
     Raises
     ------
     InputError
-        When there are more than a spectrum takes on this machine.
+        When it exceeds the limit of a spectrum on this machine.
     """
     if check_threads(threads) > 0:
         return threads
-    asked = os.environ.get("OMP_NUM_THREADS", "")
-    if asked.isdecimal() and int(asked) > 0:
-        return check_threads(int(asked), "OMP_NUM_THREADS")
+    requested = os.environ.get("OMP_NUM_THREADS", "")
+    if requested.isdecimal() and int(requested) > 0:
+        return check_threads(int(requested), "OMP_NUM_THREADS")
     return len(os.sched_getaffinity(0))
 
 
@@ -84,29 +84,29 @@ def run_in_threads(
 ) -> Iterator[Chunk]:
     """Compute chunks with threads of this process.
 
-    Many chunks are shared out whole, so that reading one overlaps with computing another; few
-    chunks are computed one after the other, each by all threads of the kernel.
+    Many chunks are distributed whole, so that reading one overlaps with computing another. Few
+    chunks are computed one after the other, each with all threads of the kernel.
 
     Parameters
     ----------
     make : callable
-        Task of a chunk's number and a number of threads.
+        Makes the task for a chunk number and a number of threads.
     numbers : list of int
         The chunks.
     threads : int
         Threads, 0 for all.
     report : callable, optional
-        Called ten times a second with the number of runs done in unfinished chunks.
+        Called ten times a second with the number of finished runs in unfinished chunks.
 
     Yields
     ------
     Chunk
-        In the order in which they are done.
+        Chunks in the order of completion.
 
     Raises
     ------
     KeyboardInterrupt
-        After Ctrl-C, when all kernels have stopped.
+        After Ctrl-C, once all kernels have stopped.
     """
     n = count_threads(threads)
     alone = len(numbers) < _CHUNKS_A_THREAD * n
@@ -122,20 +122,22 @@ def run_in_threads(
     with ThreadPoolExecutor(1 if alone else n, thread_name_prefix="rwmf-sweep") as executor:
         try:
             window = _CHUNKS_AHEAD * n
-            yield from _stream(executor, work, tasks, lambda: _tell(report, counter), window)
+            yield from _stream(
+                executor, work, tasks, lambda: _report_count(report, counter), window
+            )
         except BaseException:
             counter.stop.set()
             executor.shutdown(wait=True, cancel_futures=True)
             raise
 
 
-def _tell(report: Report | None, counter: _Counter) -> None:
+def _report_count(report: Report | None, counter: _Counter) -> None:
     if report is not None:
         report(counter.total())
 
 
 def run_on(executor: Executor, tasks: Iterable[Task]) -> Iterator[Chunk]:
-    """Compute chunks on an executor of the caller's, which stays open.
+    """Compute chunks on an executor of the caller, without closing it.
 
     Parameters
     ----------
@@ -147,12 +149,12 @@ def run_on(executor: Executor, tasks: Iterable[Task]) -> Iterator[Chunk]:
     Yields
     ------
     Chunk
-        In the order in which they are done.
+        Chunks in the order of completion.
 
     Raises
     ------
     Exception
-        What the executor reports, for example a worker that died and was not replaced.
+        Error of the executor, for example for a dead worker.
     """
     yield from _stream(executor, run_task, tasks, lambda: None)
 
@@ -164,7 +166,7 @@ def _stream(
     idle: Callable[[], None],
     window: int = _WINDOW,
 ) -> Iterator[Chunk]:
-    """Keep the executor supplied, and give results out as they come."""
+    """Keep the queue of the executor filled, and yield results as they arrive."""
     waiting: set[Future[Chunk]] = set()
     supply = iter(tasks)
     try:
@@ -184,15 +186,15 @@ def _stream(
 
 @contextmanager
 def open_executor(name: str, workers: int = 0) -> Iterator[Executor | None]:
-    """Start the executor that a word of the command line names, and end it.
+    """Start the executor named on the command line, and shut it down at the end.
 
     Parameters
     ----------
     name : str
-        'threads' (none is needed), 'processes', 'mpi' (the ranks of mpiexec), 'dask' (workers on
-        this machine) or 'dask:ADDRESS' (a scheduler that is running).
+        'threads' (no executor), 'processes', 'mpi' (the ranks of mpiexec), 'dask' (workers on this
+        machine) or 'dask:ADDRESS' (a running scheduler).
     workers : int
-        Number of processes or Dask workers on this machine, 0 for one a core.
+        Number of processes or Dask workers on this machine, 0 for one per core.
 
     Yields
     ------
@@ -223,7 +225,7 @@ def _processes(_: str, workers: int) -> Iterator[Executor]:
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
 
-    # a forked child would share locks of whatever threads its parent has
+    # a forked child would copy locks held by threads of its parent
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as executor:
         yield executor
@@ -251,7 +253,7 @@ def _dask(address: str, workers: int) -> Iterator[Executor]:
         ) from error
     here = {"n_workers": workers, "threads_per_worker": 1, "dashboard_address": None}
     try:
-        # silence: workers that come and go are its business, not an alarm on the user's terminal
+        # silence messages about workers that start and stop
         client = Client(address, timeout=30) if address else Client(**here, silence_logs=50)
     except (ValueError, OSError) as error:
         raise InputError(

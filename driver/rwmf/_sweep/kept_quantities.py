@@ -1,4 +1,4 @@
-"""What a sweep can keep of each run: scalars of the kernel's summary."""
+"""Quantities of a run that a sweep can store: scalars of the kernel's summary."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["QUANTITIES", "default_quantity", "find_quantities", "find_quantity"]
 
 
 class _Table(dict[str, quantities.Quantity]):
-    """By name; that of a floor or storey is its row with its number."""
+    """Quantities by name; a name with the number of a floor or storey gets the numbered row."""
 
     def __missing__(self, name: str) -> quantities.Quantity:
         try:
@@ -34,7 +34,7 @@ QUANTITIES = _Table(
 
 
 def default_quantity(case: Case) -> str:
-    """Name what is kept of each run where nothing else is asked for.
+    """Return the name of the quantity that a sweep stores by default.
 
     Parameters
     ----------
@@ -50,26 +50,26 @@ def default_quantity(case: Case) -> str:
 
 
 def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
-    """Look up what is to be kept.
+    """Look up the quantities to store.
 
     Parameters
     ----------
     names : tuple of str
-        Names in the dataset, or keys; the case of their letters does not matter.
+        Names in the dataset, or keys; upper and lower case do not matter.
 
     Returns
     -------
     dict of str to Quantity
-        By their names in the dataset, in their order. A quantity with two names in a dataset comes
-        back under each that is requested.
+        Quantities by their names in the dataset, in the given order. A quantity requested by both
+        of its names is returned under both.
 
     Raises
     ------
     InputError
-        When there is none, or one is not known.
+        When the list is empty, or a name is unknown.
     """
     by_key = _Table((quantity.key, quantity) for quantity in QUANTITIES.values())
-    asked: dict[str, quantities.Quantity] = {}
+    requested: dict[str, quantities.Quantity] = {}
     unknown: list[str] = []
     for name, key in zip(names, quantities.keys_of(names), strict=True):
         try:
@@ -77,13 +77,13 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
         except KeyError:
             unknown.append(name)
         else:
-            asked[quantity.called(name)] = quantity
+            requested[quantity.called(name)] = quantity
     if not names:
         raise InputError(f"quantities: none is given; known are {', '.join(QUANTITIES)}")
     if unknown:
         hints = [f"{shorten(word)}: is unknown{_hint(word)}" for word in unknown]
         raise InputError(f"quantities: {' '.join(hints)} Known are {', '.join(QUANTITIES)}")
-    return asked
+    return requested
 
 
 def _hint(word: str) -> str:
@@ -94,7 +94,7 @@ def _hint(word: str) -> str:
 
 
 def find_quantity(case: Case, names: Sequence[str] | None, study: str) -> str:
-    """Look up the one quantity of a study, by default what the scene reports by itself.
+    """Look up the quantity of a study; the default is that of the scene.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def find_quantity(case: Case, names: Sequence[str] | None, study: str) -> str:
     Raises
     ------
     InputError
-        When it is not known, or when there are several.
+        When it is unknown, or when there are several.
     """
     found = find_quantities(tuple(names or (default_quantity(case),)))
     if len(found) > 1:

@@ -1,4 +1,4 @@
-"""What a sweep is: dimensions, coordinates and chunks, enough to write its file."""
+"""Layout of a sweep: dimensions, coordinates and chunks, sufficient to write its file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["Layout", "Rows", "difference"]
 
 Places = npt.NDArray[np.int64]
 _SHOWN_LINES = 20
-# between the text of a layout, which has none, and its columns
+# separator between the text of a layout, which never contains it, and its columns
 _END = b"\0"
 
 
@@ -32,7 +32,7 @@ class Rows(NamedTuple):
     positions : tuple of numpy.ndarray, each shape (rows,)
         Positions along each dimension.
     places : numpy.ndarray, shape (rows,)
-        Where the runs stand in the whole, counted with the last dimension fastest.
+        Indices of the runs in the whole sweep, with the last dimension fastest.
     """
 
     positions: tuple[Places, ...]
@@ -43,32 +43,32 @@ class Rows(NamedTuple):
 class Layout:
     """Shape and identity of a sweep.
 
-    All runs with the same scene along each dimension differ in numbers alone. They are a group,
-    and a chunk is a part of one: neighbours in the order of the dimensions.
+    Runs with the same scene along each dimension differ in numbers only and form a group. A chunk
+    is a part of a group: neighbours in the order of the dimensions.
 
     Attributes
     ----------
     version : str
         Version of the kernel.
     case : str
-        Namelist text of what all runs have in common.
+        Namelist text common to all runs.
     coordinates : tuple of Coordinate
         Labels of all dimensions.
     scene_of : dict of str to numpy.ndarray, each shape (positions,)
-        Number of each position's scene by name of the dimension, the slowest first; one scene where
-        the positions differ in numbers alone.
+        Scene number of each position by name of the dimension, slowest dimension first; a single
+        scene where the positions differ in numbers only.
     block : int
         Largest number of runs in a chunk.
     quantities : tuple of str
-        What is kept of each run.
+        Quantities stored for each run.
     motion_crc32 : str
         Checksum of the case's own record, '' without one.
     method : str
-        How all runs are computed, '' when they differ in it.
+        Method of all runs, '' when they differ.
     warnings : str
-        What is not conserved in some of its runs, in one line; '' for nothing.
+        Conservation laws that some runs violate, in one line; '' for none.
     intensity : dict of str to str or float
-        Attributes that say what a factor on the ground motion is a level of; empty for a factor.
+        Attributes of the intensity that a factor on the ground motion sets; empty without one.
     """
 
     version: str
@@ -99,7 +99,7 @@ class Layout:
 
     @functools.cached_property
     def _members(self) -> list[tuple[Places, Places]]:
-        """Positions along each dimension, those of a scene together; where each scene begins."""
+        """Return the positions along each dimension grouped by scene, and each scene's start."""
         found = []
         for scenes in self.scene_of.values():
             begins = np.concatenate([[0], np.cumsum(np.bincount(scenes))])
@@ -108,7 +108,7 @@ class Layout:
 
     @functools.cached_property
     def _first_chunks(self) -> Places:
-        """Number of the first chunk of each group, and of all chunks."""
+        """Return the number of the first chunk of each group, and of all chunks."""
         sizes = np.ones(1, dtype=np.int64)
         for _, begins in self._members:
             sizes = np.multiply.outer(sizes, np.diff(begins)).ravel()
@@ -120,7 +120,7 @@ class Layout:
         Parameters
         ----------
         number : int
-            Of the chunk.
+            Number of the chunk.
 
         Returns
         -------
@@ -136,7 +136,7 @@ class Layout:
         Parameters
         ----------
         number : int
-            Of the chunk.
+            Number of the chunk.
 
         Returns
         -------
@@ -156,14 +156,14 @@ class Layout:
         return Rows(tuple(positions), places)
 
     def _part(self, number: int) -> tuple[list[Places], int, int]:
-        """Positions of a chunk's group along each dimension, the chunk's part of it."""
+        """Return a group's positions along each dimension, and a chunk's range in the group."""
         group = int(np.searchsorted(self._first_chunks, number, "right")) - 1
         first, following = self._first_chunks[group : group + 2].tolist()
         members: list[Places] = []
         for order, begins in reversed(self._members):
             group, scene = divmod(group, len(begins) - 1)
             members.insert(0, order[begins[scene] : begins[scene + 1]])
-        # chunks of a group are equally long
+        # all chunks of a group have equal length
         size = 1
         for member in members:
             size *= len(member)
@@ -172,17 +172,17 @@ class Layout:
         return members, start, stop
 
     def labels(self, item: Coordinate) -> npt.NDArray[Any]:
-        """Give the labels of all positions of a dimension.
+        """Return the labels of all positions of a dimension.
 
         Parameters
         ----------
         item : Coordinate
-            One of the layout's.
+            Coordinate of this layout.
 
         Returns
         -------
         numpy.ndarray, shape (positions,)
-            Numbers, or texts as UTF-8 can hold them.
+            Numbers, or texts with invalid bytes escaped.
         """
         if isinstance(item.values, np.ndarray):
             return item.values
@@ -190,12 +190,12 @@ class Layout:
         return values[self.scene_of[item.dimension]]
 
     def to_text(self) -> str:
-        """Write it as JSON; equal texts are equal sweeps.
+        """Convert the layout to JSON; equal texts mean equal sweeps.
 
         Returns
         -------
         str
-            The text: of the columns of points their checksum, of all others their values.
+            The text, with a checksum instead of the columns of points.
         """
         found = {item.name: getattr(self, item.name) for item in fields(self)}
         found["coordinates"] = [_entry(item) for item in self.coordinates]
@@ -205,7 +205,7 @@ class Layout:
         return json.dumps(found, indent=1, sort_keys=True)
 
     def _arrays(self) -> list[memoryview]:
-        """Bytes of the scenes of all dimensions, then of all columns, the lowest byte first."""
+        """Return the bytes of all scenes, then of all columns, in little-endian order."""
         columns = [item.values for item in self.coordinates if item.column]
         arrays = [np.ascontiguousarray(scenes, "<u4") for scenes in self.scene_of.values()]
         return [item.data.cast("B") for item in (*arrays, *(np.asarray(c, "<f8") for c in columns))]
@@ -218,12 +218,12 @@ class Layout:
         return found.hexdigest()
 
     def parts(self) -> list[bytes | memoryview]:
-        """Give the bytes of text and columns, which are not copied.
+        """Return the bytes of text and columns without copying them.
 
         Returns
         -------
         list of bytes or memoryview
-            All that `from_bytes` needs, one behind the other.
+            Arguments of `from_bytes`, to be concatenated.
         """
         return [self.to_text().encode(), _END, *self._arrays()]
 
@@ -234,7 +234,7 @@ class Layout:
         Parameters
         ----------
         content : bytes
-            All parts, one behind the other.
+            All parts, concatenated.
 
         Returns
         -------
@@ -265,12 +265,12 @@ class Layout:
 
     @staticmethod
     def text_of(content: bytes) -> str:
-        """Take the text out of the bytes of `parts`.
+        """Extract the text from the bytes of `parts`.
 
         Parameters
         ----------
         content : bytes
-            All parts, one behind the other.
+            All parts, concatenated.
 
         Returns
         -------
@@ -281,7 +281,7 @@ class Layout:
 
 
 def _entry(item: Coordinate) -> dict[str, Any]:
-    """Give what the text says of a coordinate."""
+    """Return the entry of a coordinate in the text."""
     values = list(item.values)
     if isinstance(item.values, np.ndarray):
         values = [] if item.dimension == POINT else item.values.tolist()
@@ -310,7 +310,7 @@ def difference(old: str, new: str) -> str:
 
 
 def _lines(text: str) -> list[str]:
-    """Give one line a value; those of the case's text as in its namelist."""
+    """Return one line per value, and the case's text as in its namelist."""
     found = json.loads(text)
     lines: list[str] = found.pop("case").splitlines()
     for item in found.pop("coordinates"):

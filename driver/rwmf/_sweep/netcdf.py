@@ -1,8 +1,8 @@
-"""A finished sweep as a NetCDF file, one part of its first dimension after the other.
+"""NetCDF file of a finished sweep, written in parts along its first dimension.
 
-Written with h5netcdf on h5py: both are maintained by their communities, come as wheels and are what
-xarray itself uses; no netCDF-C library is needed. Neither puts a time into the file, so that the
-same results are the same bytes.
+The writer is h5netcdf on h5py. Both are maintained, exist as wheels and are the ones that xarray
+uses; the netCDF-C library is not needed. Neither writes a time into the file, so that equal results
+give equal bytes.
 """
 
 from __future__ import annotations
@@ -39,15 +39,15 @@ __all__ = [
 
 Array = npt.NDArray[np.float64] | npt.NDArray[np.uint8]
 Source = Callable[[int], Chunk]
-# values in a compressed block of the file
+# values per compressed block of the file
 _BLOCK = 65536
-# runs that are put together at once: 9 bytes each and 8 for every further quantity
+# runs assembled at once: 9 bytes each, and 8 for every further quantity
 _TOGETHER = 2**21
 _LEVEL = 4
 
 
 def check_package() -> None:
-    """Complain about missing packages before the computation, not after it.
+    """Check for missing packages before the computation.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def check_package() -> None:
 
 
 def attributes(layout: Layout) -> dict[str, object]:
-    """Attributes of the dataset: all that is needed to repeat it.
+    """Return the attributes of the dataset: all that is needed to repeat the sweep.
 
     Parameters
     ----------
@@ -92,19 +92,19 @@ def attributes(layout: Layout) -> dict[str, object]:
 
 
 def status_names(layout: Layout, source: Source) -> list[str]:
-    """Collect the statuses of all chunks: the good ones first, the others by name.
+    """Collect the statuses of all chunks: results first, then errors by name.
 
     Parameters
     ----------
     layout : Layout
         The sweep.
     source : callable
-        Gives the chunk of a number.
+        Returns the chunk of a number.
 
     Returns
     -------
     list of str
-        Names of what has happened; their places are the numbers in the file.
+        Names of the statuses; their positions are the numbers in the file.
     """
     found: set[str] = set()
     for number in range(layout.n_chunks):
@@ -116,18 +116,18 @@ def status_names(layout: Layout, source: Source) -> list[str]:
 def assemble(
     layout: Layout, source: Source, names: list[str], part: slice | None = None
 ) -> dict[str, Array]:
-    """Put chunks together.
+    """Assemble chunks into arrays.
 
     Parameters
     ----------
     layout : Layout
         The sweep.
     source : callable
-        Chunk of a number.
+        Returns the chunk of a number.
     names : list of str
-        From `status_names`: a status is stored as its position.
+        From `status_names`; a status is stored as its position.
     part : slice, optional
-        Part of the first dimension, all of it when absent.
+        Range of the first dimension, all of it when absent.
 
     Returns
     -------
@@ -158,7 +158,7 @@ def assemble(
 
 
 def read_identity(path: Path) -> str:
-    """Read which sweep a NetCDF file holds.
+    """Read the identity of the sweep in a NetCDF file.
 
     Parameters
     ----------
@@ -178,24 +178,24 @@ def read_identity(path: Path) -> str:
     import h5netcdf
 
     try:
-        # of a pipe there is nothing to be read yet
+        # a pipe must not be read here
         with h5netcdf.File(path if path.is_file() else "", "r") as file:
             if str(file.attrs["source"]).startswith("rwmf "):
                 return str(file.attrs["sweep"])
     except (OSError, KeyError):
         pass
-    raise InputError(f"{path}: is there and is not the result of a sweep")
+    raise InputError(f"{path}: exists and is not the result of a sweep")
 
 
 def write(layout: Layout, source: Source, path: Path) -> None:
-    """Write the file; it appears when it is complete.
+    """Write the file, which appears when it is complete.
 
     Parameters
     ----------
     layout : Layout
         The sweep.
     source : callable
-        Chunk of a number.
+        Returns the chunk of a number.
     path : path
         File to write.
 
@@ -225,7 +225,7 @@ def _fill(file: File, layout: Layout, source: Source, check: Callable[[], None])
 
 
 def _parts(layout: Layout) -> Iterator[slice | None]:
-    """Parts of the first dimension that fit into the memory, of whole compressed blocks."""
+    """Return ranges of the first dimension that fit into memory, in whole compressed blocks."""
     if math.prod(layout.shape) <= _TOGETHER:
         yield None
         return
@@ -237,7 +237,7 @@ def _parts(layout: Layout) -> Iterator[slice | None]:
 
 
 def status_attributes(names: list[str]) -> dict[str, object]:
-    """Say what the numbers of ``status`` mean, in the way of the CF conventions.
+    """Describe the numbers of ``status`` by the CF conventions.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def _write_labels(file: File, item: Coordinate, labels: npt.NDArray[Any]) -> Var
 
 
 def _write_letters(file: File, name: str, texts: list[bytes], which: Scenes) -> Variable:
-    """Write texts along the points as letters, which can be compressed."""
+    """Write texts along the points as characters, which can be compressed."""
     letters = np.array(texts).view("S1").reshape(len(texts), -1)
     file.dimensions[f"{name}_letters"] = letters.shape[1]
     variable = file.create_variable(
@@ -289,7 +289,7 @@ def _write_letters(file: File, name: str, texts: list[bytes], which: Scenes) -> 
         **_compression((len(which), letters.shape[1])),
     )
     variable[...] = letters[which]
-    # xarray makes texts of letters that have it
+    # xarray decodes characters with this attribute to texts
     variable.attrs["_Encoding"] = "utf-8"
     return variable
 
@@ -321,10 +321,10 @@ def _compression(shape: tuple[int, ...]) -> dict[str, object]:
 
 
 def _blocks(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Compressed blocks of whole last dimensions, as many as fit."""
-    room = _BLOCK
+    """Return the shape of compressed blocks: whole last dimensions, as many as fit."""
+    capacity = _BLOCK
     blocks = []
     for size in reversed(shape):
-        blocks.append(max(1, min(size, room)))
-        room //= blocks[-1]
+        blocks.append(max(1, min(size, capacity)))
+        capacity //= blocks[-1]
     return tuple(reversed(blocks))

@@ -1,4 +1,4 @@
-"""From a case, a grid, points and records to the chunks of a sweep."""
+"""Planning of a sweep: chunks from a case, a grid, points and records."""
 
 from __future__ import annotations
 
@@ -40,22 +40,22 @@ from rwmf.quantities import AXES, keys_of
 
 __all__ = ["Plan", "Request", "make_plan", "varied_keys"]
 
-# runs of a chunk: enough to keep lanes and threads full, few enough to lose without regret
+# runs of a chunk: enough to fill lanes and threads, few enough to repeat after an interruption
 _CHUNK_RUNS = (256, 4096)
-# between both, this many chunks are there to be shared out
+# between these limits, at least this many chunks are made
 _CHUNKS = 64
-# begins the line about laws that are not conserved
+# beginning of the line about conservation laws
 _LAWS = "not conserved: "
 
 
 @dataclass(frozen=True)
 class Request:
-    """Runs that a sweep is asked for: arguments of `rwmf.sweep`, where they are described.
+    """Requested runs of a sweep: the arguments of `rwmf.sweep`.
 
     Attributes
     ----------
     case, grid, records, points, quantities, chunk, unit, dt, intensity, period, damping
-        As there.
+        As in `rwmf.sweep`.
     """
 
     case: CaseLike
@@ -73,20 +73,20 @@ class Request:
 
 @dataclass(frozen=True)
 class Plan:
-    """A sweep that is ready to run.
+    """A validated sweep.
 
     Attributes
     ----------
     layout : Layout
         Dimensions, labels, identity.
     base : dict
-        Groups of the case without what the axes set.
+        Groups of the case without the keys that axes set.
     source : str
-        Path against whose folder the case's own record is resolved.
+        Path whose folder the case's own record is relative to.
     axes : tuple of Axis
         The dimensions, slowest first.
     motions : dict of str to Motion
-        Samples in memory of the case itself, by group.
+        Motions from arrays in the case, by group.
     inputs : tuple of str
         Paths of the files that it reads.
     """
@@ -104,14 +104,14 @@ class Plan:
         Parameters
         ----------
         number : int
-            Of the chunk.
+            Number of the chunk.
         threads : int
             Threads of the kernel.
 
         Returns
         -------
         Task
-            What a worker needs.
+            Input of a worker.
         """
         rows = self.layout.rows(number)
         columns = {
@@ -135,7 +135,7 @@ class Plan:
         )
 
     def _motions(self, at: tuple[int, ...]) -> dict[str, Motion]:
-        """Return the samples in memory that one run takes in place of files."""
+        """Return the motions from arrays for one run."""
         found = dict(self.motions)
         for axis, position in zip(self.axes, at, strict=True):
             record = axis.scene(position).record
@@ -146,7 +146,7 @@ class Plan:
         return found
 
     def _entries(self, at: tuple[int, ...]) -> Entries:
-        """Make the groups of one run: a number may belong to a record or a text of another axis."""
+        """Make the groups of one run; a number may belong to another axis's record or text."""
         entries = {group: dict(keys) for group, keys in self.base.items()}
         placed = list(zip(self.axes, at, strict=True))
         for axis, position in placed:
@@ -156,31 +156,32 @@ class Plan:
             for axis, position in placed
             for name, values in axis.columns.items()
         }
-        # what period and mass ratio are in a scene is the kernel's business, as in a grid
+        # the kernel interprets period and mass ratio in a scene, as in a grid
         if "T_s" in numbers or "storeys" in entries:
             entries["spectrum"] = {name: numbers.pop(name) for name in AXES if name in numbers}
-            # any period says of storeys what the numbers beside it may be
+            # any period lets the kernel check the other numbers of storeys
             entries["spectrum"].setdefault("T_s", 1.0)
         for name, number in numbers.items():
             put_number(entries, name, number)
         return entries
 
     def checked(self) -> Plan:
-        """Let the kernel validate every scene and the ends of every column of each axis.
+        """Let the kernel validate every scene and the extremes of every column.
 
-        What it allows of a number is an interval. The other axes stand at their first positions.
+        The allowed values of a number form an interval. The other axes are at their first
+        positions.
 
         Returns
         -------
         Plan
-            The same with the warnings of the kernel about its cases.
+            The plan with the kernel's warnings about its cases.
 
         Raises
         ------
         InputError
-            When it refuses one.
+            When the kernel refuses a case.
         """
-        # a record that the case before has is not read again
+        # reuse the record of the previous case
         known = self._check_one(tuple(0 for _ in self.axes), "")
         keys = keys_of(self.layout.quantities)
         warnings = known.warnings(keys)
@@ -195,7 +196,7 @@ class Plan:
         self, at: tuple[int, ...], label: str, known: _library.KernelCase | None = None
     ) -> _library.KernelCase:
         entries = self._entries(at)
-        # the laws that a grid breaks depend on mass ratio and width together
+        # the violated laws depend on mass ratio and width together
         ends = {
             axis.name: np.unique([axis.columns[axis.name].min(), axis.columns[axis.name].max()])
             for axis in self.axes
@@ -212,16 +213,16 @@ class Plan:
 
 
 def _telling_positions(axis: Axis) -> list[int]:
-    """First position of every scene, the least and the greatest number of every column."""
+    """Return the first position of every scene, and the extremes of every column."""
     found: list[int] = np.unique(axis.scene_of, return_index=True)[1].tolist()
     for values in axis.columns.values():
         found += [int(values.argmin()), int(values.argmax())]
-    # all axes together have been checked at their first positions
+    # the first positions of all axes have been checked together
     return sorted({*found} - {0})
 
 
 def make_plan(request: Request) -> Plan:
-    """Lay out a sweep.
+    """Plan a sweep.
 
     Parameters
     ----------
@@ -231,7 +232,7 @@ def make_plan(request: Request) -> Plan:
     Returns
     -------
     Plan
-        Validated by the kernel.
+        Plan validated by the kernel.
 
     Raises
     ------
@@ -241,7 +242,7 @@ def make_plan(request: Request) -> Plan:
     case = case_of(request.case)
     records, points, intensity = _motions_of(request, case)
     named = [] if points is None else [scene.record for scene in points.scenes if scene.record]
-    # records that the points name are no axis of their own
+    # records named by the points form no separate axis
     axes: list[Axis] = [record_axis(records)] if records and not named else []
     if points is not None:
         axes.append(points)
@@ -272,7 +273,7 @@ def make_plan(request: Request) -> Plan:
 def _motions_of(
     request: Request, case: Case
 ) -> tuple[Sequence[RecordFile], Axis | None, Intensity | None]:
-    """Find the records of a request, scaled where it asks for an intensity, and its points."""
+    """Find records and points of a request; scale the records if it sets an intensity."""
     unit, dt = request.unit, request.dt
     records: Sequence[RecordFile] = ()
     if len(request.records):
@@ -289,7 +290,7 @@ def _motions_of(
     measure = choose_intensity(case, request.intensity, request.period, request.damping, varied)
     records = scale_to_one_g(case, records, measure)
     if points is not None:
-        # the table names the records that are scaled: a second reading finds them
+        # the table names the scaled records, so the second reading finds them
         points = point_axis(request.points, records, unit, dt)
         if any(scene.record and scene.record not in records for scene in points.scenes):
             text = f"intensity = {request.intensity!r}: the records of points must be in records"
@@ -298,7 +299,7 @@ def _motions_of(
 
 
 def _united(warnings: Sequence[str]) -> list[str]:
-    """Unite the warnings of several cases; lines that differ in their numbers alone are one."""
+    """Merge the warnings of several cases; lines that differ only in numbers become one."""
     found: dict[str, str] = {}
     laws: set[str] = set()
     for line in warnings:
@@ -311,12 +312,12 @@ def _united(warnings: Sequence[str]) -> list[str]:
 
 
 def varied_keys(case: Case, grid: Mapping[str, object], points: Axis | None) -> list[Key]:
-    """List the keys that the runs of a sweep set to other numbers than the case.
+    """List the keys whose numbers differ between the runs of a sweep.
 
     Parameters
     ----------
     case : Case
-        What all runs have in common; its `&spectrum` is part of the grid.
+        Settings common to all runs; its `&spectrum` is part of the grid.
     grid : mapping
         Values of the axes by name.
     points : Axis, optional
@@ -380,7 +381,7 @@ def _has_records(axes: Sequence[Axis]) -> bool:
 
 
 def _own_record(case: Case) -> str:
-    """Checksums of the records that the case names itself."""
+    """Return the checksums of the records named in the case."""
     found = []
     for name in ("motion", "vertical"):
         path = case.groups[name].get("file") if name in case.groups else None
@@ -393,16 +394,16 @@ def _own_record(case: Case) -> str:
 
 
 def _base_entries(case: Case, axes: Sequence[Axis]) -> Entries:
-    """Take the groups that no axis replaces."""
+    """Return the groups that no axis replaces."""
     gone = {"spectrum"} | ({"motion"} if _has_records(axes) else set())
     return {name: group.as_given() for name, group in case.groups.items() if name not in gone}
 
 
 def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) -> Iterator[Axis]:
-    """Axes of width, mass ratio and period, as far as the scene has them.
+    """Make the axes of width, mass ratio and period that the scene has.
 
-    Points have them as columns; what neither they nor a grid vary is no axis beside them. Nor is
-    what follows from masses and stiffnesses, which other axes may change.
+    Points contain them as columns; without values in points or grid there is no such axis. Derived
+    values that other axes change through masses and stiffnesses have none either.
     """
     follows = {
         key for key in ("T_s", "gamma") if "frame" in case.groups and key in case.frame.derived
@@ -423,7 +424,7 @@ def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) ->
             yield grid_axis(name, grid[name])
         elif name in spectrum or (name == "T_s" and "n" in spectrum):
             yield grid_axis(name, _values_of_spectrum(name, spectrum))
-        # a block keeps its size unless it is asked for another one
+        # a block keeps its size unless the grid sets another
         elif points is None and name not in follows and (name != "T_s" or "frame" in case.groups):
             if axis.value is None:
                 raise InputError(f"sweep: neither the grid nor the case gives {name}")
@@ -431,7 +432,7 @@ def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) ->
 
 
 def _labelled(axis: Axis, case: Case, intensity: Intensity | None) -> Axis:
-    """Say what period, mass ratio and width are in the scene, and what a factor is."""
+    """Label period, mass ratio, width and factor as the scene defines them."""
     known = case.kernel.axes()
 
     def label(item: Coordinate) -> Coordinate:
@@ -450,7 +451,7 @@ def _values_of_spectrum(name: str, spectrum: Mapping[str, Any]) -> list[float]:
 
 
 def _periods(spectrum: Mapping[str, Any]) -> Iterator[float]:
-    """Follow the kernel operation by operation, so that the periods have the same bits."""
+    """Repeat the kernel's operations in order, so that the periods have the same bits."""
     low, high = float(spectrum["T_s_min"]), float(spectrum["T_s_max"])
     n = int(spectrum["n"])
     for i in range(n):

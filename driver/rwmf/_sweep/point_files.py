@@ -1,4 +1,4 @@
-"""Files that hold the points of a sweep: CSV and NetCDF."""
+"""Files with the points of a sweep: CSV and NetCDF."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from rwmf.errors import InputError
 __all__ = ["is_netcdf", "read_csv", "read_netcdf"]
 
 _NETCDF = (".nc", ".nc4", ".h5", ".hdf5")
-# rows that are converted at once
+# rows converted at once
 _ROWS = 65536
 
 
 def is_netcdf(path: Path) -> bool:
-    """Tell by its name whether a file is NetCDF.
+    """Check by the name whether a file is NetCDF.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def is_netcdf(path: Path) -> bool:
     Returns
     -------
     bool
-        Whether it is; otherwise it is CSV.
+        True for NetCDF, False for CSV.
     """
     return path.suffix.lower() in _NETCDF
 
@@ -66,14 +66,14 @@ def read_netcdf(path: Path) -> xr.Dataset:
 def read_csv(
     path: Path, is_number: Callable[[str], bool]
 ) -> tuple[dict[str, npt.NDArray[np.generic]], npt.NDArray[np.int64]]:
-    """Read a CSV file: a line of names, then a line a row; lines that begin with # are comments.
+    """Read a CSV file: a line of names, then one line per row; lines with # are comments.
 
     Parameters
     ----------
     path : path
         The file.
     is_number : callable
-        Whether the column of a name holds numbers; the others are texts.
+        Returns True for the name of a numeric column; the other columns are texts.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def read_csv(
     Raises
     ------
     InputError
-        When it cannot be read, or when a row does not fit the names.
+        When it cannot be read, or when a row does not match the names.
     """
     _check(path)
     try:
@@ -106,7 +106,7 @@ def _check(path: Path) -> None:
 
 
 def _lines(file: Iterator[str]) -> Iterator[tuple[int, list[str]]]:
-    """Yield number and cells of every line with something in it."""
+    """Yield number and cells of every line that is not empty."""
     for number, line in enumerate(file, 1):
         if line.strip() and not line.startswith("#"):
             cells = next(csv.reader([line], skipinitialspace=True, strict=True))
@@ -122,7 +122,7 @@ def _read_rows(
     names = [name.strip() for name in head[1]]
     twice = [name for name in names if names.count(name) > 1]
     if twice or "" in names:
-        what = f"the column {twice[0]} stands there twice" if twice else "a column has no name"
+        what = f"the column {twice[0]} is given twice" if twice else "a column has no name"
         raise InputError(f"{path}, line {head[0]}: {what}")
     numeric = [is_number(name) for name in names]
     numbers: list[npt.NDArray[np.int64]] = []

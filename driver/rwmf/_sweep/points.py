@@ -1,4 +1,4 @@
-"""Tables whose rows are runs with their own numbers, texts and ground motion."""
+"""Tables whose rows are runs with individual numbers, texts and ground motions."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from rwmf.errors import InputError
 
 __all__ = ["Points", "point_axis"]
 
-# a pandas.DataFrame, or what has its columns, cannot be named without the package
+# a pandas.DataFrame or a similar table has no type here without its package
 Points = Any
 _RECORD = "record"
 _FORMS = (
@@ -51,18 +51,18 @@ Places = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class _Columns:
-    """A table as it was given.
+    """A table as given by the caller.
 
     Attributes
     ----------
     values : dict of str to numpy.ndarray, each shape (rows,)
-        Columns by the names that they have there.
+        Columns by their names in the table.
     source : str
-        What messages begin with.
+        Beginning of messages.
     folder : path
-        What the paths of its records start from.
+        Folder for relative paths of records.
     lines : numpy.ndarray, shape (rows,), optional
-        Line of each row in a file of text.
+        Line of each row in a text file.
     """
 
     values: dict[str, Column]
@@ -71,7 +71,7 @@ class _Columns:
     lines: Places | None = None
 
     def where(self, position: int) -> str:
-        """Name the place of a row."""
+        """Describe the position of a row."""
         place = f"row {position}" if self.lines is None else f"line {self.lines[position]}"
         return f"{self.source}, {place}"
 
@@ -82,7 +82,7 @@ def point_axis(
     unit: str | None = None,
     dt: float | None = None,
 ) -> Axis:
-    """Make the axis of a table's rows.
+    """Make the axis for the rows of a table.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def point_axis(
     Raises
     ------
     InputError
-        When the table cannot be read, or when a name or a value in it is not acceptable.
+        When the table cannot be read, or when a name or a value is not acceptable.
     """
     table = _read(points)
     words = [word for word in table.values if str(word).lower() == _RECORD]
@@ -148,7 +148,7 @@ def _read(points: Points) -> _Columns:
     if isinstance(points, np.ndarray) and points.dtype.names:
         points = {name: points[name] for name in points.dtype.names}
     elif hasattr(points, "columns") and hasattr(points, "to_numpy"):
-        # a frame of pandas, polars, ...; of two columns of one name the frame gives both
+        # a frame of pandas, polars, ...; a repeated column name returns two columns
         points = {name: points[name].to_numpy() for name in points.columns}
     if not isinstance(points, Mapping):
         raise InputError(f"points: {shorten(type(points).__name__)}: must be {_FORMS}")
@@ -168,13 +168,13 @@ def _column(name: object, values: Any) -> Column:  # noqa: ANN401 (what makes an
         array.dtype.kind not in "biuf"
         or (array.dtype.kind != "b" and any(isinstance(item, bool) for item in values))
     ):
-        # one text would make texts of all numbers
+        # NumPy converts all numbers to texts when one value is a text
         return np.fromiter(values, dtype=object, count=len(values))
     return array
 
 
 def _not_one_value(name: object, values: Any, source: str = "points") -> InputError:  # noqa: ANN401
-    """Name the first row of a column that holds more than one value."""
+    """Report the first row of a column that holds more than one value."""
     for i, value in enumerate(values):
         if np.ndim(value) > 0 if isinstance(value, np.ndarray) else isinstance(value, list | tuple):
             return InputError(
@@ -190,7 +190,7 @@ def _one_dimension(found: xr.Dataset, source: str) -> dict[str, Column]:
             f"{source}: has the dimensions {', '.join(map(str, dims)) or 'none'}: points have one; "
             f"dataset.stack({POINT}=[...]).reset_index('{POINT}') makes one of several"
         )
-    # the labels of the rows themselves, when they are no key
+    # the labels of the rows, unless they are a key
     names = [str(name) for name in found.variables if name != dims[0] or _is_known(str(name))]
     return _same_length({name: found[name].values for name in names}, source)
 
@@ -220,7 +220,7 @@ def _same_length(columns: dict[str, Column], source: str = "points") -> dict[str
 
 
 def _is_column_of_numbers(word: str, source: str) -> bool:
-    """Tell of a column of a file of text whether it holds numbers; words may be logicals."""
+    """Check whether a column of a text file is numeric; words may be logicals."""
     if word.lower() == _RECORD:
         return False
     (name,) = name_axes({word: None}, source)
@@ -228,7 +228,7 @@ def _is_column_of_numbers(word: str, source: str) -> bool:
 
 
 def _is_number(name: str, source: str) -> bool:
-    """Tell whether a column is numbers of the kernel; a list has one number a row."""
+    """Check whether the kernel takes a column as numbers; a list has one number per row."""
     if name in PAIRS or kind_of(name) == "text list":
         parts = " and ".join(".".join(key) for key in keys_of_axis(name))
         raise InputError(
@@ -239,7 +239,7 @@ def _is_number(name: str, source: str) -> bool:
 
 
 def _codes(column: Column) -> tuple[Places, list[Any]]:
-    """Find the different values, and which of them each row has."""
+    """Find the distinct values, and the index of each row's value."""
     if column.dtype.kind == "U":
         different, which = np.unique(column, return_inverse=True)
         return which, different.tolist()
@@ -247,7 +247,7 @@ def _codes(column: Column) -> tuple[Places, list[Any]]:
     values: dict[int, Any] = {}
     codes = []
     for value in column.tolist():
-        # records and motions of many samples would be compared row by row
+        # avoid comparing records and motions of many samples row by row
         key = value if isinstance(value, str | int | float | os.PathLike) else id(value)
         code = found.setdefault((type(value), key), len(found))
         values.setdefault(code, value)
@@ -256,7 +256,7 @@ def _codes(column: Column) -> tuple[Places, list[Any]]:
 
 
 def _settings(name: str, table: _Columns, column: Column) -> tuple[Places, list[Any]]:
-    """Find the texts of a column, or its numbers that a scene is made of."""
+    """Find the texts of a column, or its numbers that define scenes."""
     is_text = kind_of(name) not in NUMBERS
     if not is_text:
         column = take_numbers(name, column, table.where)
@@ -272,7 +272,7 @@ def _settings(name: str, table: _Columns, column: Column) -> tuple[Places, list[
 def _make_scenes(
     texts: Mapping[str, tuple[Places, Sequence[Any]]], n: int
 ) -> tuple[tuple[Scene, ...], npt.NDArray[np.uint32]]:
-    """Combine records and texts as they occur, in the order of their first rows."""
+    """Combine records and texts into scenes, in the order of their first rows."""
     combined = np.zeros(n, dtype=np.int64)
     for codes, values in texts.values():
         combined = combined * len(values) + codes
@@ -290,7 +290,7 @@ def _make_scenes(
 
 
 def _labels(names: Sequence[str]) -> dict[str, str]:
-    """Name the coordinates as the axes of a grid; what two groups have, with its group."""
+    """Name the coordinates like grid axes, with the group where keys are ambiguous."""
     short = [name.split(".")[-1] for name in names]
     return {
         name: name.replace(".", "_") if short.count(label) > 1 else label
@@ -311,7 +311,7 @@ def _find_records(
     unit: str | None,
     dt: float | None,
 ) -> tuple[tuple[RecordFile, ...], Places]:
-    """Find the records that a column names; and which of them each of its words means."""
+    """Find the records that a column names, and the record of each of its words."""
     found: dict[RecordFile, int] = {record: i for i, record in enumerate(pool)}
     names = {record.name: record for record in pool}
     which = []
@@ -325,7 +325,7 @@ def _find_records(
             hint = f"; did you mean {close[0]}?" if close else ""
             raise InputError(f"{place}: {error}{hint}") from error
         which.append(found.setdefault(record, len(found)))
-    # two files of one name get their folders' names as well
+    # files with equal names get their folders' names as well
     return find_records(list(found)), np.array(which)
 
 

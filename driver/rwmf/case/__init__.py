@@ -1,4 +1,4 @@
-"""A case: what a namelist describes, as the kernel has read and validated it."""
+"""Cases: contents of a namelist, read and validated by the kernel."""
 
 from rwmf.case.case import Case, CaseLike
 from rwmf.case.motion import Motion

@@ -1,4 +1,4 @@
-"""One case: typed, immutable, validated by the kernel when it is made."""
+"""Typed, immutable cases, validated by the kernel on construction."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ __all__ = ["Case", "CaseLike"]
 
 
 class Case:
-    """What a namelist describes: the scene, the motion, the solver and the output.
+    """Scene, ground motion, solver and output of a namelist.
 
-    A case never changes: `replace` and `without` return another one. Every case is validated by
-    the kernel when it is made; its groups are attributes (``case.frame.T_s``), None when absent.
+    A case never changes: `replace` and `without` return new ones. The kernel validates every case
+    on construction. The groups are attributes (``case.frame.T_s``), None when absent.
 
-    A case is what was read: the kernel keeps it, the samples of its records included, so that
-    neither it nor what `replace` and `without` return looks at those files again, whatever becomes
-    of them. What is pickled is the text: the kernel reads it, and the records, where it is loaded;
-    the samples of a `Motion` are pickled with it.
+    The kernel keeps the case with the samples of its records. Neither the case nor those derived by
+    `replace` and `without` read these files again, even if the files change. Pickling stores the
+    text, and the kernel reads it and the records when the case is loaded; the samples of a `Motion`
+    are pickled.
 
     Parameters
     ----------
     **groups : mapping
-        Keys and values of each namelist group, for example ``wall={"h": 2.0, "b": 0.5}``. For
-        ``motion`` and ``vertical`` a `Motion` stands for the whole group, or for its ``file``.
+        Keys and values of each namelist group, for example ``wall={"h": 2.0, "b": 0.5}``. A
+        `Motion` replaces the group ``motion`` or ``vertical``, or the value of its ``file``.
 
     Raises
     ------
@@ -63,7 +63,7 @@ class Case:
     def _assemble(
         self, text: str, source: str | None, origin: Case | None, motions: dict[str, Motion]
     ) -> None:
-        """Let the kernel read the text; an edited case keeps place and records of its origin."""
+        """Have the kernel read the text; an edited case keeps folder and records of its origin."""
         folder = (Path(source).parent if source else Path()).absolute()
         if origin is not None and (source or origin._record_files()):
             folder = origin._folder
@@ -76,7 +76,7 @@ class Case:
     def _assemble_entries(
         self, entries: Mapping[str, Mapping[str, object]], source: str | None, origin: Case | None
     ) -> None:
-        """Let the kernel read composed text; its lines are no lines of the user's."""
+        """Have the kernel read composed text, without line numbers in messages."""
         try:
             self._assemble(compose(entries), source, origin, _motions_of(entries))
         except InputError as error:
@@ -91,7 +91,7 @@ class Case:
         text: str | None,
         motions: dict[str, Motion],
     ) -> None:
-        """Set all but the kernel's case; the groups are made when they are first asked for."""
+        """Set all fields but the kernel's case; groups are made at first use."""
         put = super().__setattr__
         put("_source", source)
         put("_folder", folder)
@@ -112,11 +112,11 @@ class Case:
         return case
 
     def _changed(self, changes: _library.Changes, numbers: np.ndarray[Any, Any]) -> Case | None:
-        """Return the case with other numbers, made without text; None when that takes text."""
+        """Return the case with other numbers, without parsing text; None when text is needed."""
         try:
             found = self._kernel.find(changes)
         except InputError:
-            # reading the text says what is wrong, with its line, or adds a group that is new
+            # only the parser gives messages with line numbers, and only it adds a new group
             return None
         case = type(self).__new__(type(self))
         case._put(self._source, self._folder, True, None, self._motions)
@@ -143,7 +143,7 @@ class Case:
         Parameters
         ----------
         path : str or path
-            The file; records are looked for relative to its folder.
+            The file; the paths of records are relative to its folder.
 
         Returns
         -------
@@ -160,15 +160,15 @@ class Case:
 
     @classmethod
     def from_text(cls, text: str, source: str | os.PathLike[str] | None = None) -> Case:
-        """Make a case of namelist text.
+        """Make a case from namelist text.
 
         Parameters
         ----------
         text : str
             Namelist text.
         source : str or path, optional
-            File that it stands for: records are looked for relative to its folder (otherwise
-            relative to the current one), and messages begin with its name.
+            Path of the text's file: record paths are relative to its folder, otherwise to the
+            current folder, and messages begin with its name.
 
         Returns
         -------
@@ -186,14 +186,14 @@ class Case:
 
     @property
     def source(self) -> str | None:
-        """Path of the namelist that the case comes from; None when it was made in memory."""
+        """Path of the case's namelist; None for a case made in memory."""
         return self._source
 
     @property
     def text(self) -> str:
-        """Namelist text of the case: the file's own until the case is edited.
+        """Namelist text of the case, that of the file until the case is edited.
 
-        It says of a `Motion` its name only.
+        A `Motion` appears by its name only.
         """
         if self._text is None:
             super().__setattr__("_text", compose(self._given_entries()))
@@ -201,13 +201,13 @@ class Case:
 
     @property
     def inputs(self) -> tuple[Path, ...]:
-        """Files that the case was read from: its namelist, if it has one, then its records."""
+        """Files of the case: its namelist, if it has one, then its records."""
         own = [] if self._source is None else [self._folder / Path(self._source).name]
         return (*own, *(self._folder / name for name in self._record_files()))
 
     @property
     def motions(self) -> dict[str, Motion]:
-        """The motions from arrays, by the group that they stand in."""
+        """Motions from arrays, by their groups."""
         return dict(self._motions)
 
     @property
@@ -215,8 +215,8 @@ class Case:
         """All groups of the case by name, in the kernel's order."""
         return dict(self._groups)
 
-    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 (a group that is there needs no check)
-        """Return a group; None when the case has none of this name."""
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 (groups need no check by the caller)
+        """Return a group; None when the case does not have it."""
         if name.startswith("_"):
             raise AttributeError(name)
         if name.lower() in self._groups:
@@ -232,15 +232,15 @@ class Case:
     def replace(self, **groups: Mapping[str, object] | Motion | None) -> Case:
         """Return a case with other values.
 
-        Other numbers in groups that the case has cost microseconds, however long its records are.
+        New numbers in existing groups take microseconds, however long the records are.
 
         Parameters
         ----------
         **groups : mapping
-            Keys and values to set in a group, which is added when the case has none. None for a
-            key takes it out, so that the kernel's default holds; None for a group takes the
-            group out: its effect is then not simulated. A `Motion` takes the place of the whole
-            group ``motion`` or ``vertical``, or as ``file`` that of a record's file.
+            Keys and values to set in a group; a missing group is added. None for a key restores the
+            kernel's default; None for a group removes the group and its effect. A `Motion` replaces
+            the whole group ``motion`` or ``vertical``, or the file of a record when given as
+            ``file``.
 
         Returns
         -------
@@ -270,7 +270,7 @@ class Case:
                 continue
             group = entries.setdefault(name.lower(), {})
             for key, value in _entries_of(name.lower(), changes).items():
-                # the same key in another spelling is the same key
+                # a key matches in any capitalization
                 same = next((k for k in group if k.lower() == key.lower()), key)
                 group[same] = value
         case = type(self).__new__(type(self))
@@ -278,7 +278,7 @@ class Case:
         return case
 
     def without(self, *groups: str) -> Case:
-        """Return a case without some groups: effects that are then not simulated.
+        """Return a case without some groups and their effects.
 
         Parameters
         ----------
@@ -293,7 +293,7 @@ class Case:
         Raises
         ------
         InputError
-            When there is no such group in the case, or the kernel does not accept the rest.
+            When the case has no such group, or the kernel does not accept the other groups.
         """
         for name in groups:
             if not isinstance(name, str) or name.lower() not in self._groups:
@@ -303,26 +303,26 @@ class Case:
         return self.replace(**dict.fromkeys(groups))
 
     def to_namelist(self, path: str | os.PathLike[str] | None = None) -> str:
-        """Return namelist text that gives the same results, and write it to a file if asked.
+        """Return namelist text with the same results, and write it to a file if given.
 
         Parameters
         ----------
         path : str or path, optional
-            File to write. The path of a record is then relative to its folder; without a file
-            it is absolute, so that the text means the same wherever it is read. The samples of
-            a `Motion` are written beside the file, ``quake.nml`` and ``quake_motion.txt`` (or
-            ``quake_vertical.txt``), which the text then names.
+            File to write; record paths are then relative to its folder. Without a file they are
+            absolute, so that the text works in any folder. The samples of a `Motion` go into a
+            second file, ``quake.nml`` and ``quake_motion.txt`` (or ``quake_vertical.txt``), and the
+            text names it.
 
         Returns
         -------
         str
-            The values that the case gives, without comments.
+            The given values, without comments.
 
         Raises
         ------
         InputError
-            When the file is one of the case's records, or a case with a `Motion` is not written
-            to a file.
+            When the file is one of the case's records, or when a case with a `Motion` is not
+            written to a file.
         OutputError
             When a file cannot be written.
         """
@@ -345,28 +345,28 @@ class Case:
                 continue
             full = self._folder / str(record)
             if path is not None and not Path(str(record)).is_absolute():
-                # Path.relative_to cannot climb to a common folder before Python 3.12
+                # Path.relative_to cannot ascend to a common folder before Python 3.12
                 full = Path(os.path.relpath(full, Path(path).absolute().parent))
             entries[group]["file"] = str(full)
         text = compose(entries)
         if path is not None:
-            # the case's own file may be written anew; the records stay what the text names
+            # the namelist of the case may be overwritten; record paths must stay valid
             files.check_not_read(path, self.inputs[self._source is not None :])
             files.write_bytes(path, text.encode("utf-8", "surrogateescape"))
         return text
 
     @property
     def kernel(self) -> _library.KernelCase:
-        """The case as the kernel has read it."""
+        """The case in the kernel."""
         return self._kernel
 
     def kernel_source(self) -> str:
-        """Path that the kernel resolves records against; good from any current folder.
+        """Return the path that the kernel resolves records against, valid in any folder.
 
         Returns
         -------
         str
-            The path; that of an edited case says so.
+            The path, marked as edited for an edited case.
         """
         label = self.label
         if Path(label).parent.absolute() == self._folder:
@@ -375,12 +375,12 @@ class Case:
 
     @property
     def label(self) -> str:
-        """What messages begin with: path of the file, that of an edited case says so; or ''."""
-        # the lines that a message counts are not those of the file once a case is edited
+        """Beginning of messages: path of the file, marked when edited, or ''."""
+        # the line numbers of an edited case are not those of the file
         return (self._source or "") + (" (edited)" if self._edited and self._source else "")
 
     def _record_files(self) -> list[str]:
-        """Files of the records, without the names of motions from arrays."""
+        """Return the files of the records, without the names of motions from arrays."""
         return [
             str(group["file"])
             for name, group in self._groups.items()
@@ -396,7 +396,7 @@ class Case:
         return entries
 
     def _identity(self) -> tuple[object, ...]:
-        """Return what would be computed: the text with full paths, and motions of memory."""
+        """Return the input of the computation: text with full paths, and motions from arrays."""
         entries = self._given_entries()
         for name, group in entries.items():
             if "file" in group and name not in self._motions:
@@ -404,17 +404,17 @@ class Case:
         return (compose(entries), *self._motions.items())
 
     def __eq__(self, other: object) -> bool:
-        """Compare what the kernel would compute."""
+        """Compare the inputs of the computation."""
         if not isinstance(other, Case):
             return NotImplemented
         return self._identity() == other._identity()
 
     def __hash__(self) -> int:
-        """Hash what the kernel would compute."""
+        """Hash the inputs of the computation."""
         return hash(self._identity())
 
     def __reduce__(self) -> tuple[Callable[..., Case], tuple[object, ...]]:
-        """Pickle text, place and motions of memory; the kernel reads the text again."""
+        """Pickle text, folder and motions from arrays; the kernel reads the text again."""
         source = None if self._source is None else str(Path(self._folder, Path(self._source).name))
         text = self._identity()[0] if source is None else self.text
         return (_restore, (text, source, self._motions))
@@ -428,7 +428,7 @@ class Case:
         return self
 
     def __repr__(self) -> str:
-        """Show the groups, one a line."""
+        """Show the groups, one per line."""
         lines = [f"Case({self.label or 'in memory'})"]
         lines += [f"  {name:8s} {group!r}" for name, group in self._groups.items()]
         return "\n".join(lines)
@@ -449,7 +449,7 @@ def _path_text(path: object) -> str:
 
 
 def _entries_of(name: str, group: Mapping[str, object] | Motion) -> dict[str, object]:
-    """Keys and values of a group; those of a motion from arrays with its own."""
+    """Return keys and values of a group, with those of a motion from arrays."""
     if isinstance(group, Motion):
         group = {"file": group}
     if not isinstance(group, Mapping):
@@ -477,7 +477,7 @@ def _motions_of(entries: Mapping[str, Mapping[str, object]]) -> dict[str, Motion
 def _check_groups(
     groups: Mapping[str, Mapping[str, object] | Motion | None], present: Collection[str]
 ) -> None:
-    """Check names of groups and keys, and that a group has keys with values."""
+    """Check the names of groups and keys, and that each group is a mapping."""
     for name, values in groups.items():
         if name.lower() not in present:
             _check_group(name)
@@ -499,7 +499,7 @@ def _check_groups(
 
 
 def _other_group(key: str) -> str:
-    """Name the groups that have a key, for a hint."""
+    """Suggest the groups that have a key."""
     owners = [group for group, name, *_ in _library.schema() if name.lower() == key.lower()]
     return f", did you mean {key} of &{' or &'.join(owners)}?" if owners else ""
 
@@ -515,5 +515,5 @@ def _check_group(name: str) -> None:
     raise InputError(f"there is no group &{name}{hint} are {', '.join(known)}")
 
 
-# what functions take that compute from a case
+# type of the argument `case` of all functions
 CaseLike = Case | str | os.PathLike[str]

@@ -1,4 +1,4 @@
-"""Which edits of a case are other numbers, so that the kernel needs no text for them."""
+"""Edits of a case that change numbers only, which the kernel makes without text."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ __all__ = ["numbers_of"]
 def numbers_of(
     groups: Mapping[str, object],
 ) -> tuple[_library.Changes, npt.NDArray[np.float64]] | None:
-    """Take an edit apart into keys and numbers.
+    """Split an edit into keys and numbers.
 
     Parameters
     ----------
     groups : mapping
-        What `Case.replace` is given.
+        Arguments of `Case.replace`.
 
     Returns
     -------
     Changes
         The keys.
     numpy.ndarray, shape (n,)
-        The numbers, those of a list one after the other.
+        The numbers, lists concatenated.
 
-    None when something else than numbers changes, or a key has a value that is not of its type.
+    Returns None when the edit changes more than numbers, or a value has the wrong type.
     """
     kinds = _kinds()
     names: list[str] = []
@@ -53,7 +53,7 @@ def numbers_of(
 
 
 def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | None:
-    """Return the value of a key as numbers; none for None, which takes the key out."""
+    """Return the value of a key as numbers; no numbers for None, which removes the key."""
     if value is None and kind:
         return np.zeros(0)
     try:
@@ -64,12 +64,12 @@ def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | N
         if kind == "real" or (kind == "integer" and is_whole(value)):
             return np.array([to_number(name, value)])
     except InputError:
-        # the text of the whole case says what is wrong
+        # the parser of the whole text gives the message
         return None
     return None
 
 
 @functools.cache
 def _kinds() -> dict[str, str]:
-    """Type of each key by ``group.key`` in small letters."""
+    """Return the type of each key by ``group.key`` in lower case."""
     return {f"{row.group}.{row.key}".lower(): row.kind for row in _library.schema()}

@@ -30,7 +30,7 @@ def with_grid(
     case : Case
         The case.
     T_s, gamma, b : float or sequence of float, optional
-        As in `spectrum`; None leaves what the case has.
+        As in `spectrum`; None keeps the values of the case.
     quantities : sequence of str, optional
         Likewise.
 
@@ -46,7 +46,7 @@ def with_grid(
     """
     grid: dict[str, npt.NDArray[np.float64] | list[str] | None] = {}
     if T_s is not None:
-        # the list takes the place of the whole uniform grid
+        # the list replaces the uniform grid
         grid |= dict.fromkeys(("T_s_min", "T_s_max", "n", "spacing"))
         grid["T_s"] = to_array("T_s", T_s, least=1)
     if gamma is not None:

@@ -18,23 +18,23 @@ class Group(Mapping[str, Any]):
     Attributes
     ----------
     given : frozenset of str
-        The keys that the case gives; the others hold the kernel's defaults.
+        The keys given in the case; the others have the kernel's defaults.
     derived : frozenset of str
-        Ratios that follow from dimensional keys.
+        Ratios derived from dimensional keys.
     units : mapping of str to str
-        Units of the values as the kernel names them.
+        Units of the values, by the names of the kernel.
     in_si : mapping of str to (float or tuple of float, str)
-        Of ratios to the mass or the weight of the wall, in a case with a mass: what they are in
-        kg, N, N/m or N s/m, and that unit.
+        Dimensional values of ratios to the mass or the weight of the wall, with their units (kg,
+        N, N/m or N s/m). Empty without a mass in the case.
 
     Parameters
     ----------
     name : str
         Name of the group.
     rows : list of list of str
-        Key, type, value, unit, and 'given', 'default' or 'derived' (it follows from dimensional
-        keys), as the kernel describes them; then the value with a unit, that unit, and what the
-        case gives where a rule makes the value of it, each '' where there is none.
+        Key, type, value, unit, and 'given', 'default' or 'derived' (from dimensional keys), as the
+        kernel describes them. Then come the value with a unit, this unit, and the given value where
+        a rule converts it; '' where absent.
     """
 
     __slots__ = ("_derived", "_given", "_in_si", "_name", "_raw", "_units", "_values")
@@ -61,12 +61,12 @@ class Group(Mapping[str, Any]):
 
     @property
     def given(self) -> frozenset[str]:
-        """Keys that the case gives."""
+        """Keys given in the case."""
         return self._given
 
     @property
     def derived(self) -> frozenset[str]:
-        """Keys that follow from dimensional ones."""
+        """Keys derived from dimensional keys."""
         return self._derived
 
     @property
@@ -76,11 +76,11 @@ class Group(Mapping[str, Any]):
 
     @property
     def in_si(self) -> dict[str, tuple[Value, str]]:
-        """Values with a unit of ratios to the mass or the weight of the wall."""
+        """Dimensional values of ratios to the mass or the weight of the wall, with their units."""
         return dict(self._in_si)
 
     def as_given(self) -> dict[str, Value]:
-        """Return what the case gives, before a rule makes other values of it.
+        """Return the given values, before rules convert them.
 
         Returns
         -------
@@ -98,7 +98,7 @@ class Group(Mapping[str, Any]):
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401 (the kernel's table knows the type)
         """Return the value of a key."""
-        # private names are looked up before they exist when a group is copied or unpickled
+        # copy and pickle look up private names before they exist
         if name.startswith("_"):
             raise AttributeError(name)
         try:
@@ -125,7 +125,7 @@ class Group(Mapping[str, Any]):
         return len(self._values)
 
     def __repr__(self) -> str:
-        """Show the values that are given, then the defaults in parentheses."""
+        """Show the given values, then the defaults in parentheses."""
         given = ", ".join(self._show(key) for key in self if key in self._given)
         others = ", ".join(self._show(key) for key in self if key not in self._given)
         return given + ("  " if given and others else "") + (f"({others})" if others else "")
@@ -134,7 +134,7 @@ class Group(Mapping[str, Any]):
         unit = self._units[key]
         value = self._values[key]
         if key not in self._given:
-            # round-off of a product that the user has not written
+            # remove the round-off of a derived product
             value = _rounded(value)
         shown = f"{key} = {_shorten(value)}" + (f" {unit}" if unit.strip("-") else "")
         if key not in self._in_si:
@@ -152,7 +152,7 @@ def _rounded(value: Value) -> Value:
 
 
 def _shorten(value: Value) -> str:
-    """Text of a value, of a long list its ends."""
+    """Return the text of a value, for a long list of its ends."""
     if isinstance(value, tuple) and len(value) > 8:
         return f"{value[0]!r}, ..., {value[-1]!r} ({len(value)} values)"
     return format_value(value)

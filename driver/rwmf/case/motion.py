@@ -1,4 +1,4 @@
-"""A ground motion from arrays: what stands in a case where a record's file would be named."""
+"""Ground motions from arrays, used in a case instead of a record's file."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ _ARRAY = "an array of numbers with one dimension"
 class Motion:
     """Samples of a ground acceleration in memory: a record without a file.
 
-    A motion never changes: it keeps copies of the arrays. Its samples are under the rules for those
-    of a file: at least two, finite, at times that increase strictly, with straight lines between
-    them. It takes the place of a file wherever a case or a sweep names one::
+    A motion never changes: it keeps copies of the arrays. The samples follow the rules for files:
+    at least two, finite, at strictly increasing times, with linear interpolation. It replaces the
+    file wherever a case or a sweep names one::
 
         quake = rwmf.Motion(a, dt=0.01, unit="m/s2", name="synthetic 7")
         case = case.replace(motion=quake)
@@ -42,9 +42,9 @@ class Motion:
     times : array, shape (n,), optional
         Times of the samples [s].
     unit : {'g', 'm/s2', 'cm/s2'}
-        Of the values; 'g' is `&model g` of the case.
+        Unit of the values; 'g' means `&model g` of the case.
     name : str
-        By which outputs and messages call it.
+        Name in outputs and messages.
 
     Raises
     ------
@@ -90,9 +90,9 @@ class Motion:
             raise self._problem(str(error)) from None
 
     def _kept(self, what: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Copy an array into one that cannot be changed."""
+        """Copy an array into a read-only one."""
         try:
-            # the kernel names the place of a sample that is not finite
+            # the kernel reports the position of a sample that is not finite
             array = to_array(what, values, wanted=_ARRAY, is_finite=False)
         except InputError as error:
             raise self._problem(str(error)) from None
@@ -125,7 +125,7 @@ class Motion:
 
     @property
     def dt(self) -> float | None:
-        """Interval of the samples [s]; None for a motion that came with times."""
+        """Interval of the samples [s]; None for a motion given with times."""
         return self._dt
 
     @property
@@ -135,22 +135,22 @@ class Motion:
 
     @property
     def name(self) -> str:
-        """What outputs and messages call it."""
+        """Name in outputs and messages."""
         return self._name
 
     @property
     def checksum(self) -> str:
-        """CRC-32 of the numbers (times, if it came with them, then values), as outputs give it."""
+        """CRC-32 of the numbers (times, if given, then values), as in outputs."""
         times = b"" if self._times is None else self._times.tobytes()
         return f"{zlib.crc32(self._values.tobytes(), zlib.crc32(times)):08x}"
 
     @property
     def samples(self) -> _library.Samples:
-        """The samples as the kernel keeps them."""
+        """The samples in the kernel."""
         return self._samples
 
     def keys(self) -> dict[str, Any]:
-        """Return the keys by which a case describes the motion.
+        """Return the keys that describe the motion in a case.
 
         Returns
         -------
@@ -161,7 +161,7 @@ class Motion:
         return found if self._dt is None else found | {"dt": self._dt}
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the samples as a record that a case can name: one column, or times and values.
+        """Write the samples as a record file: one column, or times and values.
 
         Parameters
         ----------
@@ -211,8 +211,10 @@ class Motion:
 
     def __repr__(self) -> str:
         """Show name, size, interval and unit."""
-        pace = "with times" if self._dt is None else f"dt = {self._dt!r} s"
-        return f"Motion({self._name!r}: {self._values.size} samples, {pace}, unit {self._unit!r})"
+        sampling = "with times" if self._dt is None else f"dt = {self._dt!r} s"
+        return (
+            f"Motion({self._name!r}: {self._values.size} samples, {sampling}, unit {self._unit!r})"
+        )
 
 
 def _restore(

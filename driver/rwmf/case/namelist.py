@@ -1,4 +1,4 @@
-"""Namelist text: files into text, Python values into text; parsing is the kernel's business."""
+"""Namelist text: reading files and formatting values; the kernel parses the text."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Value", "compose", "format_value", "parse_value", "read_text"]
 Value = bool | int | float | str | tuple[float, ...] | tuple[str, ...]
 
 _LINE_WIDTH = 100
-# integers beyond are no values of a key
+# keys accept no larger integers
 _LARGEST = 2**63 - 1
 _HOLDS = "a namelist holds numbers, texts, true or false, and lists of them"
 
@@ -34,7 +34,7 @@ def read_text(path: str) -> str:
     Returns
     -------
     str
-        Its text; bytes that are not UTF-8 come back unchanged when it is written.
+        Its text; bytes that are not UTF-8 are unchanged when written again.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def read_text(path: str) -> str:
         status = Path(path).stat()
     except (OSError, ValueError):
         raise InputError(f"{path}: the file does not exist") from None
-    # a pipe could keep the reader waiting for ever: it is not opened at all
+    # opening a pipe could block for ever
     if status.st_size == 0 or not (stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode)):
         raise InputError(f"{path}: the file is empty or not a regular file")
     try:
@@ -60,12 +60,12 @@ def compose(groups: Mapping[str, Mapping[str, object]]) -> str:
     Parameters
     ----------
     groups : mapping of str to mapping
-        Keys and values of every group; a value that is None is left out.
+        Keys and values of every group; None values are omitted.
 
     Returns
     -------
     str
-        One group after the other, one line a key; numbers round-trip to the same bits.
+        The groups in order, one line per key; numbers round-trip to the same bits.
     """
     return "\n".join(_compose_group(name, entries) for name, entries in groups.items())
 
@@ -86,7 +86,7 @@ def _compose_group(name: str, entries: Mapping[str, object]) -> str:
 
 
 def _wrap(line: str, value: object) -> list[str]:
-    # only a list may be broken: a line end inside a quoted text would belong to the text
+    # only lists are broken: a line end inside a quoted text would become part of it
     if isinstance(value, str) or len(line) <= _LINE_WIDTH:
         return [line]
     return textwrap.wrap(
@@ -100,7 +100,7 @@ def _wrap(line: str, value: object) -> list[str]:
 
 
 def format_value(value: object) -> str:
-    """Write one value as it stands in a namelist.
+    """Format one value for a namelist.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def format_value(value: object) -> str:
     Raises
     ------
     InputError
-        When a namelist has no such value.
+        When a namelist cannot hold the value.
     """
     if isinstance(value, Motion):
         return format_value(value.name)
@@ -143,9 +143,9 @@ def parse_value(kind: str, text: str) -> Value:
     Parameters
     ----------
     kind : str
-        Type as the kernel names it; a list's name ends in ``list``.
+        Type by the kernel's name; a list's name ends in ``list``.
     text : str
-        The value; items of a list are separated by commas.
+        The value; list items are separated by commas.
 
     Returns
     -------

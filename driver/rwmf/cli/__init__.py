@@ -1,4 +1,4 @@
-"""The command ``rwmf``: a module for each of its words, and what they share."""
+"""Command ``rwmf``: one module per subcommand, and shared modules."""
 
 from rwmf.cli.main import main
 

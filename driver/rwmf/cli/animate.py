@@ -1,4 +1,4 @@
-"""What ``rwmf animate`` does: a film of one case."""
+"""Subcommand ``rwmf animate``: film of one case."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ def run(options: argparse.Namespace) -> int:
     files.check_outputs([path], case.inputs)
     wanted: dict[str, object] = {"dt": options.speed / options.fps}
     if case.storeys is not None:
-        # their drifts come with the reactions
+        # the reactions include the drifts
         wanted["reactions"] = True
     response = simulate(case.replace(output=wanted))
-    # the film ends where the wall has overturned or the frame collapsed
+    # the film ends with overturning or collapse
     shown = np.isfinite(response["theta" if case.wall is not None else "u_s"].values)
     if options.until is not None:
         shown &= response["time"].values <= options.until

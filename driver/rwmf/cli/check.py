@@ -1,4 +1,4 @@
-"""What ``rwmf check`` does."""
+"""Subcommand ``rwmf check``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rwmf.cli.output import print_json
 
 __all__ = ["run"]
 
-# lines of `rwmf check`: word of the kernel's inventory, how it is shown, and when there is none
+# lines of `rwmf check`: word of the kernel's inventory, label, and text for an empty list
 _INVENTORY = (
     ("effects", "effects", "none"),
     ("absent", "not simulated", "nothing is left out"),
@@ -23,7 +23,7 @@ _INVENTORY = (
 
 
 def run(options: argparse.Namespace) -> int:
-    """Validate a case and say what it holds (``rwmf check``).
+    """Validate a case and print its contents (``rwmf check``).
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _values_of(group: Group) -> dict[str, dict[str, Any]]:
-    """Each key with its value and unit, of ratios in a case with a mass the value in kg, N, ..."""
+    """Return each key with value and unit, dimensional where a case with a mass has ratios."""
     found: dict[str, dict[str, Any]] = {}
     for key, value in group.items():
         origin = "given" if key in group.given else "default"

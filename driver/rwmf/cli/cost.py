@@ -1,4 +1,4 @@
-"""What ``rwmf cost`` does."""
+"""Subcommand ``rwmf cost``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Show what accuracy costs in time.
+    """Print the cost of accuracy.
 
     Parameters
     ----------

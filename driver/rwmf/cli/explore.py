@@ -1,4 +1,4 @@
-"""What ``rwmf explore`` does."""
+"""Subcommand ``rwmf explore``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command ``rwmf``: words of the command line to calls of the package."""
+"""Entry point of the command ``rwmf``."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from rwmf.errors import Interrupted, OutputError, RwmfError
 __all__ = ["main"]
 
 
-# exit status of what the program did not foresee
+# exit status of unexpected errors
 _UNFORESEEN = 3
 _SHOW_TRACEBACK = "RWMF_TRACEBACK"
-# signals that end the command as Ctrl-C does; without a handler they would leave unfinished files
+# signals handled like Ctrl-C; by default they would leave unfinished files
 _ENDS = (signal.SIGTERM, signal.SIGHUP)
 
 
@@ -35,8 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        Exit status: 0, 1 numerical failure, 2 input or output, 3 an error that the program did not
-        foresee, 130 interrupted.
+        Exit status: 0, 1 numerical failure, 2 input or output, 3 unexpected error, 130 interrupted.
     """
     with guarded() as lost, _ended_by_signals():
         try:
@@ -48,12 +47,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print("rwmf: interrupted", file=sys.stderr)
             status = Interrupted.exit_status
         except SystemExit as leave:
-            # after --help, --version, and a word that argparse refuses
+            # after --help, --version, or an error of argparse
             status = int(leave.code or 0)
         except ReaderGoneError:
             status = 0
         except Exception as error:
-            # a library that cleans up after an interrupt may fail in its turn
+            # the clean-up of a library after an interrupt may also fail
             if _follows_interrupt(error):
                 print("rwmf: interrupted", file=sys.stderr)
                 status = Interrupted.exit_status
@@ -70,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """Let signals interrupt as Ctrl-C does; an ignored one, as by nohup, stays ignored."""
+    """Handle signals like Ctrl-C; a signal ignored at the start, as by nohup, stays ignored."""
     before = {}
     if threading.current_thread() is threading.main_thread():
         usual = [number for number in _ENDS if signal.getsignal(number) is signal.SIG_DFL]
@@ -83,14 +82,14 @@ def _ended_by_signals() -> Iterator[None]:
 
 
 def _interrupt(number: int, _: object) -> None:
-    # a second signal does not interrupt the removal of unfinished files
+    # a second signal must not interrupt the removal of unfinished files
     signal.signal(number, signal.SIG_IGN)
     raise KeyboardInterrupt
 
 
 def _run(arguments: Sequence[str] | None) -> int:
     options = make_parser().parse_args(arguments)
-    # only the module of the command that is called, and what that needs
+    # import only the module of the requested command
     module, function = options.run.split(".")
     status: int = getattr(import_module(f"rwmf.cli.{module}"), function)(options)
     sys.stdout.flush()
@@ -105,7 +104,7 @@ def _follows_interrupt(error: BaseException) -> bool:
 
 
 def _report(error: Exception) -> int:
-    """Show in one line what no command has foreseen, and return the exit status."""
+    """Print an unexpected error in one line, and return the exit status."""
     if os.environ.get(_SHOW_TRACEBACK):
         raise error
     if isinstance(error, OSError) and error.filename is not None:
@@ -113,7 +112,7 @@ def _report(error: Exception) -> int:
         return OutputError.exit_status
     text = " ".join(str(error).split())
     print(
-        f"rwmf: unforeseen {type(error).__name__}{text and ': '}{text} "
+        f"rwmf: unexpected {type(error).__name__}{text and ': '}{text} "
         f"({_SHOW_TRACEBACK}=1 in the environment shows where)",
         file=sys.stderr,
     )

@@ -1,4 +1,4 @@
-"""Results as JSON on the standard output, warnings on the error output."""
+"""JSON results on the standard output, warnings on the error output."""
 
 from __future__ import annotations
 
@@ -20,41 +20,41 @@ def print_json(value: dict[str, Any]) -> None:
     Parameters
     ----------
     value : dict
-        Numbers, texts, lists and arrays; what is not finite becomes null.
+        Numbers, texts, lists and arrays; values that are not finite become null.
     """
     print(json.dumps(_plain(value), indent=1, allow_nan=False))
 
 
 def print_warnings(path: str, warnings: Iterable[str]) -> None:
-    """Tell on the error output what to keep in mind about the results of a file.
+    """Print the warnings about the results of a file on the error output.
 
     Parameters
     ----------
     path : str
-        The file that was asked for.
+        Path of the case's file.
     warnings : iterable of str
-        One line each.
+        One line per warning.
     """
     for warning in warnings:
         print(f"rwmf: {path}: warning: {warning}", file=sys.stderr)
 
 
 def print_written(paths: Iterable[str | Path | None], *, is_json: bool = False) -> None:
-    """Name the files that a command has written.
+    """Print the paths of written files.
 
     Parameters
     ----------
     paths : iterable of str or path, optional
-        The files; None for one that was not asked for.
+        The files; None for a file that was not requested.
     is_json : bool
-        Whether the standard output is one JSON object: the error output then names the files.
+        True when the standard output is one JSON object; paths then go to the error output.
     """
     for path in filter(None, paths):
         print(f"written: {path}", file=sys.stderr if is_json else sys.stdout)
 
 
 def _plain(value: object) -> object:
-    """JSON's own types; what is not finite becomes null."""
+    """Convert to JSON types; values that are not finite become null."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):

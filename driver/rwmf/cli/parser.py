@@ -1,6 +1,6 @@
-"""The words and options of the command line.
+"""Subcommands and options of the command line.
 
-Nothing here computes or imports what computes: help and complaints about a word come at once.
+This module imports no computation, so that help and error messages appear at once.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rwmf.cli.words import number, whole, written_file
 
 __all__ = ["make_parser"]
 
-# processes on one machine: beyond any, and what the system still starts
+# above the number of processes that one machine needs, within the limits of the system
 _MOST_WORKERS = 4096
 
 
@@ -25,8 +25,8 @@ def make_parser() -> argparse.ArgumentParser:
     Returns
     -------
     argparse.ArgumentParser
-        What it parses has the attribute ``run``: module of this package and its function that does
-        what is asked for.
+        Parser whose result has the attribute ``run``: module of this package and function of the
+        subcommand.
     """
     parser = argparse.ArgumentParser(
         prog="rwmf",
@@ -59,7 +59,7 @@ def make_parser() -> argparse.ArgumentParser:
 
 
 class _ShowVersion(argparse.Action):
-    """Ask the kernel, which takes longer to load than all the rest, only when it is asked for."""
+    """Print the kernel's version; loading the kernel takes longer than everything else."""
 
     def __call__(
         self,
@@ -96,8 +96,8 @@ def _add_run(commands: Subcommands) -> None:
 def _add_spectrum(commands: Subcommands) -> None:
     parser = commands.add(
         "spectrum",
-        "Compute the spectrum that the case's &spectrum asks for: largest displacements of the "
-        "frame, or other quantities.",
+        "Compute the spectrum of the case's &spectrum: largest displacements of the frame, or "
+        "other quantities.",
         "inputs/fig12_one_cosine.nml --csv cosine.csv --plot cosine.png",
         "spectrum.run",
     )
@@ -111,7 +111,7 @@ def _add_spectrum(commands: Subcommands) -> None:
         "--quantity",
         metavar="KEY",
         nargs="+",
-        help="what each ordinate reports in place of &spectrum quantities (reference/outputs.md)",
+        help="quantities of each ordinate instead of &spectrum quantities (reference/outputs.md)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
@@ -119,8 +119,8 @@ def _add_spectrum(commands: Subcommands) -> None:
 def _add_cost(commands: Subcommands) -> None:
     parser = commands.add(
         "cost",
-        "Show what accuracy costs in time: every method and tolerance, and what is usual today, "
-        "against a reference in quadruple precision (less than 30 s).",
+        "Measure the cost of accuracy: every method and tolerance, and usual procedures, against a "
+        "reference in quadruple precision (less than 30 s).",
         "inputs/accuracy_elcentro_1s.nml --plot cost.png",
         "cost.run",
     )
@@ -132,7 +132,7 @@ def _add_cost(commands: Subcommands) -> None:
         metavar="ERROR",
         type=number(0, 1),
         default=1e-6,
-        help="relative error of the peak that a setting is recommended for (1e-6)",
+        help="relative error of the peak for the recommended setting (1e-6)",
     )
     parser.add_argument(
         "--quantity",
@@ -145,8 +145,8 @@ def _add_cost(commands: Subcommands) -> None:
 def _add_check(commands: Subcommands) -> None:
     parser = commands.add(
         "check",
-        "Read and validate a case; print effects, states, events, outputs, what is not simulated, "
-        "and every value.",
+        "Read and validate a case; print effects, omitted effects, states, events, outputs and "
+        "every value.",
         "inputs/fig12_one_cosine.nml",
         "check.run",
     )
@@ -169,7 +169,7 @@ def _add_records(commands: Subcommands) -> None:
     )
     export = actions.add(
         "export",
-        "Write a record into a file that &motion can name; samples stay unchanged.",
+        "Write a record into a file for &motion; the samples are unchanged.",
         "elcentro inputs/records/elcentro.csv",
         "records_command.export",
     )
@@ -183,8 +183,7 @@ def _add_records(commands: Subcommands) -> None:
 def _add_sweep(commands: Subcommands) -> None:
     parser = commands.add(
         "sweep",
-        "Run the product of records, rows of a table and parameters that a namelist asks for, into "
-        "NetCDF.",
+        "Run all combinations of records, table rows and parameters of a namelist, into NetCDF.",
         "restitution.nml --file restitution.nc",
         "sweep.run",
     )
@@ -204,7 +203,7 @@ def _add_sweep(commands: Subcommands) -> None:
         "--workers", metavar="N", type=whole(0, _MOST_WORKERS), default=0, help="of the engine"
     )
     parser.add_argument("--part", metavar="K/N", default="1/1", help="only the K-th of N parts")
-    parser.add_argument("--restart", action="store_true", help="discard what is there")
+    parser.add_argument("--restart", action="store_true", help="discard an earlier sweep")
 
 
 def _add_merge(commands: Subcommands) -> None:
@@ -223,7 +222,7 @@ def _add_merge(commands: Subcommands) -> None:
 def _add_reproduce(commands: Subcommands) -> None:
     parser = commands.add(
         "reproduce",
-        "Draw the paper's figures again, judge its claims, compare with contact engines; needs the "
+        "Reproduce the paper's figures, check its claims, compare with contact engines; needs the "
         "checkout of the project.",
         "4 12 --out plots",
         "reproduce.run",

@@ -11,10 +11,10 @@ __all__ = ["progress", "progress_bar"]
 
 
 def _find_bar() -> type | None:
-    """Class of the progress bar; None when the optional package is not installed.
+    """Return the class of the progress bar; None when the optional package is not installed.
 
-    It is tqdm: pure Python without dependencies, maintained since 2013, at home on narrow and
-    dumb terminals. Imported here because only a terminal needs it.
+    The package is tqdm: pure Python without dependencies, maintained since 2013, suitable for
+    narrow and simple terminals. The import is here because only a terminal needs it.
     """
     try:
         from tqdm import tqdm
@@ -26,19 +26,19 @@ def _find_bar() -> type | None:
 
 @contextmanager
 def progress_bar(total: int, unit: str = "run") -> Iterator[Callable[[int, int], None] | None]:
-    """Show progress on a terminal; nothing where the output is kept.
+    """Show progress on a terminal, and nothing on a redirected output.
 
     Parameters
     ----------
     total : int
-        Number of what is to be done.
+        Number of units of work.
     unit : str
-        Name of one of them.
+        Name of a unit.
 
     Yields
     ------
     callable or None
-        Takes the number of what is done and of all; None where nothing is shown.
+        Called with the numbers of finished and of all units; None where nothing is shown.
     """
     if not sys.stderr.isatty():
         yield None
@@ -48,7 +48,7 @@ def progress_bar(total: int, unit: str = "run") -> Iterator[Callable[[int, int],
         yield _plain_report(unit)
         print(file=sys.stderr)
         return
-    # a terminal that does not tell its size gets a usual one
+    # a terminal without a known size gets the usual one
     size = shutil.get_terminal_size()
     with bar_type(
         total=total,
@@ -66,7 +66,7 @@ def progress_bar(total: int, unit: str = "run") -> Iterator[Callable[[int, int],
 
 
 def _plain_report(unit: str) -> Callable[[int, int], None]:
-    """Write counts over each other, where no package draws a bar."""
+    """Overwrite counts in one line, without the package for bars."""
 
     def report(done: int, total: int) -> None:
         print(f"\r{done} of {total} {unit}s", end="", file=sys.stderr, flush=True)
@@ -76,17 +76,17 @@ def _plain_report(unit: str) -> Callable[[int, int], None]:
 
 @contextmanager
 def progress(unit: str = "run") -> Iterator[Callable[[int, int], None]]:
-    """Open the bar with the first report, which knows how many runs there are.
+    """Open the bar with the first report, which gives the number of runs.
 
     Parameters
     ----------
     unit : str
-        Name of one of them.
+        Name of a unit.
 
     Yields
     ------
     callable
-        Takes the number of finished runs and of all.
+        Called with the numbers of finished and of all runs.
     """
     with ExitStack() as stack:
         bars: list[Callable[[int, int], None] | None] = []

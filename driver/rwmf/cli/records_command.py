@@ -1,4 +1,4 @@
-"""What ``rwmf records`` does."""
+"""Subcommand ``rwmf records``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def show(_: argparse.Namespace) -> int:
     Parameters
     ----------
     _ : argparse.Namespace
-        Not used.
+        Unused.
 
     Returns
     -------

@@ -1,7 +1,7 @@
-"""What ``rwmf reproduce`` does: it hands over to the project's checkout.
+"""Subcommand ``rwmf reproduce``, which runs code of the project's checkout.
 
-The paper's figures and tables are made of the cases and stored histories of the checkout, by the
-package in its folder ``plots``: neither is installed.
+The package in the folder ``plots`` makes the paper's figures and tables from cases and stored
+histories of the checkout; none of them is installed.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rwmf.errors import InputError
 
 __all__ = ["find_checkout", "run"]
 
-# what shows that a folder is the checkout
+# files that identify the checkout
 _MARK = Path("plots", "reproduce", "command.py")
 
 
@@ -26,12 +26,12 @@ def find_checkout() -> Path:
     Returns
     -------
     path
-        The checkout that the package lies in, otherwise the one of the current folder.
+        The checkout that contains the package, otherwise the one of the current folder.
 
     Raises
     ------
     InputError
-        When neither lies in a checkout.
+        When there is none.
     """
     package = Path(rwmf.__path__[0]).resolve()
     current = Path.cwd()
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
     Raises
     ------
     InputError
-        When there is no checkout; and whatever the computations raise.
+        When there is no checkout; computations raise further errors.
     """
     checkout = find_checkout()
     for name in ("inputs", "validation"):

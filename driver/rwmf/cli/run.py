@@ -1,4 +1,4 @@
-"""What ``rwmf run`` does."""
+"""Subcommand ``rwmf run``."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from rwmf.plotting import image_files as figures
 
 __all__ = ["run"]
 
-# points of a plotted history when the case asks for none
+# points of a plotted history for a case without an interval
 _PLOT_POINTS = 4000
-# and of its loops, whose corners a history of the response need not show
+# points of plotted loops, whose corners need finer sampling
 _LOOP_POINTS = 40000
 
 
@@ -64,14 +64,14 @@ def run(options: argparse.Namespace) -> int:
         print_json(summary)
     else:
         _print_table(summary)
-    # a file that is written takes the place of an older one
+    # a written file replaces an older one
     new = [path for path in found if _place_of(path) not in (None, before[path])]
     print_written([*new, options.plot, options.loops], is_json=options.json)
     return 0
 
 
 def _place_of(path: Path) -> tuple[int, int] | None:
-    """Identify a file that is there."""
+    """Identify an existing file by device and inode."""
     with contextlib.suppress(OSError):
         status = path.stat()
         return status.st_ino, status.st_mtime_ns
@@ -79,12 +79,12 @@ def _place_of(path: Path) -> tuple[int, int] | None:
 
 
 def _plot_history(case: Case, result: _library.Run, path: str) -> None:
-    """Draw the history with the demands of the frame, whether or not the case asks for them."""
+    """Draw the history with the demands of the frame, even when the case does not request them."""
     dataset = simulation.to_dataset(result)
     has_demands = case.output is not None and case.output.reactions
     lacks_demands = case.frame is not None and not has_demands
     if "time" not in dataset.coords or lacks_demands:
-        # the integration does not depend on what is reported: the same response
+        # outputs do not affect the integration, so the response is the same
         wanted: dict[str, object] = {"reactions": True} if lacks_demands else {}
         if "time" not in dataset.coords:
             wanted["dt"] = max(case.solver.t_end / _PLOT_POINTS, np.finfo(float).tiny)
@@ -93,7 +93,7 @@ def _plot_history(case: Case, result: _library.Run, path: str) -> None:
 
 
 def _plot_loops(case: Case, result: _library.Run, path: str) -> None:
-    """Sample the corners of the loops finely, whatever interval the case asks for."""
+    """Sample the corners of the loops finely, whatever the interval of the case."""
     dataset = simulation.to_dataset(result)
     fine = max(case.solver.t_end / _LOOP_POINTS, np.finfo(float).tiny)
     if "time" not in dataset.coords or case.output.dt > fine:
@@ -105,12 +105,12 @@ def _print_table(summary: dict[str, Any]) -> None:
     width = max(len(key) for key in summary)
     for key, value in summary.items():
         if isinstance(value, list):
-            # warnings stand on the error output already
+            # warnings are on the error output
             text = ", ".join(value) if key == "effects" else str(len(value))
         elif isinstance(value, bool):
             text = "yes" if value else "no"
         elif isinstance(value, float):
-            # without the sign of a zero
+            # zero without a sign
             text = f"{value + 0.0:.10g}"
         else:
             text = str(value)

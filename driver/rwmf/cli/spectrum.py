@@ -1,4 +1,4 @@
-"""What ``rwmf spectrum`` does."""
+"""Subcommand ``rwmf spectrum``."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
-    """Keys of ``rwmf spectrum --json`` in their order."""
+    """Return the keys of ``rwmf spectrum --json`` in their order."""
     found: dict[str, Any] = {"T_s_s": dataset["T_s"].values}
     for name, key in (("gamma", "gamma"), ("b", "b_m")):
         if name in dataset.dims:
@@ -76,7 +76,7 @@ def _spectrum_object(dataset: xr.Dataset) -> dict[str, Any]:
 def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
     status = dataset["status"].values
     failed = ~np.isin(status, ("ok", *ENDINGS))
-    # a frame collapses only where an effect limits its drift
+    # a frame can collapse only with an effect that limits its drift
     ended = [name for name in ENDINGS if name == "overturned" or (status == name).any()]
     print(
         f"{status.size} simulations by {dataset.attrs['method']} "
@@ -88,7 +88,7 @@ def _print_spectrum(dataset: xr.Dataset, options: argparse.Namespace) -> None:
 
 
 def _print_ordinates(dataset: xr.Dataset) -> None:
-    """One line a period, one column a mass ratio and half width."""
+    """Print one line per period, one column per mass ratio and half width."""
     outer = [name for name in ("b", "gamma") if name in dataset.dims]
     columns = dataset.stack(column=outer) if outer else dataset
     names = names_by_key(name for name in dataset.data_vars if name != "status")

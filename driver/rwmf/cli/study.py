@@ -1,4 +1,4 @@
-"""What ``rwmf study`` does: one study, one dataset, one figure."""
+"""Subcommand ``rwmf study``: one study, one dataset, one figure."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Report = Callable[[int, int], None]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute a study, write it, draw it (``rwmf study``).
+    """Compute, save and draw a study (``rwmf study``).
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def _bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Datase
         else:
             tensions = numbers(TENSIONS)
     if factors is not None:
-        # a case that gives r takes its square
+        # for a case with r, the values are squared
         squared = case.impact is not None and "r" in case.impact.given
         uncertain |= {"r": [e**2 for e in factors]} if squared else {"e": factors}
     if tensions is not None:
@@ -158,7 +158,7 @@ def _equal_response(options: argparse.Namespace, case: Case, report: Report) -> 
 
 
 class _Study(NamedTuple):
-    """A study with its figure, which has one panel or several."""
+    """A study with its figure of one or more panels."""
 
     compute: Callable[[argparse.Namespace, Case, Report], xr.Dataset]
     draw: Callable[[xr.Dataset, Any], object]
@@ -189,7 +189,7 @@ def _how(options: argparse.Namespace, report: Report) -> dict[str, Any]:
 
 
 def _fit_in_words(dataset: xr.Dataset) -> str:
-    """Say what a fragility curve comes down to."""
+    """Summarise a fragility curve."""
     unit = dataset["limit"].attrs["units"]
     limit = f"{float(dataset['limit']):g}" + ("" if unit == "1" else f" {unit}")
     return (
@@ -200,7 +200,7 @@ def _fit_in_words(dataset: xr.Dataset) -> str:
 
 
 def _effect_in_words(dataset: xr.Dataset) -> str:
-    """Say what the wall changes, a line each response: lower and higher ones stand together."""
+    """Summarise the effect of the wall, one line per response: reductions and increases."""
     lines = ["with the wall over without it:"]
     for name in str(dataset.attrs["quantities"]).split():
         values = dataset[f"{name}_ratio"].values

@@ -1,4 +1,4 @@
-"""The words and options of ``rwmf study``."""
+"""Subcommands and options of ``rwmf study``."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from rwmf.cli.words import key_with_numbers, number, numbers, written_file
 
 __all__ = ["BLOCK_PERIODS", "FACTORS", "PERIODS", "STRESSES", "TENSIONS", "add_study"]
 
-# the ranges of what is uncertain, when nothing else is said: velocity factors, pairs of eta
+# default ranges of uncertain parameters: velocity factors, pairs of eta
 FACTORS = "0.8:1:5"
 TENSIONS = "0,0,1,5,5,50"
-# shares of the initial stress of strands
+# fractions of the initial stress of strands
 STRESSES = "0.7,0.85,1"
-# periods [s] of a frame; 2 pi/p of blocks from half a metre to twenty metres high
+# periods of a frame [s]; 2 pi/p of blocks from half a metre to twenty metres high
 PERIODS = "0.1:3:59"
 BLOCK_PERIODS = "1:8:57"
 _QUANTITY = (
@@ -24,12 +24,12 @@ _QUANTITY = (
 
 
 def add_study(commands: Subcommands) -> None:
-    """Add the word ``study``, and those that follow it.
+    """Add the subcommand ``study`` and its studies.
 
     Parameters
     ----------
     commands : Subcommands
-        Words of the command line. What is parsed has the name of the study as ``study``.
+        Subcommands of the command line; the parsed result has the study's name as ``study``.
     """
     parser = commands.add(
         "study",
@@ -63,7 +63,7 @@ def _new(studies: Subcommands, name: str, text: str, example: str) -> argparse.A
 
 def _list(parser: argparse.ArgumentParser, name: str, default: str | None, text: str) -> None:
     shown = f" (default {default})" if default else ""
-    # the same option without its capitals is the same option
+    # options match in upper and lower case
     words = dict.fromkeys((f"--{name}", f"--{name.lower()}"))
     parser.add_argument(*words, metavar="LIST", type=numbers, default=default, help=text + shown)
 

@@ -1,4 +1,4 @@
-"""How a word of the command line is added, and the options that several words share."""
+"""Definition of subcommands, and options that several of them share."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ __all__ = ["Subcommands", "add_case", "add_plot", "add_threads"]
 
 
 class Subcommands:
-    """The words that may follow a command.
+    """Subcommands of a command.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
         Parser of the command.
     metavar : str
-        What its help calls them.
+        Their name in the help.
     """
 
     def __init__(self, parser: argparse.ArgumentParser, metavar: str) -> None:
@@ -27,26 +27,26 @@ class Subcommands:
     def add(
         self, name: str, text: str, example: str, run: str = "", **defaults: object
     ) -> argparse.ArgumentParser:
-        """Add a word.
+        """Add a subcommand.
 
         Parameters
         ----------
         name : str
-            The word.
+            Name of the subcommand.
         text : str
-            What it does, for the help.
+            Description for the help.
         example : str
-            Words after it, for the help.
+            Example of arguments for the help.
         run : str
-            Module of this package and its function that does it, for example ``'run.run'``; the
-            module is imported when the word is used. Empty for a word that others follow.
+            Module of this package and its function, for example ``'run.run'``, imported at use.
+            Empty for a subcommand with further subcommands.
         **defaults
-            What is known with this word, without an option.
+            Attributes of the parsed result.
 
         Returns
         -------
         argparse.ArgumentParser
-            Its parser, which has no options yet.
+            Parser of the subcommand, without options.
         """
         parser = self._actions.add_parser(
             name,
@@ -59,38 +59,38 @@ class Subcommands:
 
 
 def add_case(parser: argparse.ArgumentParser) -> None:
-    """Add the case.
+    """Add the argument of the case.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
-        Parser of the word.
+        Parser of the subcommand.
     """
     parser.add_argument("case", metavar="CASE.nml", help="namelist file")
 
 
-def add_plot(parser: argparse.ArgumentParser, what: str) -> None:
-    """Add the option that names a figure.
+def add_plot(parser: argparse.ArgumentParser, content: str) -> None:
+    """Add the option for a figure.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
-        Parser of the word.
-    what : str
-        What is drawn.
+        Parser of the subcommand.
+    content : str
+        Content of the figure.
     """
     parser.add_argument(
-        "--plot", metavar="FILE", type=written_file, help=f"draw {what} (png, svg, pdf)"
+        "--plot", metavar="FILE", type=written_file, help=f"draw {content} (png, svg, pdf)"
     )
 
 
 def add_threads(parser: argparse.ArgumentParser) -> None:
-    """Add the number of threads.
+    """Add the option for the number of threads.
 
     Parameters
     ----------
     parser : argparse.ArgumentParser
-        Parser of the word.
+        Parser of the subcommand.
     """
     parser.add_argument(
         "--threads", metavar="N", type=thread_count, default=0, help="threads (0: all)"

@@ -1,4 +1,4 @@
-"""What ``rwmf sweep`` and ``rwmf merge`` do."""
+"""Subcommands ``rwmf sweep`` and ``rwmf merge``."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
-    """Say what a sweep gave.
+    """Print a summary of a sweep.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
     path : path
         Its file.
     seconds : float
-        What it took [s].
+        Duration [s].
     """
     codes = dataset["status"].values
     names = dataset["status"].attrs["flag_meanings"].split()

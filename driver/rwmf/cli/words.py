@@ -1,4 +1,4 @@
-"""Words of the command line, checked where they are read."""
+"""Validation of command-line arguments while they are parsed."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _MOST_NUMBERS = 1_000_000
 
 
 def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str], float]:
-    """Make the reader of an option that is a finite number.
+    """Make the type of an option with a finite number.
 
     Parameters
     ----------
     above, below : float
-        Ends of the range, which are not in it.
+        Ends of the range, excluded.
 
     Returns
     -------
@@ -49,12 +49,12 @@ def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str],
 
 
 def whole(lowest: int, highest: int) -> Callable[[str], int]:
-    """Make the reader of an option that is a whole number.
+    """Make the type of an option with a whole number.
 
     Parameters
     ----------
     lowest, highest : int
-        Ends of the range, both in it.
+        Ends of the range, included.
 
     Returns
     -------
@@ -76,12 +76,12 @@ def whole(lowest: int, highest: int) -> Callable[[str], int]:
 
 
 def numbers(word: str) -> list[float]:
-    """Read ``FIRST:LAST:N``, both ends included, or numbers with commas between them.
+    """Read ``FIRST:LAST:N`` with both ends, or comma-separated numbers.
 
     Parameters
     ----------
     word : str
-        Either of them.
+        Text in one of these forms.
 
     Returns
     -------
@@ -91,9 +91,9 @@ def numbers(word: str) -> list[float]:
     Raises
     ------
     argparse.ArgumentTypeError
-        When the word is neither, or when there are too many numbers.
+        When the text has neither form, or when there are too many numbers.
     """
-    # help and complaints about other words need not wait for it
+    # imported here so that help and other error messages need not wait for it
     import numpy as np
 
     read = number()
@@ -128,7 +128,7 @@ def key_with_numbers(word: str) -> tuple[str, list[float]]:
     Raises
     ------
     argparse.ArgumentTypeError
-        When the word has another form.
+        When the text has another form.
     """
     key, sign, values = word.partition("=")
     if not key or not sign:
@@ -137,7 +137,7 @@ def key_with_numbers(word: str) -> tuple[str, list[float]]:
 
 
 def thread_count(word: str) -> int:
-    """Read a number of threads, 0 for all; the kernel says how many it takes.
+    """Read a number of threads, 0 for all; the kernel enforces the limit.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def thread_count(word: str) -> int:
     Returns
     -------
     int
-        The same.
+        The number.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def written_file(word: str) -> str:
     Returns
     -------
     str
-        The same.
+        The name.
 
     Raises
     ------

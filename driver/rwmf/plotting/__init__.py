@@ -1,1 +1,1 @@
-"""Figures; what of it is public stands in `rwmf.plot`."""
+"""Figures; `rwmf.plot` exports the public functions."""

@@ -1,4 +1,4 @@
-"""Wall and frame moving with the ground, picture by picture: a film of a response."""
+"""Film of a response: wall, frame and ground, frame by frame."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ __all__ = ["FORMATS", "animate", "corners", "ground_displacement", "in_words", "
 Array = npt.NDArray[np.float64]
 
 FORMATS = ("gif", "mp4")
-# a rotation that a person sees [rad]
+# smallest visible rotation [rad]
 _VISIBLE = 0.12
-# how long an impact stays marked [s]
+# duration of the mark of an impact [s]
 _FLASH = 0.12
-# events that end the motion, and how long the last picture then stays [s]
+# events that end the motion, and the duration of the last picture [s]
 _FALLEN = ("overturned", "collapsed")
 _LAST = 1.0
 
@@ -51,20 +51,19 @@ def animate(
     case : Case
         The case.
     dataset : xarray.Dataset
-        Its response, one sample for each picture of the film, of storeys with ``&output
-        reactions``.
+        Its response, one sample per picture of the film; storeys need ``&output reactions``.
     path : path
-        File to write; its suffix names the format.
+        File to write; its suffix selects the format.
     frames_per_second : int
-        Pictures a second of the film.
+        Pictures per second.
     progress : callable, optional
-        Called with the number of finished samples and of all; the pictures of a GIF count once
-        more, while they are encoded.
+        Called with the numbers of finished and of all samples; the pictures of a GIF count twice,
+        because they are drawn and then encoded.
 
     Returns
     -------
     float
-        Factor by which rotations and drifts are drawn larger than they are [-].
+        Magnification of the drawn rotations and drifts [-].
 
     Raises
     ------
@@ -83,7 +82,7 @@ def animate(
     count = _Count(samples if kind == "mp4" else 2 * samples - 1 + last, progress)
     writer = _writer(kind, frames_per_second, count)
     with files.replacing(path, path.suffix) as stream, new_figure(6.0) as figure:
-        # a layout that is found again for every frame would tremble
+        # a new layout for every picture would make the film tremble
         figure.set_layout_engine("none")
         draw = _stage(figure, case, dataset, building, factor)
         try:
@@ -94,7 +93,7 @@ def animate(
                         writer.grab_frame()
                     count.add()
         except CalledProcessError as error:
-            # the program that writes the film may find the disk full
+            # the external program may find the disk full
             raise OutputError(f"{path}: cannot be written: {error}") from error
     return factor
 
@@ -107,21 +106,21 @@ class _Count:
     total : int
         Number of all parts.
     report : callable, optional
-        Called with the number of finished parts and of all.
+        Called with the numbers of finished and of all parts.
     """
 
     def __init__(self, total: int, report: Callable[[int, int], None] | None) -> None:
         self._done, self._total, self._report = 0, total, report
 
     def add(self) -> None:
-        """Count one more."""
+        """Count one finished part."""
         self._done += 1
         if self._report is not None:
             self._report(self._done, self._total)
 
 
 def _kind_of(path: Path) -> str:
-    """Return the format of a film that can be written."""
+    """Return the format of a film after checking that it can be written."""
     from matplotlib.animation import FFMpegWriter
 
     kind = path.suffix.lstrip(".").lower()
@@ -136,7 +135,7 @@ def _writer(kind: str, frames_per_second: int, count: _Count) -> AbstractMovieWr
     from matplotlib.animation import FFMpegWriter, PillowWriter
 
     class GifWriter(PillowWriter):
-        """Counts the pictures while they are encoded, which takes as long as to draw them."""
+        """Writer that counts the pictures during encoding, which takes as long as drawing."""
 
         _frames: list[Image]
 
@@ -160,7 +159,7 @@ def _writer(kind: str, frames_per_second: int, count: _Count) -> AbstractMovieWr
 
 
 def magnification(theta: Array) -> float:
-    """Return the factor that makes rotations visible, 1 for large ones.
+    """Return the magnification that makes rotations visible, 1 for large ones.
 
     Parameters
     ----------
@@ -181,14 +180,14 @@ def magnification(theta: Array) -> float:
 
 
 def in_words(case: Case, factor: float) -> str:
-    """Say how rotations and drifts are drawn.
+    """Describe the magnification of rotations and drifts.
 
     Parameters
     ----------
     case : Case
         The case.
     factor : float
-        How much larger they are drawn [-].
+        Magnification [-].
 
     Returns
     -------
@@ -202,7 +201,7 @@ def in_words(case: Case, factor: float) -> str:
 
 
 def corners(h: float, b: float, theta: float, is_pinned: bool = False) -> Array:
-    """Return the corners of the wall, turned about the corner that is down or about its hinge.
+    """Return the corners of the wall, rotated about its base corner or its hinge.
 
     Parameters
     ----------
@@ -211,7 +210,7 @@ def corners(h: float, b: float, theta: float, is_pinned: bool = False) -> Array:
     theta : float
         Rotation, positive about the right corner [rad].
     is_pinned : bool
-        Whether the wall turns about the middle of its base.
+        True when the wall rotates about the middle of its base.
 
     Returns
     -------
@@ -227,7 +226,7 @@ def corners(h: float, b: float, theta: float, is_pinned: bool = False) -> Array:
 
 
 def ground_displacement(t: Array, acceleration: Array) -> Array:
-    """Integrate the ground motion twice and take out the line from first to last sample.
+    """Integrate the ground motion twice and remove the line from first to last sample.
 
     Parameters
     ----------
@@ -239,7 +238,7 @@ def ground_displacement(t: Array, acceleration: Array) -> Array:
     Returns
     -------
     numpy.ndarray, shape (n,)
-        Displacement [m]; a record drifts without the correction.
+        Displacement [m]; without the correction it would drift.
     """
     velocity = _integrate(t, acceleration)
     displacement = _integrate(t, velocity)
@@ -254,7 +253,7 @@ def _integrate(t: Array, rate: Array) -> Array:
 
 
 def _end_of(dataset: xr.Dataset) -> str:
-    """Return how the motion ends within the film: 'overturned', 'collapsed', '' if it goes on."""
+    """Return the ending within the film: 'overturned', 'collapsed', or '' for none."""
     t = dataset["time"].values
     next_sample = 2 * t[-1] - t[max(t.size - 2, 0)]
     ends = dataset["event"].values[dataset["event_time"].values <= next_sample]
@@ -264,7 +263,7 @@ def _end_of(dataset: xr.Dataset) -> str:
 def _stage(
     figure: Figure, case: Case, dataset: xr.Dataset, building: Building | None, factor: float
 ) -> Callable[[int], None]:
-    """Set the scene and return what moves it to a sample."""
+    """Draw the scene and return the function that moves it to a sample."""
     t = dataset["time"].values
     ground = np.zeros_like(t)
     if "u_g_ddot" in dataset:
@@ -305,7 +304,7 @@ def _stage(
 
 
 def _feet(case: Case, building: Building) -> Array:
-    """Places of both columns [m]: at the left of the wall, or in the middle of the picture."""
+    """Return the positions of both columns [m]: left of the wall, or in the middle."""
     if case.wall is None:
         return float(building.levels[-1]) * np.array([-0.3, 0.3])
     feet: Array = -case.wall.b - case.wall.h * np.array([2.0, 1.0])
@@ -313,7 +312,7 @@ def _feet(case: Case, building: Building) -> Array:
 
 
 def _frame_scene(ax: Axes, case: Case, building: Building | None, ground: float) -> None:
-    """Choose what the picture shows: the building, room for a wall to fall, and for the ground."""
+    """Set the limits of the picture: the building, a fallen wall, and the ground motion."""
     height = max(
         2 * case.wall.h if case.wall is not None else 0.0,
         float(building.levels[-1]) if building is not None else 0.0,
@@ -330,7 +329,7 @@ def _frame_scene(ax: Axes, case: Case, building: Building | None, ground: float)
 def _wall(
     ax: Axes, case: Case, dataset: xr.Dataset, factor: float, ground: Array
 ) -> Callable[[int], tuple[str, Array | None]]:
-    """Draw wall, cable and impacts; return what moves them and gives their state and left face."""
+    """Draw wall, cable and impacts; return the function that moves them."""
     if case.wall is None:
         return lambda _: ("", None)
     h, b, is_pinned = case.wall.h, case.wall.b, case.wall.base == "pinned"
@@ -352,7 +351,7 @@ def _wall(
             return "", box[[0, 3]]
         past = t[i] - impacts
         hit = np.any((past >= 0) & (past < _FLASH))
-        # the corner that came down is the one that the wall now turns about
+        # rotation about the corner that has come down
         down = box[1] if theta[i] > 0 else box[0]
         flash.set_data([down[0]], [0.0]) if hit else flash.set_data([], [])
         state = "at rest" if theta[i] == 0.0 else ("impact" if hit else "rocking")

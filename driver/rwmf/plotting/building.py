@@ -1,4 +1,4 @@
-"""The frame of a film: where its floors are, which storeys have yielded, and its lines."""
+"""Frame in a film: floor positions, yielded storeys, and lines."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Array = npt.NDArray[np.float64]
 
 # points along a column
 _COLUMN = np.linspace(0.0, 1.0, 12)
-# its shape, clamped at the foot and guided at the floor above
+# shape of a column, clamped at the foot and guided at the floor above
 _BENT = 3 * _COLUMN**2 - 2 * _COLUMN**3
-# a gap in a line of several parts
+# separator between parts of a line
 _GAP = np.array([[np.nan, np.nan]])
-# height that a frame is drawn with when nothing says it [m]
+# height of a drawn frame when the case gives none [m]
 _NOMINAL = 3.0
 
 
@@ -42,9 +42,9 @@ class Building:
     sway : numpy.ndarray, shape (n, times)
         Displacements of the floors, relative to the ground [m].
     has_yielded : numpy.ndarray of bool, shape (n, times)
-        Whether the storey below each floor has yielded until then.
+        True from the first yield of the storey below each floor.
     linked : numpy.ndarray of bool, shape (n,)
-        Whether a floor is linked to the wall.
+        True for a floor linked to the wall.
     """
 
     levels: Array
@@ -54,7 +54,7 @@ class Building:
 
     @property
     def angles(self) -> Array:
-        """Drifts of the storeys over their heights, shape (n, times) [rad]."""
+        """Storey drifts over storey heights, shape (n, times) [rad]."""
         heights = np.diff(self.levels, prepend=0.0)
         drifts: Array = np.diff(self.sway, axis=0, prepend=0.0) / heights[:, np.newaxis]
         return drifts
@@ -68,7 +68,7 @@ def find_building(case: Case, dataset: xr.Dataset) -> Building | None:
     case : Case
         The case that was simulated.
     dataset : xarray.Dataset
-        Its response over time, of storeys with ``&output reactions``.
+        Response over time; storeys need ``&output reactions``.
 
     Returns
     -------
@@ -103,13 +103,13 @@ class BuildingLines:
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Where to draw.
+        Axes to draw in.
     building : Building
         The frame.
     feet : numpy.ndarray, shape (2,)
-        Where both columns stand when the ground is at rest [m].
+        Positions of both columns at rest [m].
     factor : float
-        Of the displacements [-].
+        Magnification of the displacements [-].
     """
 
     def __init__(self, ax: Axes, building: Building, feet: Array, factor: float) -> None:
@@ -130,7 +130,7 @@ class BuildingLines:
         ground : float
             Displacement of the ground [m].
         face : numpy.ndarray, shape (2, 2), optional
-            Foot and top of the face of the wall that the links lead to [m].
+            Foot and top of the wall face that the links are attached to [m].
         """
         building = self._building
         x = ground + np.concatenate(([0.0], self._factor * building.sway[:, i]))
@@ -164,5 +164,5 @@ class BuildingLines:
 
 
 def _joined(parts: list[Array]) -> Array:
-    """Put points of several parts into one line; shape (2, points)."""
+    """Join the points of several parts into one line; shape (2, points)."""
     return np.concatenate(parts).T if parts else np.empty((2, 0))

@@ -1,4 +1,4 @@
-"""The work-precision plot: axes in, axes out. Nothing here simulates."""
+"""Work-precision plot of measured costs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["work_precision"]
 
 _METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
-# today's procedures: marker, and whether it is filled (dt) or open (dt/10)
+# procedures of practice: marker, and True for filled (dt), False for open (dt/10)
 _PRACTICES = {
     "ode45, default": ("*", True),
     "RK4, dt": ("P", True),
@@ -37,24 +37,24 @@ _PRACTICES = {
     "Newmark, dt": ("X", True),
     "Newmark, dt/10": ("X", False),
 }
-# of the peaks that are compared where nothing else is asked for
+# symbols of the peaks compared by default
 _SYMBOLS = {"u_s_max_m": r"$u_{s,\max}$", "theta_max_rad": r"$|\theta|_{\max}$"}
-# errors below are round-off and drawn there
+# errors below this are round-off and drawn at this level
 _FLOOR = 1e-16
 
 
 @checked
 def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -> Axes:
-    """Draw error against time, one line a method; today's procedures are grey points.
+    """Draw error against time, one line per method; procedures of practice are grey points.
 
     Parameters
     ----------
     cost : Cost
         From `rwmf.cost`.
     ax : matplotlib axes, optional
-        Where to draw; otherwise a new figure.
+        Axes to draw in; otherwise a new figure.
     legend : bool
-        With a legend beside the axes.
+        Add a legend beside the axes.
 
     Returns
     -------
@@ -64,10 +64,10 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
     Raises
     ------
     InputError
-        When an argument is of another kind.
+        When an argument has the wrong type.
     """
     if not hasattr(cost, "practices"):
-        raise InputError(f"cost = {show(cost)}: must be what rwmf.cost returns")
+        raise InputError(f"cost = {show(cost)}: must be the result of rwmf.cost")
     axes: Axes = make_panels(ax, 1)[0]
     for method, colour, marker in zip(_METHODS, COLOURS, MARKERS, strict=False):
         rows = [row for row in cost.rows if row.method == method and _is_drawn(row)]

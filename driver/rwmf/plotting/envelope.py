@@ -86,9 +86,9 @@ def envelope(
     Returns
     -------
     numpy.ndarray, shape (panels,)
-        The axes. Points are at the base, at mid-height and on both sides of every floor; the
-        largest values over the whole height of one run are stars. Of several runs the line is the
-        median and the band reaches from 16 to 84 %.
+        The axes. Points are at the base, at mid-height and on both sides of every floor.
+        Stars are the largest values over the height of one run. For several runs the line is the
+        median and the band covers 16 to 84 %.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Figures as files."""
+"""Writing of figures to files."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from rwmf.quantities import names_by_key
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
+    from matplotlib.transforms import BboxBase
 
 __all__ = [
     "check_format",
@@ -31,12 +32,12 @@ __all__ = [
     "save_spectrum",
 ]
 
-# height of the demands over the height of a building [inch]
+# height of the panel of demands over the height of a building [inch]
 _PROFILE = 2.6
 
 
 def check_format(path: str | os.PathLike[str]) -> str:
-    """Tell the format of a figure from its file's name.
+    """Determine the format of a figure from its file's name.
 
     Parameters
     ----------
@@ -51,7 +52,7 @@ def check_format(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     InputError
-        When there is no such format, or when matplotlib is missing.
+        When the format is unknown, or when matplotlib is missing.
     """
     try:
         from matplotlib.backend_bases import FigureCanvasBase
@@ -65,12 +66,12 @@ def check_format(path: str | os.PathLike[str]) -> str:
 
 
 def check_formats(*paths: str | None) -> None:
-    """Complain about names of figures before a computation, not after it.
+    """Check the file names of figures before a computation.
 
     Parameters
     ----------
     *paths : str, optional
-        Files to write; None for a figure that is not wanted.
+        Files to write; None for a figure that is not requested.
 
     Raises
     ------
@@ -82,33 +83,50 @@ def check_formats(*paths: str | None) -> None:
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> None:
-    """Write a figure; a failure leaves an earlier file untouched.
+    """Write a figure; after a failure an earlier file is unchanged.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
         The figure.
     path : str or path
-        File; its suffix names the format.
+        File; its suffix selects the format.
 
     Raises
     ------
     InputError
-        When there is no such format.
+        When the format is unknown.
     OutputError
         When the file cannot be written.
     """
     kind = check_format(path)
-    # without a date the same figure is the same file
+    _fix_layout(figure)
+    # without a date equal figures give equal files
     dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     with files.replacing(path) as stream:
         figure.savefig(stream, format=kind, metadata=dated.get(kind))
 
 
+def _fix_layout(figure: Figure) -> None:
+    """Lay the figure out, without the round-off of the layout, which differs between calls."""
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    for part in figure.subfigs:
+        part.bbox_relative.bounds = _rounded(part.bbox_relative)
+    for axes in figure.axes:
+        axes.set_position(_rounded(axes.get_position(original=True)))
+
+
+def _rounded(box: BboxBase) -> tuple[float, float, float, float]:
+    # the sum has no negative zero
+    x, y, width, height = (round(value, 9) + 0.0 for value in box.bounds)
+    return x, y, width, height
+
+
 def save_history(
     dataset: xr.Dataset, path: str | os.PathLike[str], case: Case | None = None
 ) -> None:
-    """Draw a history into a file, and below it demands and forces over the height of storeys.
+    """Draw a history into a file, and for storeys also demands and forces over the height.
 
     Parameters
     ----------
@@ -117,8 +135,8 @@ def save_history(
     path : str or path
         File to write.
     case : Case, optional
-        The case that was simulated: with it first yield and limits are drawn, and envelopes of
-        the forces in wall and links.
+        The simulated case, for first yield and limits and the envelopes of the forces in wall and
+        links.
 
     Raises
     ------
@@ -145,21 +163,21 @@ def save_history(
 
 
 def save_loops(dataset: xr.Dataset, case: Case, path: str | os.PathLike[str]) -> None:
-    """Draw force over displacement of the springs into a file.
+    """Draw the force-displacement loops of the springs into a file.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `rwmf.simulate`, with a history.
     case : Case
-        The case that was simulated.
+        The simulated case.
     path : str or path
         File to write.
 
     Raises
     ------
     InputError, OutputError
-        As `save`, and when no spring has a force in the history.
+        As `save`, and when the history contains no force of a spring.
     """
     n = len(loops.group_by_kind(loops.find_loops(dataset, case)))
     with new_figure(3.0) as figure:
@@ -173,7 +191,7 @@ def save_spectrum(
     bare: xr.Dataset | None = None,
     title: str = "",
 ) -> None:
-    """Draw a spectrum into a file, each of its quantities in a panel of its own.
+    """Draw a spectrum into a file, one panel per quantity.
 
     Parameters
     ----------

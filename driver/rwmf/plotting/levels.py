@@ -1,4 +1,4 @@
-"""Drifts at which a frame or its storeys yield first, and at which they count as collapsed."""
+"""Drifts at first yield and at collapse of a frame or its storeys."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ __all__ = ["Levels", "draw_levels", "height_of_frame", "levels_of_frame", "level
 
 Array = npt.NDArray[np.float64]
 
-# a level is drawn where it is no further from zero than this many times the largest value
+# a level is drawn up to this multiple of the largest value
 _IN_REACH = 1.5
 
 
 @dataclass(frozen=True)
 class Levels:
-    """Sizes of drifts or displacements, one for each storey.
+    """Levels of drift or displacement, one per storey.
 
     Attributes
     ----------
     first_yield : numpy.ndarray, shape (n,) or (0,)
-        Where it yields first; empty when it cannot.
+        Levels of first yield; empty for a linear frame.
     limit : numpy.ndarray, shape (n,) or (0,)
-        Where it has collapsed; empty when nothing limits it.
+        Levels of collapse; empty without a limit.
     """
 
     first_yield: Array
@@ -40,14 +40,14 @@ class Levels:
 
 
 def levels_of_storeys(dataset: xr.Dataset, case: Case, n: int) -> Levels:
-    """Find the drifts of the storeys.
+    """Determine the levels of the storeys' drifts.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Its response, from `rwmf.simulate`.
     case : Case
-        The case that was simulated.
+        The simulated case.
     n : int
         Number of storeys.
 
@@ -58,30 +58,30 @@ def levels_of_storeys(dataset: xr.Dataset, case: Case, n: int) -> Levels:
     """
     law = case.yielding
     first: Array = np.empty(0)
-    # given, or derived from forces: the key of the case does not matter
+    # given, or derived from forces, whichever key the case uses
     if law is not None and "storey_u_y" in law:
         first = np.broadcast_to(law.storey_u_y, n) / np.broadcast_to(case.storeys.height, n)
     elif law is not None:
-        # the storeys of one spring share its ductility
+        # storeys of one spring share its ductility
         largest = [float(dataset[f"storey_{i + 1}_drift_max"]) for i in range(n)]
         first = np.array(largest) * _first_share(dataset)
     return _with_limits(first, case, n, 1.0)
 
 
 def levels_of_frame(dataset: xr.Dataset, case: Case) -> Levels:
-    """Find the displacements of a frame of a single degree of freedom.
+    """Determine the levels of displacement for a frame with one degree of freedom.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Its response, from `rwmf.simulate`.
     case : Case
-        The case that was simulated.
+        The simulated case.
 
     Returns
     -------
     Levels
-        Displacements [m], one each.
+        Displacements [m], one value each.
     """
     first: Array = np.empty(0)
     if case.yielding is not None:
@@ -90,7 +90,7 @@ def levels_of_frame(dataset: xr.Dataset, case: Case) -> Levels:
 
 
 def height_of_frame(case: Case) -> float | None:
-    """Find the height of a single degree of freedom.
+    """Return the height of a frame with one degree of freedom.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def height_of_frame(case: Case) -> float | None:
     Returns
     -------
     float or None
-        Height [m]; None when nothing says it.
+        Height [m]; None when the case gives none.
     """
     if case.p_delta is not None and "h_f" in case.p_delta.given:
         return float(case.p_delta.h_f)
@@ -108,13 +108,13 @@ def height_of_frame(case: Case) -> float | None:
 
 
 def _first_share(dataset: xr.Dataset) -> float:
-    """First yield over the largest displacement; not a number where nothing has moved."""
+    """Return first yield over the largest displacement; NaN without displacement."""
     ductility = float(dataset["ductility"])
     return 1 / ductility if ductility > 0 else np.nan
 
 
 def _with_limits(first: Array, case: Case, n: int, height: float) -> Levels:
-    """Take the first limit to be reached of the drift's and the ductility's."""
+    """Return levels with the smaller limit of drift and ductility."""
     limits = np.full(n, np.inf)
     if case.p_delta is not None:
         limits = np.minimum(limits, float(case.p_delta.drift_limit) * height)
@@ -124,19 +124,19 @@ def _with_limits(first: Array, case: Case, n: int, height: float) -> Levels:
 
 
 def draw_levels(ax: Axes, levels: Levels, factor: float, unit: str) -> None:
-    """Draw levels on both sides of zero behind the lines of an axes, and name them above it.
+    """Draw labelled levels on both sides of zero behind the lines of axes.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        With the response over time.
+        Axes with the response over time.
     levels : Levels
-        Its levels, of storeys that differ the lowest and the highest. Those far beyond the response
-        are named but not drawn: it would be flat.
+        Its levels; for differing storeys the lowest and the highest. Levels far beyond the response
+        are labelled but not drawn, because the response would look flat.
     factor : float
-        Unit of the levels over that of the axes.
+        Ratio of the units of levels and axes.
     unit : str
-        Of the axes.
+        Unit of the axes.
     """
     from matplotlib.lines import Line2D
 
@@ -144,7 +144,7 @@ def draw_levels(ax: Axes, levels: Levels, factor: float, unit: str) -> None:
     largest = max(
         (np.nanmax(np.abs(line.get_ydata()), initial=0.0) for line in ax.lines), default=0
     )
-    for name, values, look in (
+    for name, values, line_style in (
         ("yield", levels.first_yield, YIELD),
         ("limit", levels.limit, LIMIT),
     ):
@@ -152,15 +152,15 @@ def draw_levels(ax: Axes, levels: Levels, factor: float, unit: str) -> None:
         if not sizes.size:
             continue
         ends = " to ".join(f"{size:.3g}" for size in sorted({sizes[0], sizes[-1]}))
-        lines.append(Line2D([], [], label=f"{name} {ends} {unit}", **look))
+        lines.append(Line2D([], [], label=f"{name} {ends} {unit}", **line_style))
         if sizes[0] > _IN_REACH * largest:
             continue
         for size in {sizes[0], sizes[-1], -sizes[0], -sizes[-1]}:
-            ax.axhline(size, **look)
+            ax.axhline(size, **line_style)
     if lines:
         legend = ax.legend(
             handles=lines, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderpad=0.0
         )
-        # another legend of the axes does not take its place, and nothing cuts it off
+        # added directly, so that another legend does not replace it; not clipped
         ax.add_artist(legend)
         legend.set_clip_on(False)

@@ -1,4 +1,4 @@
-"""The figure of an overturning map: regions between bisected boundaries. Nothing here simulates."""
+"""Figure of an overturning map: regions between bisected boundaries."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["draw_overturning"]
 
 # outcome, lower and upper amplitude
 Region = tuple[int, float, float]
-# strength of the colour of a region
+# opacity of a region's colour
 _REGION = 0.5
 
 
@@ -32,7 +32,7 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
     dataset : xarray.Dataset
         From `rwmf.studies.overturning_map`.
     ax : matplotlib.axes.Axes
-        Where to draw.
+        Axes to draw in.
 
     Returns
     -------
@@ -46,7 +46,9 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
         _draw_between(ax, omegas[i : i + 2], columns[i], columns[i + 1])
     for outcome in sorted({region[0] for column in columns for region in column}):
         edge = {"edgecolor": GREY, "linewidth": 0.6}
-        ax.fill_between([], [], [], label=_outcome_in_words(outcome), **(_look(outcome) | edge))
+        ax.fill_between(
+            [], [], [], label=_outcome_in_words(outcome), **(_region_style(outcome) | edge)
+        )
     at = dataset["boundary_omega_over_p"], dataset["boundary_amplitude"]
     ax.plot(*at, **(DOTS | {"markersize": 1.5}), label="bisected boundary")
     ax.set_xlim(omegas[0], omegas[-1])
@@ -59,7 +61,7 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def _regions(dataset: xr.Dataset, i: int) -> list[Region]:
-    """Give outcome, lower and upper amplitude of the regions over one frequency."""
+    """Return outcome, lower and upper amplitude of the regions at one frequency."""
     at = np.flatnonzero(
         dataset["boundary_omega_over_p"].values == dataset["omega_over_p"].values[i]
     )
@@ -77,8 +79,9 @@ def _draw_between(
 ) -> None:
     """Fill the regions between two frequencies.
 
-    Boundaries between the same regions are joined, and the uppermost region may leave the map at
-    its top; where a region ends in between, each frequency holds as far as the middle.
+    Boundaries between equal regions are joined, and the uppermost region may end at the top of the
+    map. Where a region ends between the frequencies, each frequency represents half of the
+    interval.
     """
     pairs = list(zip(left, right, strict=False))
     leaving = abs(len(left) - len(right))
@@ -89,18 +92,18 @@ def _draw_between(
         for region, other in zip_longest(left, right):
             outcome = (region or other)[0]
             low, high = zip(*((x or (outcome, top, top))[1:] for x in (region, other)), strict=True)
-            ax.fill_between(omegas, low, high, **_look(outcome))
+            ax.fill_between(omegas, low, high, **_region_style(outcome))
         return
     middle = omegas.mean()
     for ends, column in (((omegas[0], middle), left), ((middle, omegas[1]), right)):
         for outcome, low_edge, high_edge in column:
-            ax.fill_between(ends, low_edge, high_edge, **_look(outcome))
+            ax.fill_between(ends, low_edge, high_edge, **_region_style(outcome))
 
 
-def _look(outcome: int) -> dict[str, Any]:
+def _region_style(outcome: int) -> dict[str, Any]:
     if outcome == SURVIVES:
         return {"facecolor": PAPER, "linewidth": 0}
-    # smoothed edges would show where the columns of one region meet
+    # anti-aliased edges would show between the columns of one region
     colour = tint(COLOURS[outcome % len(COLOURS)], _REGION)
     return {"facecolor": colour, "linewidth": 0, "antialiased": False}
 
@@ -113,7 +116,7 @@ def _outcome_in_words(outcome: int) -> str:
 
 
 def _scene_in_words(dataset: xr.Dataset) -> str:
-    """Say which wall, which loss at impacts and which pulse a map is of."""
+    """Describe wall, velocity factor and pulse of a map."""
     units = {"alpha": r"$\alpha$ = {:.4g} rad", "p": "$p$ = {:.4g} rad/s", "e": "$e$ = {:.4g}"}
     parts = [form.format(float(dataset[name])) for name, form in units.items() if name in dataset]
     return ", ".join([*parts, str(dataset.attrs["pulse"]).replace("_", "-")])

@@ -1,4 +1,4 @@
-"""Demands over the height of a building: axes in, axes out. Nothing here simulates."""
+"""Profiles of demands over the height of a building."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["DEMANDS", "demands_of", "profile"]
 
 Array = npt.NDArray[np.float64]
 
-# what `profile` shows, from left to right, with the label of the axis and what it is times
+# panels of `profile` from left to right, with axis label and factor
 DEMANDS = {
     "storey_{i}_drift_max": ("largest storey drift (%)", 100.0),
     "floor_{i}_acceleration_max_g": ("largest acceleration (g)", 1.0),
@@ -41,30 +41,29 @@ def profile(
     case: CaseLike | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> np.ndarray:
-    """Draw the largest demands of the storeys and floors over the height.
+    """Draw the peak demands of storeys and floors over the height.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        From `rwmf.simulate`, of storeys with ``&output reactions``.
+        From `rwmf.simulate`, for storeys with ``&output reactions``.
     axes : matplotlib axes or sequence of axes, optional
         One for each of drifts, accelerations and shears; otherwise a new figure.
     case : Case or path, optional
-        The case that was simulated: with it first yield and limits are faint lines behind the
-        drifts.
+        The simulated case; adds faint lines for first yield and limits behind the drifts.
     **line
-        Arguments of ``Axes.plot``, for example ``label`` and ``color`` to compare several.
+        Arguments of ``Axes.plot``, for example ``label`` and ``color`` for comparisons.
 
     Returns
     -------
     numpy.ndarray, shape (panels,)
-        The axes. Drifts and shears are constant over a storey; residual drifts of storeys that
-        yield are dotted.
+        The axes. Drifts and shears are constant over a storey; residual drifts of yielding storeys
+        are dotted.
 
     Raises
     ------
     InputError
-        When the dataset has no demands of storeys, or when axes and panels differ in number.
+        When the dataset has no demands of storeys, or when the numbers of axes and panels differ.
     """
     case = None if case is None else case_of(case)
     names = demands_of(dataset_of(dataset, "rwmf.simulate"))
@@ -74,15 +73,15 @@ def profile(
     for ax, name in zip(panels, names, strict=True):
         values = _values(dataset, name)
         label, factor = DEMANDS[name]
-        look = {"color": COLOURS[0], "marker": MARKERS[0], "markersize": 3} | line
+        line_style = {"color": COLOURS[0], "marker": MARKERS[0], "markersize": 3} | line
         if name.startswith("floor"):
-            ax.plot(factor * values, np.arange(1, values.size + 1), clip_on=False, **look)
+            ax.plot(factor * values, np.arange(1, values.size + 1), clip_on=False, **line_style)
         else:
-            _draw_storeys(ax, factor * values, look | {"marker": None})
+            _draw_storeys(ax, factor * values, line_style | {"marker": None})
         if name == _DRIFTS:
-            _draw_beside_drifts(ax, dataset, case, look | {"marker": None})
+            _draw_beside_drifts(ax, dataset, case, line_style | {"marker": None})
         ax.set_xlabel(label)
-        # of all that is drawn, by earlier calls too
+        # range of everything drawn, including earlier calls
         ax.autoscale(axis="x")
         ax.set_xlim(left=0)
         ax.set_ylim(0, values.size)
@@ -94,7 +93,7 @@ def profile(
 
 
 def demands_of(dataset: xr.Dataset) -> list[str]:
-    """Choose what `profile` shows.
+    """Return the panels of `profile` for a dataset.
 
     Parameters
     ----------
@@ -104,7 +103,7 @@ def demands_of(dataset: xr.Dataset) -> list[str]:
     Returns
     -------
     list of str
-        Those of `DEMANDS` that the dataset has; none without storeys.
+        Names from `DEMANDS` that the dataset has; empty without storeys.
     """
     found = [name for name in DEMANDS if members(dataset, name)]
     if "storey_{i}_shear_max" in found:
@@ -116,20 +115,20 @@ def _values(dataset: xr.Dataset, name: str) -> Array:
     return np.array([float(dataset[member]) for member in members(dataset, name)])
 
 
-def _draw_storeys(ax: Axes, values: Array, look: dict[str, Any]) -> None:
-    """Draw one number for each storey as a line up and across."""
-    ax.plot(np.repeat(values, 2), np.repeat(np.arange(values.size + 1), 2)[1:-1], **look)
+def _draw_storeys(ax: Axes, values: Array, line_style: dict[str, Any]) -> None:
+    """Draw one number per storey as a stepped line."""
+    ax.plot(np.repeat(values, 2), np.repeat(np.arange(values.size + 1), 2)[1:-1], **line_style)
 
 
 def _draw_beside_drifts(
-    ax: Axes, dataset: xr.Dataset, case: Case | None, look: dict[str, Any]
+    ax: Axes, dataset: xr.Dataset, case: Case | None, line_style: dict[str, Any]
 ) -> None:
-    """Draw what remains in the end, and where storeys yield and have collapsed."""
+    """Draw residual drifts, and the drifts of first yield and collapse."""
     factor = DEMANDS[_DRIFTS][1]
     residuals = np.abs(_values(dataset, _RESIDUALS))
     if residuals.size:
-        label = f"{look['label']}, residual" if "label" in look else "residual"
-        _draw_storeys(ax, factor * residuals, look | {"linestyle": ":", "label": label})
+        label = f"{line_style['label']}, residual" if "label" in line_style else "residual"
+        _draw_storeys(ax, factor * residuals, line_style | {"linestyle": ":", "label": label})
     if case is None:
         return
     drifts = _values(dataset, _DRIFTS)

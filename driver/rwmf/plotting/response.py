@@ -1,4 +1,4 @@
-"""Histories and spectra: axes in, axes out. Nothing here simulates."""
+"""Figures of histories and spectra."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PANELS", "history", "members", "panels_of", "spectrum"]
 
-# what `history` shows when it is not told, from top to bottom; {i} stands for every floor or storey
+# default panels of `history` from top to bottom; {i} means every floor or storey
 PANELS = (
     "u_g_ddot",
     "v_g_ddot",
@@ -67,10 +67,10 @@ _SYMBOLS = {
     "fuse_right_force_over_m_w_g": r"$F_r/(m_w g)$",
 }
 _FLOORS, _DRIFTS = "floor_{i}", "storey_{i}_drift"
-# lines in a column of a legend that is as high as its panel
+# lines per column of a legend as high as its panel
 _ROWS = 6
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
-# ordinates whose motion ended before its time
+# statuses of motions that ended early
 _ROTATION = "theta_max_over_alpha"
 _FALLEN = ("overturned", "collapsed")
 
@@ -84,7 +84,7 @@ def history(
     case: CaseLike | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
 ) -> np.ndarray:
-    """Draw variables against time, one panel each; impacts are ticks at the bottom.
+    """Draw variables against time, one panel each; ticks at the bottom mark impacts.
 
     Parameters
     ----------
@@ -93,26 +93,25 @@ def history(
     axes : matplotlib axes or sequence of axes, optional
         One for each variable; otherwise a new figure.
     variables : sequence of str, optional
-        Names of variables over time, with ``{i}`` in place of a number for all floors or storeys
-        in one panel; otherwise `PANELS`, as far as the dataset has them, with ``u_s`` as the roof
-        among the floors. Drifts of the storeys and accelerations of the floors are there with
-        ``&output reactions``.
+        Names of variables over time; ``{i}`` instead of a number draws all floors or storeys in one
+        panel. The default is the members of `PANELS` in the dataset, with ``u_s`` as the roof among
+        the floors. Storey drifts and floor accelerations need ``&output reactions``.
     case : Case or path, optional
-        The case that was simulated: with it first yield and the limits of collapse are faint
-        lines behind displacements and drifts.
+        The simulated case; adds faint lines for first yield and the limits of collapse behind
+        displacements and drifts.
     **line
         Arguments of ``Axes.plot``, for example ``label``.
 
     Returns
     -------
     numpy.ndarray, shape (panels,)
-        The axes. A dotted line stands where the wall overturned or the frame collapsed.
+        The axes. A dotted line marks the time of overturning or collapse.
 
     Raises
     ------
     InputError
-        When the dataset has no history or no such variable, or when axes and variables differ in
-        number.
+        When the dataset has no history or no such variable, or when the numbers of axes and
+        variables differ.
     """
     case = None if case is None else case_of(case)
     if "time" not in dataset_of(dataset, "rwmf.simulate").coords:
@@ -127,7 +126,7 @@ def history(
 
 
 def panels_of(dataset: xr.Dataset) -> list[str]:
-    """Choose what `history` shows when it is not told.
+    """Return the default panels of `history` for a dataset.
 
     Parameters
     ----------
@@ -137,7 +136,7 @@ def panels_of(dataset: xr.Dataset) -> list[str]:
     Returns
     -------
     list of str
-        Those of `PANELS` that the dataset has; the roof is one of the floors where it has these.
+        Members of `PANELS` in the dataset; the roof is one of the floors where it has these.
     """
     found = [name for name in PANELS if members(dataset, name)]
     return [name for name in found if name != "u_s" or _FLOORS not in found]
@@ -146,7 +145,7 @@ def panels_of(dataset: xr.Dataset) -> list[str]:
 def _draw_panel(
     ax: Axes, dataset: xr.Dataset, name: str, case: Case | None, line: dict[str, Any]
 ) -> None:
-    """Draw the lines of one panel, their names, and the levels behind them."""
+    """Draw the lines of one panel, their labels, and the levels behind them."""
     found = members(dataset, name)
     if not found:
         raise InputError(f"{name}: is not in the history")
@@ -154,9 +153,11 @@ def _draw_panel(
         found.append("u_s")
     factor = 100.0 if name == _DRIFTS else 1.0
     for i, member in enumerate(found):
-        # from the ground up; a panel of one variable needs no label
-        look = storey(i, len(found)) | {"label": str(i + 1) if len(found) > 1 else None} | line
-        ax.plot(dataset["time"], factor * dataset[member], **look)
+        # from the ground upwards; a panel of one variable needs no label
+        line_style = (
+            storey(i, len(found)) | {"label": str(i + 1) if len(found) > 1 else None} | line
+        )
+        ax.plot(dataset["time"], factor * dataset[member], **line_style)
     if case is not None and name == _DRIFTS:
         draw_levels(ax, levels_of_storeys(dataset, case, len(found)), factor, "%")
     elif case is not None and name == "u_s" and case.storeys is None:
@@ -170,7 +171,7 @@ def _draw_panel(
 
 
 def _mark_end(panels: np.ndarray, dataset: xr.Dataset) -> None:
-    """Mark where the wall overturned or the frame collapsed, which ends the motion."""
+    """Mark the overturning or collapse that ends the motion."""
     if "event_time" not in dataset.coords:
         return
     ends = np.flatnonzero(np.isin(dataset["event"].values, _FALLEN))
@@ -182,19 +183,19 @@ def _mark_end(panels: np.ndarray, dataset: xr.Dataset) -> None:
 
 
 def members(dataset: xr.Dataset, name: str) -> list[str]:
-    """Find the variables of a panel.
+    """Return the variables of a panel.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `rwmf.simulate`.
     name : str
-        Of a variable, or with ``{i}`` in place of the number of a floor or storey.
+        Name of a variable, or with ``{i}`` instead of the number of a floor or storey.
 
     Returns
     -------
     list of str
-        Names in the dataset, by number; empty when it has none.
+        Names in the dataset, by number; empty for none.
     """
     numbered = (name.format(i=i) for i in count(1))
     found = list(takewhile(lambda member: member in dataset, numbered)) if "{i}" in name else [name]
@@ -218,26 +219,26 @@ def spectrum(
     dataset : xarray.Dataset
         From `rwmf.spectrum`; one line for each mass ratio and half width.
     ax : matplotlib axes, optional
-        Where to draw; otherwise a new figure.
+        Axes to draw in; otherwise a new figure.
     bare : xarray.Dataset, optional
         Spectrum of the frame without wall, drawn dotted for comparison.
     quantities : str, optional
-        Variable of the dataset; otherwise ``u_s_max``, or its first where it has none.
+        Variable of the dataset; otherwise ``u_s_max``, or the first variable without it.
     legend : bool
-        With a legend beside the axes, where there are several lines.
+        Add a legend beside the axes for several lines.
     **line
         Arguments of ``Axes.plot``.
 
     Returns
     -------
     matplotlib.axes.Axes
-        The axes. Ordinates that overturned or collapsed are crosses, rotations of walls that
-        overturned at the upper edge; failed ones are gaps.
+        The axes. Crosses mark ordinates that overturned or collapsed, at the upper edge for
+        rotations of overturned walls; failed ordinates are gaps.
 
     Raises
     ------
     InputError
-        When the dataset or the bare one has no such quantity.
+        When the dataset or `bare` has no such quantity.
     """
     dataset_of(dataset, "rwmf.spectrum", "T_s", "status")
     if bare is not None:
@@ -255,12 +256,12 @@ def spectrum(
     axes: Axes = make_panels(ax, 1)[0]
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):
-        look = {**series(i, len(curves)), "label": label or None} | line
+        line_style = {**series(i, len(curves)), "label": label or None} | line
         has_fallen = np.isin(curve["status"].values, _FALLEN)
         periods, values = curve["T_s"].values, curve[quantity].values
-        # the rotation of a wall that lies on its side says nothing more: crosses at the upper edge
+        # the rotation of an overturned wall is meaningless: crosses at the upper edge
         on_side = (curve["status"].values == _FALLEN[0]) & (quantity == _ROTATION)
-        (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **look)
+        (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **line_style)
         cross: dict[str, Any] = {
             "color": drawn.get_color(),
             "markersize": 4,
@@ -284,7 +285,7 @@ def spectrum(
 
 
 def _curves(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
-    """Lines of a spectrum with their labels; a parameter with one value needs none."""
+    """Return the lines of a spectrum with labels; a parameter with one value needs none."""
     dims = [name for name in ("b", "gamma") if name in dataset.dims]
     curves = []
     for place in product(*(range(dataset.sizes[name]) for name in dims)):
@@ -308,7 +309,7 @@ def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:
         return
     times = dataset["event_time"].values[dataset["event"].values == "impact"]
     if not times.size:
-        # a line without points that is not clipped has no extent that a layout could use
+        # an unclipped line without points has no extent that a layout could use
         return
     ax.plot(
         times,

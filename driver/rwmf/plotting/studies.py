@@ -1,4 +1,4 @@
-"""Figures of the studies. Nothing here simulates.
+"""Figures of the studies.
 
 ``draw_X(dataset, ax)`` draws the ``xarray.Dataset`` of the study X into ``matplotlib`` axes and
 returns these.
@@ -49,7 +49,7 @@ _SYMBOLS = {
     "u_s_max": r"$u_{s,\max}$",
     "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
 }
-# opacity of a band, and of the hatches of one without upper end
+# opacity of a band, and of the hatching of a band without upper end
 _BAND, _OPEN = 0.25, 0.5
 
 
@@ -62,7 +62,7 @@ def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
     dataset : xarray.Dataset
         From `rwmf.studies.suite_spectra`.
     ax : matplotlib.axes.Axes
-        Where to draw.
+        Axes to draw in.
 
     Returns
     -------
@@ -84,14 +84,14 @@ def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 @checked
 def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw sensitivity bands: the nominal spectrum inside its range.
+    """Draw sensitivity bands: the nominal spectrum within its range.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `rwmf.studies.sensitivity_bands`.
     ax : matplotlib.axes.Axes
-        Where to draw.
+        Axes to draw in.
 
     Returns
     -------
@@ -111,14 +111,14 @@ def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 @checked
 def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw the ratios with over without the wall; over a suite their medians.
+    """Draw the ratios of responses with and without the wall; medians over a suite.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `rwmf.studies.wall_effect`.
     ax : matplotlib.axes.Axes
-        Where to draw.
+        Axes to draw in.
 
     Returns
     -------
@@ -137,12 +137,12 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
     for k, (name, found) in enumerate(zip(names, curves, strict=True)):
         what = _SYMBOLS.get(name, name.replace("_", " ")) if len(names) > 1 else ""
         for i, (label, curve) in enumerate(found):
-            # a colour for each response, a look of the line for each frame
-            look = series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
+            # one colour per response, one line style per frame
+            line_style = series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
             if len(names) == 1:
-                look = series(i, n)
+                line_style = series(i, n)
             parts = [part for part in (what, label) if part]
-            ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **look)
+            ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **line_style)
     ax.axhline(1.0, **LEVEL)
     _finish(ax, dataset["ratio"])
     only = _SYMBOLS.get(names[0], names[0].replace("_", " ")) + " " if len(names) == 1 else ""
@@ -152,14 +152,14 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 @checked
 def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
-    """Draw required friction, and cable force or without a cable base shear; medians of a suite.
+    """Draw required friction, and cable force or base shear without a cable; suite medians.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `friction_spectra`.
     axes : sequence of matplotlib.axes.Axes
-        Two places to draw.
+        Two axes to draw in.
 
     Returns
     -------
@@ -180,14 +180,14 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
 
 @checked
 def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw a fragility curve: counted fractions as dots, the lognormal fit as a line.
+    """Draw a fragility curve: observed fractions as dots, the lognormal fit as a line.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `rwmf.studies.fragility`.
     ax : matplotlib.axes.Axes
-        Where to draw.
+        Axes to draw in.
 
     Returns
     -------
@@ -197,7 +197,7 @@ def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
     dataset_of(dataset, "rwmf.studies.fragility", "median", "dispersion", "fraction", "limit")
     median, dispersion = float(dataset["median"]), float(dataset["dispersion"])
     scale = dataset["scale"].values
-    # whole dots where none or all of the records exceed the limit
+    # complete dots where no record or all records exceed the limit
     ax.plot(scale, dataset["fraction"], **DOTS, label="counted", clip_on=False)
     text = f"lognormal, median {median:.3g}, dispersion {dispersion:.2g}"
     fine = np.linspace(scale.min(), scale.max(), 400)
@@ -220,7 +220,7 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     dataset : xarray.Dataset
         From `rwmf.studies.equal_response`.
     ax : matplotlib.axes.Axes
-        Where to draw.
+        Axes to draw in.
 
     Returns
     -------
@@ -240,7 +240,7 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 def _intensity_label(dataset: xr.Dataset) -> str:
-    """Label the axis of the levels of intensity."""
+    """Return the label of the intensity axis."""
     kind, period = (dataset.attrs.get(key) for key in ("intensity", "intensity_period_s"))
     if kind is None:
         return "factor on the ground motion"
@@ -250,7 +250,7 @@ def _intensity_label(dataset: xr.Dataset) -> str:
 
 
 def _curves(values: xr.DataArray, kept: tuple[str, ...]) -> list[tuple[str, xr.DataArray]]:
-    """Split an array into curves; a label names the dimensions that have several values."""
+    """Split an array into curves, labelled by the dimensions with several values."""
     return list(_split(values, kept))
 
 
@@ -284,13 +284,13 @@ def _draw_bands(
     top = 1.05 * max((float(values.max()) for values in ends if values.size), default=1.0)
     is_told = False
     for i, (label, low, middle, high) in enumerate(bands):
-        look = series(i, len(bands))
-        x, colour = middle["T_s"], look["color"]
-        ax.plot(x, middle, label=label, **look)
+        line_style = series(i, len(bands))
+        x, colour = middle["T_s"], line_style["color"]
+        ax.plot(x, middle, label=label, **line_style)
         closed = np.isfinite(high.values)
         ax.fill_between(x, low, high.where(closed), color=colour, alpha=_BAND, linewidth=0,
                         label=f"{label}: {what}" if len(bands) > 1 else what)  # fmt: skip
-        # from the last period with an upper end on: the hatched rest reaches beyond the figure
+        # from the last period with an upper end: the hatched region extends beyond the figure
         rest = ~closed & np.isfinite(low.values)
         rest[:-1] |= rest[1:] & closed[:-1]
         if rest.any():

@@ -1,8 +1,8 @@
-"""The one style of every figure: colours, lines, sizes, legends, panels. No other module has any.
+"""Style of all figures: colours, lines, sizes, legends, panels.
 
-Lines differ in colour and in a second channel (dashes, width, markers), for grey print and for
-colour-blind readers. Every figure has the same width and no text smaller than 9 pt: at the width of
-a page the text stays readable.
+Lines differ in colour and in a second property (dashes, width, markers), for grey print and for
+colour-blind readers. All figures have the same width and no text below 9 pt, so that text stays
+readable at the width of a page.
 """
 
 from __future__ import annotations
@@ -52,34 +52,34 @@ __all__ = [
     "tint",
 ]
 
-# of every figure [inch]
+# width of every figure [inch]
 WIDTH = 7.4
-# Okabe and Ito's, told apart by every kind of colour vision; yellow is too light for a line
+# colours of Okabe and Ito, distinct for all types of colour vision; yellow is too light for a line
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 INK, GREY, FAINT, PALE, PAPER = "black", "0.4", "0.65", "0.9", "white"
-# the upper ones have the wider gaps, for what lies below to show
+# dashes: lines drawn later have wider gaps, which show the lines below
 _DASHES = ("-", (0, (5, 1.5)), (0, (6, 3, 1.5, 3)), (0, (3, 2)), (0, (7, 6)), (0, (2, 3)))
 _WIDEST, _NARROWEST, _STEP, _SINGLE = 3.0, 1.1, 0.6, 1.4
-# spaces of a legend with many names, in letters
+# spacing in a legend with many names, in letters
 _TIGHT: dict[str, Any] = {
     "handlelength": 1.5,
     "handletextpad": 0.5,
     "columnspacing": 0.9,
     "labelspacing": 0.3,
 }
-# share of the ramp that is dark enough for a line
+# fraction of the ramp that is dark enough for a line
 _LIGHTEST = 0.88
-# says so under a figure with such lines
+# note under a figure with coinciding lines
 NESTED = "lines that coincide lie one inside the other, narrow in wide"
-# the response that others are compared with: above them, so that it shows where they coincide
+# reference response, drawn above the others so that it is visible where they coincide
 ALONE: dict[str, Any] = {"color": INK, "linestyle": (0, (1, 2)), "linewidth": 1.3, "zorder": 6}
-# a level such as 0 or 1 behind the lines
+# level such as 0 or 1 behind the lines
 LEVEL: dict[str, Any] = {"color": FAINT, "linestyle": "-", "linewidth": 0.8, "zorder": 1}
-# where something yields first, and where it has collapsed
+# levels of first yield and of collapse
 YIELD: dict[str, Any] = {"color": FAINT, "linestyle": (0, (6, 2)), "linewidth": 0.9, "zorder": 1}
 LIMIT: dict[str, Any] = YIELD | {"color": COLOURS[1], "linestyle": (0, (1, 1.5))}
-# what other programs or observations give
+# results of other programs, or observations
 DOTS: dict[str, Any] = {
     "color": INK,
     "linestyle": "none",
@@ -126,7 +126,7 @@ def style() -> dict[RcKeyType, Any]:
 
 @contextmanager
 def new_figure(height: float) -> Iterator[Figure]:
-    """Make a figure in the package's style that needs no screen.
+    """Make a figure in the package's style, without a screen.
 
     Parameters
     ----------
@@ -149,20 +149,20 @@ def new_figure(height: float) -> Iterator[Figure]:
 
 
 def series(i: int, n: int) -> dict[str, Any]:
-    """Give the look of a line among several: colour, dashes and width.
+    """Return the style of one of several lines: colour, dashes and width.
 
     Parameters
     ----------
     i : int
-        Which line, from 0.
+        Index of the line, from 0.
     n : int
-        How many there are.
+        Number of lines.
 
     Returns
     -------
     dict
-        Arguments of ``Axes.plot``. Wide solid lines lie below narrow dashed ones: lines that
-        coincide all show, one inside the other.
+        Arguments of ``Axes.plot``. Wide solid lines are below narrow dashed ones, so that
+        coinciding lines remain visible.
     """
     step = min(_STEP, (_WIDEST - _NARROWEST) / max(n - 1, 1))
     width = _SINGLE if n < 2 else _NARROWEST + step * (n - 1 - i)
@@ -175,19 +175,19 @@ def series(i: int, n: int) -> dict[str, Any]:
 
 
 def storey(i: int, n: int) -> dict[str, Any]:
-    """Give the look of the history of a floor or storey: dark at the ground, light at the roof.
+    """Return the style for the history of a floor or storey: dark at the ground, light at the roof.
 
     Parameters
     ----------
     i : int
-        Which one from the ground up, from 0.
+        Index from the ground upwards, from 0.
     n : int
-        How many there are.
+        Number of floors or storeys.
 
     Returns
     -------
     dict
-        Arguments of ``Axes.plot``. Dashes would hide what vibrates; lightness orders the lines.
+        Arguments of ``Axes.plot``. Dashes would hide vibrations; lightness orders the lines.
     """
     if n < 2:
         return series(i, n)
@@ -195,7 +195,7 @@ def storey(i: int, n: int) -> dict[str, Any]:
 
 
 def _ramp(share: float) -> str:
-    """Colour of one of many lines, from dark to light."""
+    """Return the colour of one of many lines, from dark to light."""
     import matplotlib
     from matplotlib.colors import to_hex
 
@@ -203,14 +203,14 @@ def _ramp(share: float) -> str:
 
 
 def tint(colour: str, strength: float) -> tuple[float, float, float]:
-    """Mix a colour with white: areas that meet show no seam, as transparent ones would.
+    """Mix a colour with white; unlike transparent areas, adjacent ones show no seam.
 
     Parameters
     ----------
     colour : str
         One of the colours above.
     strength : float
-        Its share, 0 to 1 [-].
+        Fraction of the colour, 0 to 1 [-].
 
     Returns
     -------
@@ -232,11 +232,11 @@ def make_panels(
     Parameters
     ----------
     axes : matplotlib axes or sequence of axes, optional
-        As many as there are panels.
+        One per panel.
     n : int
         Number of panels.
     across : bool
-        Side by side, each with an axis of its own; otherwise above each other over the same one.
+        Side by side with separate axes; otherwise above each other with a shared axis.
 
     Returns
     -------
@@ -246,7 +246,7 @@ def make_panels(
     Raises
     ------
     InputError
-        When there are more or fewer axes.
+        When the numbers of axes and panels differ.
     """
     if axes is None:
         import matplotlib.pyplot as plt
@@ -264,7 +264,7 @@ def make_panels(
 
 
 def label_plainly(axis: Axis) -> None:
-    """Label a logarithmic axis of one or two decades with numbers as they are spoken.
+    """Label a logarithmic axis of one or two decades with plain numbers.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def label_plainly(axis: Axis) -> None:
 
 
 def period_label(period: xr.DataArray) -> str:
-    """Label an axis of periods: what they are of, where it is not a single frame.
+    """Return the label of a period axis, with its definition unless it is a single frame's.
 
     Parameters
     ----------
@@ -300,48 +300,48 @@ def period_label(period: xr.DataArray) -> str:
 def legend_beside(
     ax: Axes, title: str | None = None, columns: int = 1, *, is_tight: bool = False
 ) -> None:
-    """Put the legend at the right of the axes, where it hides nothing.
+    """Put the legend to the right of the axes, outside the data.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Whose lines are named.
+        Axes with the lines.
     title : str, optional
         Its title.
     columns : int
         Columns of the legend.
     is_tight : bool
-        With short lines, for many names.
+        Use short line samples, for many names.
     """
     words = {"title": title, "ncols": columns} | (_TIGHT if is_tight else {})
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), **words)
 
 
 def legend_above(ax: Axes, columns: int, *, is_tight: bool = False) -> None:
-    """Put the legend above the axes, where it hides nothing.
+    """Put the legend above the axes, outside the data.
 
     Parameters
     ----------
     ax : matplotlib.axes.Axes
-        Whose lines are named.
+        Axes with the lines.
     columns : int
         Columns of the legend.
     is_tight : bool
-        With short lines, for a narrow panel.
+        Use short line samples, for a narrow panel.
     """
     words = {"ncols": columns, "borderpad": 0.2} | (_TIGHT if is_tight else {})
     ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), **words)
 
 
 def legend_below(figure: Figure, axes: Axes, columns: int = 4, title: str | None = None) -> None:
-    """Put the legend of one of the axes below all of them, where it hides nothing.
+    """Put the legend of one of the axes below all of them, outside the data.
 
     Parameters
     ----------
     figure : matplotlib.figure.Figure
         The figure.
     axes : matplotlib.axes.Axes
-        Whose lines are named.
+        Axes with the lines.
     columns : int
         Columns of the legend.
     title : str, optional

@@ -1,4 +1,4 @@
-"""Studies that engineers ask for: each computes a labelled dataset from a case."""
+"""Engineering studies: each computes a labelled dataset from a case."""
 
 from rwmf.studies.bands import sensitivity_bands
 from rwmf.studies.equal_response import equal_response

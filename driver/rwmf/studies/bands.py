@@ -1,4 +1,4 @@
-"""Sensitivity bands: how far a spectrum moves while restitution and post-tension are uncertain."""
+"""Sensitivity bands: ranges of a spectrum for uncertain restitution and post-tension."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rwmf.studies.statistics import with_overturning
 
 __all__ = ["sensitivity_bands"]
 
-# forces of the cable over the weight of the wall
+# quantities of cable force over the weight of the wall
 _TENSIONS = ("eta_0", "eta_alpha", "eta_y")
 
 
@@ -42,22 +42,22 @@ def sensitivity_bands(
     uncertain : mapping
         Values of the uncertain parameters, for example ``e`` and ``eta``.
     records : sequence of str or RecordFile
-        Ground motions, otherwise the case's own.
+        Ground motions, otherwise that of the case.
     quantities : str, optional
-        The response; otherwise ``u_s_max``, of a wall without a frame ``theta_max_over_alpha``.
+        The response; otherwise ``u_s_max``, or ``theta_max_over_alpha`` for a wall without a frame.
     **how
         Further arguments of `rwmf.sweep`.
 
     Returns
     -------
     xarray.Dataset
-        ``lowest``, ``highest`` and ``nominal`` [the quantity's unit]; the highest is infinite
-        where a wall overturned.
+        ``lowest``, ``highest`` and ``nominal`` [the quantity's unit]; the highest is infinite where
+        a wall overturned.
 
     Raises
     ------
     InputError
-        When the case or the grid is not acceptable, or when nothing is uncertain.
+        When the case or the grid is not acceptable, or when no parameter is uncertain.
     """
     case = case_of(case)
     if not uncertain:
@@ -70,7 +70,7 @@ def sensitivity_bands(
     both = [name for name in vague if name in clear]
     if both:
         raise InputError(f"bands: {both[0]}: is in the grid and uncertain")
-    # a factor that is uncertain takes the place of the case's rule
+    # an uncertain factor replaces the rule of the case
     own_loss = {"impact.e", "impact.r"} & set(vague) and "impact" in case.groups
     varied = case.without("impact") if own_loss else case
     if any(group == "cable" and key in _TENSIONS for name in vague
@@ -90,13 +90,13 @@ def sensitivity_bands(
 
 
 def _with_tensions(case: Case) -> Case:
-    """Return the case with the ratios of its cable in the place of strands and stresses."""
+    """Return the case with the ratios of its cable instead of strands and stresses."""
     cable = case.cable
     if cable is None or not cable.derived:
         return case
     changes: dict[str, object] = dict.fromkeys(cable.given - {"law", "hardening", "rupture_strain"})
     changes |= {key: cable[key] for key in _TENSIONS if key in cable}
     if "rupture_strain" in cable.given and "length" in cable.given:
-        # the strain is that over the length of the strands, without them over the wall's height
+        # the strain refers to the length of the strands, or without them to the wall's height
         changes["rupture_strain"] = cable.rupture_strain * cable.length / (2 * case.wall.h)
     return case.replace(cable=changes)

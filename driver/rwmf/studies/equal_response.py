@@ -1,4 +1,4 @@
-"""Equal-response pulses: which amplitude of each pulse gives the same response."""
+"""Equal-response pulses: amplitude of each pulse that gives a target response."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from rwmf.studies.pulse import Pulse
 
 __all__ = ["equal_response"]
 
-# ratio of neighbouring amplitudes of the search
+# ratio of successive amplitudes in the search
 _GROWTH = 1.25
 _LOWEST, _HIGHEST = 1e-4, 20.0
-# after the pulse the frame swings on: a few periods hold the maximum
+# a few periods of free vibration after the pulse contain the maximum
 _PERIODS_AFTER = 10.0
 
 
@@ -38,31 +38,31 @@ def equal_response(
     progress: Callable[[int, int], None] | None = None,
     quantities: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
-    """Find the smallest amplitude of a pulse that gives a response, for many periods.
+    """Find the smallest pulse amplitude that reaches a response, for many periods.
 
     Parameters
     ----------
     case : Case or path
-        A frame, with a wall or not, or a wall that stands freely, under a pulse whose amplitude
-        and period are replaced.
+        A frame with or without a wall, or a free-standing wall, under a pulse whose amplitude and
+        period are replaced.
     T_p : sequence of float
         Periods of the pulse [s].
     target : float
         The response [the quantity's unit].
     tolerance : float
-        Relative width to which the amplitude is bisected [-].
+        Relative width of the bisected amplitude interval [-].
     threads : int
         Threads, 0 for all.
     progress : callable, optional
-        Called with the number of finished periods and of all.
+        Called with the numbers of finished and of all periods.
     quantities : str, optional
-        The response; otherwise ``u_s_max`` [m], of a wall that stands freely
-        ``theta_max_over_alpha``.
+        The response; otherwise ``u_s_max`` [m], or ``theta_max_over_alpha`` for a free-standing
+        wall.
 
     Returns
     -------
     xarray.Dataset
-        ``a_max_g`` [-] over ``T_p``; NaN where amplitudes up to 20 g do not reach the target.
+        ``a_max_g`` [-] over ``T_p``; NaN where amplitudes up to 20 g miss the target.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def equal_response(
     response = QUANTITIES[name]
     if name == "u_s_max" and case.frame is None:
         raise InputError(
-            "equal response: u_s_max: a wall that stands freely has no frame that is displaced; "
+            "equal response: u_s_max: a free-standing wall has no frame displacement; "
             "take its rotation, theta_max_over_alpha"
         )
     if response.asked_by:
@@ -113,18 +113,18 @@ def equal_response(
 
 @dataclass(frozen=True)
 class _Search:
-    """What is looked for.
+    """Target and conditions of the search.
 
     Attributes
     ----------
     pulse : Pulse
         The pulse.
     follow : float
-        How long the motion is followed after it [s].
+        Simulated time after the pulse [s].
     quantity : Quantity
         The response.
     target : float
-        What it is to reach [its unit].
+        Target value [its unit].
     """
 
     pulse: Pulse
@@ -133,7 +133,7 @@ class _Search:
     target: float
 
     def is_reached(self, T_p: float, amplitude: float) -> bool:
-        """Run one pulse; what ended before its time exceeds every target."""
+        """Run one pulse; a run that ended early exceeds every target."""
         changed = self.pulse.resized(amplitude, T_p, self.follow)
         with _library.start_simulation(changed.kernel, changed.label) as run:
             summary = run.summary()
@@ -145,7 +145,7 @@ class _Search:
 
 
 def _climb(search: _Search, T_p: float, tolerance: float) -> float:
-    """Climb to the first amplitude that reaches the target, then bisect below it."""
+    """Increase the amplitude until it reaches the target, then bisect."""
     low, high = _LOWEST, _LOWEST
     while not search.is_reached(T_p, high):
         low, high = high, high * _GROWTH

@@ -1,4 +1,4 @@
-"""Incremental dynamic analysis of a suite, and the fragility that follows from it."""
+"""Incremental dynamic analysis of a suite, and fragility curves."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["exceedance", "fragility", "incremental_dynamic_analysis"]
 
 _ITERATIONS = 100
 _CONVERGED = 1e-10
-# probabilities are kept away from 0 and 1, where the weights of the fit vanish
+# limits of probabilities near 0 and 1, where the weights of the fit vanish
 _FLOOR = 1e-12
 
 
@@ -42,28 +42,28 @@ def incremental_dynamic_analysis(
     damping: float | None = None,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
-    """Scale every record of a suite to common levels of intensity and run it.
+    """Scale every record of a suite to common intensities and compute the responses.
 
-    The intensity is the pseudo-spectral acceleration omega^2 u_max of a linear oscillator: with
-    the given period and damping, otherwise with those of the frame, of storeys with their first
-    period. Designs are comparable only at one period and damping. The intensity of a wall alone is
-    the peak ground acceleration.
+    The intensity is the pseudo-spectral acceleration omega^2 u_max of a linear oscillator with the
+    given period and damping. The default is those of the frame, for storeys the first period.
+    Compare designs at the same period and damping only. The intensity for a wall alone is the peak
+    ground acceleration.
 
     Parameters
     ----------
     case : Case or path
-        The structure; its frame, if it has one, has a period. Its `&spectrum` is not looped over.
+        The structure; its frame, if any, needs a period. The axes of its `&spectrum` are ignored.
     levels : sequence of float
         Intensities over g [-].
     records : sequence of str or RecordFile
         The suite.
     quantities : str or sequence of str, optional
-        The demands that are kept; otherwise the displacement of the frame, of a wall
-        alone ``theta_max_over_alpha``.
+        The stored demands; otherwise the displacement of the frame, or ``theta_max_over_alpha`` for
+        a wall alone.
     grid : mapping, optional
         Further axes.
     intensity : str, optional
-        ``pseudo_acceleration`` or ``peak_acceleration`` in the place of the scene's own.
+        ``pseudo_acceleration`` or ``peak_acceleration`` instead of the scene's default.
     period, damping : float, optional
         Period [s] and damping ratio [-] of the oscillator, both or none; required where further
         axes change the structure.
@@ -73,13 +73,13 @@ def incremental_dynamic_analysis(
     Returns
     -------
     xarray.Dataset
-        The demand over ``record`` and ``scale``, the level of intensity; its attributes
-        ``intensity``, ``intensity_period_s`` and ``intensity_damping`` say of what.
+        The demand over ``record`` and ``scale``, the intensity; the attributes ``intensity``,
+        ``intensity_period_s`` and ``intensity_damping`` define it.
 
     Raises
     ------
     InputError
-        When something is not acceptable.
+        When an argument is not acceptable.
     """
     case = case_of(case)
     further = name_axes(grid or {})
@@ -93,7 +93,7 @@ def incremental_dynamic_analysis(
             raise InputError("incremental dynamic analysis: the case needs &frame T_s")
         axes["T_s"] = [own]
     if "spectrum" in case.groups:
-        # one structure is analysed; others are further axes
+        # one structure is analysed; further structures need further axes
         case = case.without("spectrum")
     measure = choose_intensity(case, intensity, period, damping, varied_keys(case, further, None))
     found = sweep(
@@ -113,27 +113,27 @@ def incremental_dynamic_analysis(
 def fragility(
     analysis: xr.Dataset, limit: float, quantities: str | Sequence[str] | None = None
 ) -> xr.Dataset:
-    """Compute the probability that a limit is exceeded, with a lognormal fit.
+    """Compute the probability of exceeding a limit, with a lognormal fit.
 
     Parameters
     ----------
     analysis : xarray.Dataset
         From `incremental_dynamic_analysis`.
     limit : float
-        Limit of the demand in its unit; a wall that overturned exceeds every one.
+        Limit of the demand in its unit; an overturned wall exceeds every limit.
     quantities : str, optional
-        The demand; may be absent where the analysis has one.
+        The demand; optional for an analysis with one demand.
 
     Returns
     -------
     xarray.Dataset
         ``fraction`` of the records over ``scale``; ``median`` and ``dispersion`` of the
-        lognormal distribution of most likelihood, and ``fitted`` over ``scale``.
+        maximum-likelihood lognormal distribution, and ``fitted`` over ``scale``.
 
     Raises
     ------
     InputError
-        When the limit is never or always exceeded: there is nothing to fit.
+        When the limit is never or always exceeded, so that no fit exists.
     """
     dataset_of(analysis, "rwmf.studies.incremental_dynamic_analysis", "scale", "status")
     if quantities is None:
@@ -141,10 +141,10 @@ def fragility(
         if len(kept) != 1:
             raise InputError(f"fragility: quantities: must be one of {', '.join(kept)}")
         quantities = kept
-    asked = find_quantities(tuple(quantities))
-    if len(asked) > 1:
-        raise InputError(f"fragility: quantities = {', '.join(asked)}: must be one quantity")
-    (quantity,) = asked
+    requested = find_quantities(tuple(quantities))
+    if len(requested) > 1:
+        raise InputError(f"fragility: quantities = {', '.join(requested)}: must be one quantity")
+    (quantity,) = requested
     if quantity not in analysis:
         raise InputError(f"fragility: {quantity}: is not in the analysis")
     values = with_overturning(analysis, quantity)
@@ -169,12 +169,12 @@ def fragility(
 
 
 def exceedance(scale: npt.ArrayLike, median: float, dispersion: float) -> np.ndarray:
-    """Probability that a lognormal capacity is exceeded.
+    """Compute the probability that a lognormal capacity is exceeded.
 
     Parameters
     ----------
     scale : array_like, shape (n,)
-        Levels of the motion, in the unit of the median.
+        Intensities, in the unit of the median.
     median, dispersion : float
         Median, and standard deviation of the logarithm [-].
 
@@ -187,7 +187,7 @@ def exceedance(scale: npt.ArrayLike, median: float, dispersion: float) -> np.nda
 
 
 def _check_exceeded(quantity: str, values: xr.DataArray, limit: float) -> None:
-    """Refuse a limit that no run exceeds, or every run: there is nothing to fit."""
+    """Refuse a limit that no run or every run exceeds, because no fit exists."""
     known = values.values[~np.isnan(values.values)]
     if known.size == 0:
         raise InputError(f"fragility: {quantity}: no run has a result")
@@ -208,12 +208,12 @@ def _fit(
     exceeded: npt.NDArray[np.int64],
     of: npt.NDArray[np.int64],
 ) -> tuple[float, float]:
-    """Median and dispersion of most likelihood: probit regression by Fisher scoring."""
+    """Return the maximum-likelihood median and dispersion: probit regression by Fisher scoring."""
     if levels.size < 2 or not (levels > 0).all():
         raise InputError("fragility: the fit needs two levels of intensity at least, all > 0")
     x = np.column_stack([np.ones(levels.size), np.log(levels)])
     share = (exceeded + 0.5) / (of + 1.0)
-    # a first line through the levels themselves
+    # initial line through the levels
     spread = max(float(np.std(x[:, 1])), 0.1)
     centre = float(np.interp(0.5, np.sort(share), np.sort(x[:, 1])))
     beta = np.array([-centre / spread, 1 / spread])
@@ -224,7 +224,7 @@ def _fit(
         weight = of * density**2 / (p * (1 - p))
         score = (exceeded - of * p) * density / (p * (1 - p))
         step = np.linalg.solve(x.T @ (weight[:, None] * x), x.T @ score)
-        # a fit that wants a jump gets an ever steeper line: limited steps keep it finite
+        # for separable data the slope grows without bound: limited steps keep it finite
         step *= min(1.0, 1.0 / float(np.abs(step).max()))
         beta = beta + step
         if float(np.abs(step).max()) < _CONVERGED * float(np.abs(beta).max()):

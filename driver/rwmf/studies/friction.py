@@ -1,4 +1,4 @@
-"""Required friction and cable force over the frame's period: what the foundation must provide."""
+"""Required friction and cable force over the frame's period, for the foundation design."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["friction_spectra"]
 DEMAND = "friction_demand_max"
 CABLE = "cable_force_max_over_m_w_g"
 _INCREMENT = "cable_force_increment_max_over_m_w_g"
-# groups that a prestress in N is divided by, or follows from
+# groups that a prestress in N depends on
 _RATIO = ("wall", "cable", "model")
 _FOUNDATION = (DEMAND, "pivot_normal_min_over_m_w_g", "base_shear_max_over_weight")
 
@@ -38,11 +38,11 @@ def friction_spectra(
     Parameters
     ----------
     case : Case or path
-        A wall, with a frame or without.
+        A wall with or without a frame.
     grid : mapping
         ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
     records : sequence of str or RecordFile
-        Ground motions, otherwise the case's own.
+        Ground motions, otherwise that of the case.
     **how
         Further arguments of `rwmf.sweep`.
 
@@ -51,8 +51,8 @@ def friction_spectra(
     xarray.Dataset
         ``friction_demand_max`` [-], ``pivot_normal_min_over_m_w_g`` [-],
         ``base_shear_max_over_weight`` [-] and, with a cable, ``cable_force_max_over_m_w_g`` [-].
-        Demand and cable force are infinite where the wall overturned, the demand also where the
-        pivot is not pressed on at some time.
+        Demand and cable force are infinite where the wall overturned; the demand is also infinite
+        where the pivot loses its compression.
 
     Raises
     ------
@@ -73,10 +73,10 @@ def friction_spectra(
 
 
 def _prestress(case: Case, found: xr.Dataset, grid: Mapping[str, object]) -> xr.DataArray | float:
-    """Compute the prestress over the weight of the wall, over the axes that change it."""
+    """Compute the prestress over the weight of the wall, along the axes that change it."""
     if "eta_0" in found.coords:
         return found["eta_0"]
-    # a prestress in N or Pa over a weight that an axis may change
+    # for a prestress in N or Pa the weight may vary along an axis
     keys = [key_of_column(name) for name in ("b", *name_axes(grid)) if name not in PAIRS]
     axes = {key[1]: key for key in keys if key[0] in _RATIO and key[1] in found.dims}
     if not axes or "eta_0" not in case.cable.derived:

@@ -1,4 +1,4 @@
-"""What the result of a study says about where it comes from."""
+"""Attributes that document the origin of a study's result."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ __all__ = ["origin_of"]
 
 
 def origin_of(case: Case) -> dict[str, str]:
-    """Give the attributes that a sweep has as well.
+    """Return the attributes that a study shares with a sweep.
 
     Parameters
     ----------
     case : Case
-        Of the study.
+        Case of the study.
 
     Returns
     -------
     dict of str to str
-        Version of the kernel, text of the case, and what its user should know.
+        Version of the kernel, text of the case, and its warnings.
     """
     return {
         "version": _library.version(),

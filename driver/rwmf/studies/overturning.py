@@ -1,9 +1,9 @@
-"""Overturning maps: which pulses overturn the wall, and after how many impacts.
+"""Overturning maps: pulses that overturn the wall, and the number of impacts before.
 
-A frame that collapses counts as a wall that overturns: both have failed.
+The collapse of a frame counts as overturning of the wall.
 
-Pulses are named by omega_p/p and a_p/(alpha g), with p = sqrt(3 g/(4 R)) of the wall. Along each
-frequency the amplitudes are scanned, and every change of the outcome is bisected.
+Axes are omega_p/p and a_p/(alpha g), with p = sqrt(3 g/(4 R)) of the wall. The amplitudes are
+scanned at each frequency, and every change of the outcome is bisected.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from rwmf.studies.pulse import Pulse
 __all__ = ["SURVIVES", "Wall", "overturning_map"]
 
 Progress = Callable[[int, int], None]
-# outcome of a wall that stays; otherwise the outcome is the number of impacts before overturning
+# outcome without overturning; other outcomes are numbers of impacts before overturning
 SURVIVES = -1
-# how long the motion is followed after the pulse, in 1/p: stopping early moves the boundaries
+# simulated time after the pulse in 1/p; a shorter time would move the boundaries
 _FOLLOW = 25.0
 
 
 @dataclass(frozen=True)
 class Wall:
-    """What normalises a map.
+    """Reference quantities of a map.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Wall:
 
     @classmethod
     def of(cls, case: Case) -> Wall:
-        """Take it from a case with a wall.
+        """Return the wall of a case.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class Wall:
 
 @dataclass(frozen=True)
 class _Boundary:
-    """A change of the outcome along the amplitudes."""
+    """A change of the outcome along the amplitude axis."""
 
     omega: float
     amplitude: float
@@ -100,26 +100,26 @@ def overturning_map(
     Parameters
     ----------
     case : Case or path
-        Wall, impact, pulse, and what else acts; amplitude, frequency and end are replaced.
+        Wall, impact, pulse and other effects; amplitude, frequency and end time are replaced.
     omega_over_p : sequence of float
         Frequencies of the pulse over p [-].
     amplitude : sequence of float
-        Amplitudes a_p/(alpha g) [-] to scan, in increasing order; a region between two of them
-        that neither touches is not seen.
+        Amplitudes a_p/(alpha g) [-] to scan, in increasing order; regions between two neighbouring
+        amplitudes are missed.
     tolerance : float
-        Width to which boundaries are bisected [-].
+        Width of the bisected boundaries [-].
     threads : int
         Threads, 0 for all.
     progress : callable, optional
-        Called with the number of finished frequencies and of all.
+        Called with the numbers of finished and of all frequencies.
 
     Returns
     -------
     xarray.Dataset
         ``outcome`` over (omega_over_p, amplitude): impacts before overturning or collapse, -1
-        where the wall stays; and over ``boundary``: its frequency, its amplitude (also over
-        g tan(alpha)), and the outcomes below and above. ``alpha``, ``p`` and, where one number
-        says it, ``e`` are those of the wall; the attribute ``pulse`` is the kind of the motion.
+        without overturning. Over ``boundary``: its frequency, its amplitude (also over g
+        tan(alpha)), and the outcomes below and above. ``alpha``, ``p`` and, for a constant factor,
+        ``e`` are those of the wall; the attribute ``pulse`` is the kind of the motion.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def overturning_map(
 
 
 def _factor(pulse: Pulse, wall: Wall) -> dict[str, tuple[tuple[()], float, dict[str, str]]]:
-    """Give the velocity factor at impact, where one number says it."""
+    """Return the velocity factor at impact, if it is constant."""
     with simulation.start(pulse.resized(wall.alpha, 1 / wall.p, 0.0)) as run:
         e = run.summary().get("e")
     text = {"units": "1", "long_name": "velocity factor at impact"}
@@ -170,7 +170,7 @@ def _factor(pulse: Pulse, wall: Wall) -> dict[str, tuple[tuple[()], float, dict[
 def _scan(
     pulse: Pulse, wall: Wall, omega: float, levels: list[float], tolerance: float
 ) -> tuple[list[int], list[_Boundary]]:
-    """Outcomes at the levels of one frequency, and the boundaries between them."""
+    """Compute the outcomes at one frequency, and the boundaries between them."""
 
     def outcome_at(amplitude: float) -> int:
         return _outcome(pulse, wall, omega, amplitude)
@@ -190,7 +190,7 @@ def _bisect(
     high: tuple[float, int],
     tolerance: float,
 ) -> list[_Boundary]:
-    """Find all changes that show up between two amplitudes; a third outcome splits the search."""
+    """Find all changes between two amplitudes; a third outcome splits the search."""
     if low[1] == high[1]:
         return []
     middle = 0.5 * (low[0] + high[0])

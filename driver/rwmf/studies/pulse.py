@@ -1,4 +1,4 @@
-"""The pulse of a study: of any kind, with amplitude and period of the study's choice."""
+"""Pulse of a study: any kind, with variable amplitude and period."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Pulse:
     t_0 : float
         Beginning of the pulse [s].
     periods : float
-        Duration of the pulse over its period T_p [-]; the shape does not depend on T_p.
+        Duration of the pulse over its period T_p [-]; the shape is independent of T_p.
     """
 
     case: Case
@@ -32,7 +32,7 @@ class Pulse:
 
     @classmethod
     def of(cls, case: Case, study: str) -> Self:
-        """Take it from a case.
+        """Return the pulse of a case.
 
         Parameters
         ----------
@@ -49,7 +49,7 @@ class Pulse:
         Raises
         ------
         InputError
-            When the motion of the case is no pulse.
+            When the motion of the case is not a pulse.
         """
         motion = case.motion
         if motion is None or motion.kind in ("record", "none"):
@@ -69,7 +69,7 @@ class Pulse:
         T_p : float
             Period [s].
         follow : float
-            How long the motion is followed after the pulse [s].
+            Simulated time after the pulse [s].
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Statistics over a suite of records: rocking is judged by distributions, not record by record."""
+"""Statistics over a suite of records; rocking responses need distributions."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from rwmf.quantities import ENDINGS
 
 __all__ = ["cumulative_distribution", "percentiles", "with_overturning"]
 
-# the median and one standard deviation of a normal distribution to both sides
+# median and one standard deviation of a normal distribution on both sides
 USUAL_PERCENTILES = (16.0, 50.0, 84.0)
 
 
 def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
-    """Take a quantity of a sweep; what overturned or collapsed exceeds every level.
+    """Return a quantity of a sweep, infinite for overturning or collapse.
 
     Parameters
     ----------
@@ -31,8 +31,8 @@ def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray
     Returns
     -------
     xarray.DataArray
-        The quantity, infinite where the wall overturned or the frame collapsed (both have failed,
-        whatever their peaks until then), NaN where the run failed.
+        The quantity, infinite where the wall overturned or the frame collapsed (failures, whatever
+        the earlier peaks), NaN where the run failed.
     """
     names = dataset["status"].attrs["flag_meanings"].split()
     fallen = dataset["status"].isin([names.index(name) for name in ENDINGS if name in names])
@@ -42,7 +42,7 @@ def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray
 def percentiles(
     values: xr.DataArray, q: Sequence[float] = USUAL_PERCENTILES, dim: str = "record"
 ) -> xr.DataArray:
-    """Compute percentiles over a suite by counting, so that those take part that fell.
+    """Compute percentiles over a suite by ranks, including overturned runs.
 
     Parameters
     ----------
@@ -56,19 +56,19 @@ def percentiles(
     Returns
     -------
     xarray.DataArray
-        Over ``percentile`` and the other dimensions; runs that failed are left out.
+        Percentiles over ``percentile`` and the other dimensions, without failed runs.
 
     Raises
     ------
     InputError
-        When an argument is of another kind.
+        When an argument has the wrong type.
     """
     array_of(values, dim)
     levels = to_array("q", q, least=1)
     if not ((levels >= 0) & (levels <= 100)).all():
         raise InputError(f"q = {show(q)}: must be in [0, 100] [%]")
     axis = values.get_axis_num(dim)
-    # linear interpolation between a number and infinity would be infinite, or not a number
+    # linear interpolation between a number and infinity would give infinity or NaN
     found = np.nanquantile(values.values, levels / 100, axis=axis, method="inverted_cdf")
     kept = values.isel({dim: 0}, drop=True)
     return xr.DataArray(
@@ -81,7 +81,7 @@ def percentiles(
 
 
 def cumulative_distribution(values: xr.DataArray, levels: Sequence[float]) -> xr.DataArray:
-    """Compute the fraction of a suite that stays at or below levels.
+    """Compute the fraction of a suite at or below each level.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def cumulative_distribution(values: xr.DataArray, levels: Sequence[float]) -> xr
     Returns
     -------
     xarray.DataArray
-        Fractions [-] over ``level`` and the other dimensions; failed runs are left out.
+        Fractions [-] over ``level`` and the other dimensions, without failed runs.
     """
     array_of(values, "record")
     level = xr.DataArray(to_array("levels", levels, least=1), dims="level", attrs=values.attrs)

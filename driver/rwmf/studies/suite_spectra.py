@@ -38,8 +38,8 @@ def suite_spectra(
         The suite.
     quantities : str or sequence of str, optional
         'u_s_max' for displacement, 'theta_max_over_alpha' for rocking,
-        'cable_force_increment_max_over_m_w_g' for cable force spectra, and others; otherwise the
-        displacement, of a wall without a frame its rotation.
+        'cable_force_increment_max_over_m_w_g' for cable force spectra, and others. The default is
+        the displacement, or the rotation for a wall without a frame.
     q : sequence of float
         Percentages [%].
     **how
@@ -48,7 +48,7 @@ def suite_spectra(
     Returns
     -------
     xarray.Dataset
-        The quantities over records, and of each ``QUANTITY_percentiles``.
+        The quantities over records, and ``QUANTITY_percentiles`` for each.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Seismic effect of the wall: displacement of the frame with the wall over that without it."""
+"""Seismic effect of the wall: ratio of the responses with and without it."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from rwmf.studies.statistics import with_overturning
 
 __all__ = ["wall_effect", "without_wall"]
 
-# responses of storeys, the first one of any frame
+# responses of storeys; the first one applies to any frame
 _RESPONSES = ("u_s_max", "storey_drift_max", "floor_acceleration_max_g")
 
 
 def without_wall(case: CaseLike) -> Case:
-    """Return the frame alone, a linear oscillator.
+    """Return the case of the frame alone, a linear oscillator.
 
     Parameters
     ----------
@@ -35,9 +35,9 @@ def without_wall(case: CaseLike) -> Case:
     Returns
     -------
     Case
-        Without wall, cable and impacts; a height that was the wall's unless given stays. Storeys
-        that the wall kept on a straight line move in their first mode, or in all of them where
-        they yield one by one.
+        Case without wall, cable and impacts; heights derived from the wall are kept. Storeys that
+        the wall kept on a straight line vibrate in their first mode, or in all modes where storeys
+        yield individually.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def without_wall(case: CaseLike) -> Case:
 
 
 def _free_floors(case: Case) -> dict[str, dict[str, str]]:
-    """Choose how storeys move that no wall keeps on a straight line."""
+    """Choose the modes of storeys without a wall that keeps them on a straight line."""
     if case.storeys is None or case.storeys.coupling != "every_floor":
         return {}
     one_by_one = case.yielding is not None and "storey_u_y" in case.yielding
@@ -69,7 +69,7 @@ def _free_floors(case: Case) -> dict[str, dict[str, str]]:
 
 
 def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[str, float]]:
-    """Find the keys that are 2h unless given; storeys have heights of their own."""
+    """Return the keys that default to 2h; storeys have individual heights."""
     if case.wall is None or "storeys" in case.groups:
         return {}
     return {
@@ -88,9 +88,9 @@ def wall_effect(
     quantities: str | Sequence[str] | None = None,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
-    """Compare the frame with the wall to the frame alone.
+    """Compare the responses of the frame with and without the wall.
 
-    A wall may lower one response and raise another: judge it by several.
+    A wall may lower one response and raise another, so compare several responses.
 
     Parameters
     ----------
@@ -99,21 +99,20 @@ def wall_effect(
     grid : mapping
         ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
     records : sequence of str or RecordFile
-        Ground motions, otherwise the case's own.
+        Ground motions, otherwise that of the case.
     quantities : str or sequence of str, optional
-        The compared responses; otherwise ``u_s_max``, of storeys ``storey_drift_max`` and
-        ``floor_acceleration_max_g`` as well.
+        The compared responses; otherwise ``u_s_max``, and for storeys also ``storey_drift_max`` and
+        ``floor_acceleration_max_g``.
     **how
         Further arguments of `rwmf.sweep`.
 
     Returns
     -------
     xarray.Dataset
-        Of each response with the wall ``QUANTITY``, without it ``QUANTITY_alone`` and
-        ``QUANTITY_ratio`` [-], the former over the latter; ``ratio`` is that of the first. The
-        ratio is infinite where the wall overturned. The frame alone is the same frame at each
-        period: the first period of storeys that the wall keeps on a straight line is another one
-        without it.
+        For each response ``QUANTITY`` with the wall, ``QUANTITY_alone`` without it, and their ratio
+        ``QUANTITY_ratio`` [-]; ``ratio`` is that of the first response. The ratio is infinite where
+        the wall overturned. The frame is the same with and without the wall at each period. The
+        first period of storeys therefore changes where the wall kept them on a straight line.
 
     Raises
     ------
@@ -123,8 +122,8 @@ def wall_effect(
     case = case_of(case)
     if case.frame is None:
         raise InputError(
-            "wall effect: the case has no &frame whose displacement the wall could change; the "
-            "rotation of a wall that stands freely: rwmf spectrum, or rwmf study spectra"
+            "wall effect: the case has no &frame whose displacement the wall could change. For the "
+            "rotation of a free-standing wall use rwmf spectrum or rwmf study spectra"
         )
     names = tuple(find_quantities(tuple(quantities or _usual_responses(case))))
     of_wall = [name for name in names if QUANTITIES[name].group in _groups_of_wall()]
@@ -133,7 +132,7 @@ def wall_effect(
     both = sweep(case, grid, records, quantities=names, **how)
     frame = without_wall(case)
     joined, free = (item.kernel.axes()["T_s"].value for item in (case, frame))
-    # a period that the grid gives is that of the frame as the wall lets it move
+    # a period in the grid is that of the frame restrained by the wall
     factor = free / joined if free and joined else 1.0
     shared = _shared_axes(grid) | {"T_s": factor * both["T_s"].values}
     alone = sweep(frame, shared, records, quantities=names, **how)
@@ -154,7 +153,7 @@ def _usual_responses(case: Case) -> tuple[str, ...]:
 
 
 def _shared_axes(grid: Mapping[str, object]) -> dict[str, object]:
-    """Take the axes that act on the frame alone: ground motion, period, damping, and so on."""
+    """Return the axes that affect the frame alone: ground motion, period, damping, and so on."""
     of_wall = _groups_of_wall()
     return {
         name: values
@@ -164,5 +163,5 @@ def _shared_axes(grid: Mapping[str, object]) -> dict[str, object]:
 
 
 def _groups_of_wall() -> set[str]:
-    """Name the wall, and what is nothing without it."""
+    """Return the wall and the groups that require it."""
     return {name for name, needs in _library.needs_of_groups().items() if {name, *needs} & {"wall"}}

@@ -1,4 +1,4 @@
-!> C binding of a case that is read once: include/rwmf.h.
+!> C binding of a case read once (include/rwmf.h).
 module rwmf_bindings_c_case
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
       c_null_ptr, c_ptr, c_size_t
@@ -14,11 +14,11 @@ module rwmf_bindings_c_case
    public :: kept_case_t, c_read_case, c_read_case_with, c_read_case_file, c_destroy_case
    public :: case_of, name_file
 
-   !> What the handle of a case stands for.
+   !> Case behind a handle.
    type :: kept_case_t
       type(case_t) :: case
       character(:), allocatable :: path
-      !! of its file; '' for a text
+      !! path of its file; '' for a text
    end type kept_case_t
 
    !> `rwmf_samples` of the header.
@@ -71,7 +71,7 @@ contains
       if (.not. allocated(error)) then
          allocate (kept)
          kept%path = ''
-         ! samples that are not there arrive as absent arguments
+         ! missing samples are passed as absent arguments
          call read_case_text(text, place, kept%case, error, motion=samples, &
             vertical=vertical_samples)
          call hand_over(kept, handle, error)
@@ -82,7 +82,7 @@ contains
    !> Copy and check samples; not allocated for NULL.
    subroutine get_samples(address, group, samples, error)
       type(c_ptr), intent(in) :: address
-      !! of an `rwmf_samples`
+      !! address of an `rwmf_samples`
       character(*), intent(in) :: group
       type(samples_t), allocatable, intent(out) :: samples
       type(error_t), allocatable, intent(inout) :: error
@@ -96,7 +96,7 @@ contains
       call require_argument(c_associated(given%accelerations), 'accelerations of the '//group, &
          error)
       if (allocated(error)) return
-      ! a number that no memory holds is a sign that was lost
+      ! a number beyond any memory is a negative size converted to size_t
       if (given%n > int(huge(1), c_size_t) .or. given%n < 0_c_size_t) then
          call fail(error, err_input, '&'//group//': the number of samples is out of range')
          return
@@ -148,11 +148,11 @@ contains
       deallocate (kept)
    end subroutine c_destroy_case
 
-   !> Give a case to the caller, or its memory back when it could not be read.
+   !> Pass a case to the caller, or free its memory if it could not be read.
    subroutine hand_over(kept, handle, error)
       type(kept_case_t), pointer, intent(inout) :: kept
       type(c_ptr), intent(inout) :: handle
-      !! where the caller wants it
+      !! handle in the caller's memory
       type(error_t), allocatable, intent(in) :: error
 
       if (allocated(error)) then
@@ -162,7 +162,7 @@ contains
       end if
    end subroutine hand_over
 
-   !> The case behind a handle. `error` stays what it is when something was refused before.
+   !> Return the case behind a handle. An earlier `error` is kept.
    subroutine case_of(handle, kept, error)
       type(c_ptr), intent(in) :: handle
       type(kept_case_t), pointer, intent(out) :: kept
@@ -178,11 +178,11 @@ contains
       end if
    end subroutine case_of
 
-   !> The message of what a case of a file could not do begins with the file.
+   !> Prefix the message of an error with the file of its case.
    subroutine name_file(kept, error)
       type(kept_case_t), intent(in) :: kept
       type(error_t), allocatable, intent(inout) :: error
-      !! what was wrong with the case, if anything
+      !! error of the case, if any
 
       if (allocated(error) .and. len(kept%path) > 0) call add_context(error, kept%path)
    end subroutine name_file

@@ -1,7 +1,7 @@
-!> C binding of the wall as an element: include/rwmf.h.
+!> C binding of the wall as an element (include/rwmf.h).
 !>
-!> The functions that look at a step have an answer and no status: the number of an error that no
-!> answer is takes its place.
+!> Query functions return their result directly; on error they return a status code outside the
+!> range of valid results.
 module rwmf_bindings_c_element
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
       c_loc, c_null_ptr, c_ptr, c_size_t
@@ -87,7 +87,7 @@ contains
       deallocate (element)
    end subroutine c_destroy_element
 
-   !> The element behind a handle. `error` stays what it is when something was refused before.
+   !> Return the element behind a handle. An earlier `error` is kept.
    subroutine element_of(handle, element, error)
       type(c_ptr), intent(in) :: handle
       type(wall_element_t), pointer, intent(out) :: element
@@ -216,7 +216,7 @@ contains
       c_settles = answer(merge(1, 0, found), error)
    end function c_settles
 
-   !> What was found, or the number of the error.
+   !> Return the result, or the number of the error.
    pure integer(c_int) function answer(found, error)
       integer, intent(in) :: found
       type(error_t), allocatable, intent(in) :: error

@@ -1,7 +1,8 @@
-!> Arguments of a host in C that may be NULL: they are optional here, refused and never followed.
+!> Checks for arguments of a C host that may be NULL. They are optional in Fortran, rejected and
+!> never dereferenced.
 !>
-!> `error` enters with what was refused before and stays that, so that all arguments of a call are
-!> checked one after the other.
+!> An `error` from an earlier check is kept, so that a procedure can check all arguments of a call
+!> in sequence.
 module rwmf_bindings_c_pointers
    use, intrinsic :: iso_c_binding, only: c_associated, c_null_ptr, c_ptr
    use rwmf_core_error, only: err_input, error_t, fail
@@ -12,12 +13,12 @@ module rwmf_bindings_c_pointers
 
 contains
 
-   !> Refuse an argument that is NULL.
+   !> Reject an argument that is NULL.
    subroutine require_argument(is_there, what, error)
       logical, intent(in) :: is_there
       !! not NULL
       character(*), intent(in) :: what
-      !! the argument is, for the message
+      !! name of the argument, for the message
       type(error_t), allocatable, intent(inout) :: error
       !! `err_input` for NULL
 
@@ -25,7 +26,7 @@ contains
       call fail(error, err_input, 'the address for the '//what//' is NULL')
    end subroutine require_argument
 
-   !> Refuse a place for a new handle that is NULL, or holds one that would be lost.
+   !> Reject the address of a new handle if it is NULL or holds a handle in use.
    subroutine require_empty(handle, what, error)
       type(c_ptr), intent(in), optional :: handle
       character(*), intent(in) :: what
@@ -40,7 +41,7 @@ contains
       end if
    end subroutine require_empty
 
-   !> Take the address out of a handle, which becomes NULL; NULL when there is neither.
+   !> Take the address out of a handle, which becomes NULL; NULL for no handle or an empty one.
    function take_handle(handle) result(address)
       type(c_ptr), intent(inout), optional :: handle
       type(c_ptr) :: address

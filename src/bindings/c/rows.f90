@@ -1,4 +1,4 @@
-!> C binding of the rows of a table, many runs of one case in one call: include/rwmf.h.
+!> C binding of table rows: many runs of one case in one call (include/rwmf.h).
 module rwmf_bindings_c_rows
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int32_t, &
       c_ptr, c_size_t
@@ -57,7 +57,7 @@ contains
       c_run_rows = put_message(error, message, size)
    end function c_run_rows
 
-   !> What the caller's table holds, unless something was refused before.
+   !> Get the contents of the caller's table, unless an earlier check failed.
    subroutine take_table(rows, columns, values, quantities, error)
       type(c_rows_t), intent(in), optional :: rows
       character(:), allocatable, intent(out) :: columns(:)
@@ -67,7 +67,7 @@ contains
       character(:), allocatable, intent(out) :: quantities(:)
       !! (quantities)
       type(error_t), allocatable, intent(inout) :: error
-      !! NULL, sizes out of range, numbers that are none
+      !! NULL, sizes out of range, values that are not numbers
 
       nullify (values)
       if (allocated(error)) return
@@ -84,27 +84,27 @@ contains
       call require_values(values, columns, error)
    end subroutine take_table
 
-   !> Is a number of things one that an array may have?
+   !> Check that a size is valid for an array.
    subroutine require_size(n, what, error)
       integer(c_size_t), intent(in) :: n
       character(*), intent(in) :: what
-      !! they are, for the message
+      !! name of the counted objects, for the message
       type(error_t), allocatable, intent(inout) :: error
-      !! `err_input` where it is not
+      !! the size is out of range (`err_input`)
 
       ! size_t beyond the largest integer of Fortran is negative
       if (allocated(error) .or. (n >= 1 .and. n <= huge(1))) return
       call fail(error, err_input, 'the number of '//what//' must be >= 1 and < 2**31')
    end subroutine require_size
 
-   !> Are all values numbers? Whether their case allows them is asked row by row.
+   !> Check that all values are numbers. The case checks their ranges row by row.
    subroutine require_values(values, columns, error)
       real(c_double), intent(in) :: values(:, :)
       !! (columns, rows) each in the unit of its key
       character(*), intent(in) :: columns(:)
       !! (columns)
       type(error_t), allocatable, intent(inout) :: error
-      !! `err_input` for one that is none
+      !! a value is not a number (`err_input`)
       integer :: column, row
 
       do row = 1, size(values, 2)
@@ -116,7 +116,7 @@ contains
       end do
    end subroutine require_values
 
-   !> Copy what was computed into the caller's arrays.
+   !> Copy the results into the caller's arrays.
    subroutine hand_over(spectrum, results, status)
       type(spectrum_t), intent(in) :: spectrum
       type(c_ptr), intent(in) :: results
@@ -125,7 +125,7 @@ contains
       !! (rows)
       character(24), parameter :: names(5) = [character(24) :: 'ok', 'overturned', 'collapsed', &
          'inaccurate', refused]
-      !! of RWMF_ROW_OK and what follows it
+      !! names of RWMF_ROW_OK and the following codes
       real(c_double), pointer :: numbers(:, :)
       integer(c_int32_t), pointer :: codes(:)
       integer :: i
@@ -137,7 +137,7 @@ contains
             numbers(i, :) = found(:, i)
          end do
       end associate
-      ! every other name is that of an error: RWMF_ROW_FAILED
+      ! every other name is an error: RWMF_ROW_FAILED
       codes = size(names)
       do i = 1, size(names)
          where (spectrum%status(:, 1, 1) == findloc(spectrum%status_names, names(i), dim=1)) &

@@ -1,4 +1,4 @@
-!> C binding of a whole simulation: include/rwmf.h.
+!> C binding of a whole simulation (include/rwmf.h).
 module rwmf_bindings_c_run
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int32_t, c_int64_t, c_null_ptr, &
@@ -92,20 +92,20 @@ contains
       c_run_case_ending = put_message(error, message, size)
    end function c_run_case_ending
 
-   !> How a motion has ended by a time [s].
+   !> Return how a motion has ended by a time [s].
    pure type(c_ending_t) function ending_of(t, overturned, collapsed)
       real(c_double), intent(in) :: t
       !! [s]
       logical, intent(in) :: overturned
-      !! it ended because the wall overturned
+      !! the wall overturned
       logical, intent(in) :: collapsed
-      !! it ended because frame or storey passed its limit of drift
+      !! the frame or a storey exceeded its drift limit
 
       ending_of = c_ending_t(t, merge(1_c_int32_t, 0_c_int32_t, overturned), &
          merge(1_c_int32_t, 0_c_int32_t, collapsed))
    end function ending_of
 
-   !> Run a case into the caller's result, unless something was refused before.
+   !> Run a case and fill the caller's result, unless an earlier check failed.
    subroutine run_into(handle, result, found, error)
       type(c_ptr), intent(in) :: handle
       type(c_result_t), intent(inout), optional :: result

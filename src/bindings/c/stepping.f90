@@ -1,4 +1,4 @@
-!> C binding of the stepping walls: include/rwmf.h.
+!> C binding of the stepping walls (include/rwmf.h).
 !>
 !> Handles are addresses on the heap. A function that fails returns the number of its error, puts
 !> the message into the caller's buffer and changes nothing.
@@ -69,7 +69,7 @@ module rwmf_bindings_c_stepping
       end function c_ground_i
    end interface
 
-   !> A function of the host as a ground motion.
+   !> Function of the host as a ground motion.
    type, extends(ground_t) :: c_ground_t
       procedure(c_ground_i), pointer, nopass :: compute => null()
       type(c_ptr) :: data
@@ -86,7 +86,7 @@ contains
       acceleration_at = self%compute(t, self%data)
    end function acceleration_at
 
-   !> The wall behind a handle; an empty one for NULL, which every procedure refuses.
+   !> Return the wall behind a handle; for NULL an empty one, which every procedure rejects.
    function wall_of(handle) result(wall)
       type(c_ptr), intent(in) :: handle
       type(stepping_t) :: wall
@@ -294,12 +294,13 @@ contains
       integer(c_size_t) :: i
 
       call require_argument(present(count), 'count', error)
-      ! a host that only counts has no room for any
+      ! a host that only counts the events needs no buffer
       if (capacity /= 0) call require_argument(c_associated(events), 'events', error)
       if (.not. allocated(error)) call query_events(wall_of(handle), found, error)
       if (.not. allocated(error)) then
          count = ubound(found, 1, c_size_t)
-         ! size_t beyond the largest integer of Fortran is negative, and more than there are events
+         ! a size_t beyond the largest integer of Fortran is negative and exceeds the number of
+         ! events
          call c_f_pointer(events, places, [merge(count, min(capacity, count), capacity < 0)])
          do i = 1, ubound(places, 1, c_size_t)
             places(i) = c_event_t(found(i)%t, found(i)%theta, found(i)%theta_dot, &

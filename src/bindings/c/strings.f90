@@ -1,4 +1,4 @@
-!> Text and failures between C and Fortran.
+!> Conversion of texts and errors between C and Fortran.
 module rwmf_bindings_c_strings
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_null_char, &
       c_ptr, c_size_t
@@ -9,7 +9,7 @@ module rwmf_bindings_c_strings
    public :: put_text, put_message, get_text, get_names
 
    interface
-      !> Length of a text of C without its null.
+      !> Length of a C string without its null.
       pure function c_length(text) result(length) bind(c, name='strlen')
          import :: c_ptr, c_size_t
          implicit none
@@ -20,12 +20,12 @@ module rwmf_bindings_c_strings
 
 contains
 
-   !> Copy a text with its terminating null, as much of it as there is room for.
+   !> Copy a text with its terminating null, truncated to the size of the buffer.
    subroutine put_text(text, buffer, size)
       character(*), intent(in) :: text
       !! any length; its trailing blanks are copied as well
       type(c_ptr), intent(in) :: buffer
-      !! may be NULL, when nobody asks
+      !! may be NULL to discard the text
       integer(c_size_t), intent(in) :: size
       !! bytes of the buffer
       character(kind=c_char), pointer :: bytes(:)
@@ -41,12 +41,12 @@ contains
       bytes(n + 1) = c_null_char
    end subroutine put_text
 
-   !> Number of a failure, 0 without one; its message into the caller's buffer, which holds none
-   !> after a success.
+   !> Return the number of an error, 0 without one, and copy its message into the caller's buffer.
+   !> After a success the message is empty.
    integer(c_int) function put_message(error, message, size) result(status)
       type(error_t), allocatable, intent(in) :: error
       type(c_ptr), intent(in) :: message
-      !! may be NULL, when nobody asks
+      !! may be NULL to discard the text
       integer(c_size_t), intent(in) :: size
       !! bytes of the message
 
@@ -59,11 +59,11 @@ contains
       end if
    end function put_message
 
-   !> A text of C.
+   !> Convert a C string.
    subroutine get_text(address, what, text, error)
       type(c_ptr), intent(in) :: address
       character(*), intent(in) :: what
-      !! it is, for the message
+      !! name of the text, for the message
       character(:), allocatable, intent(out) :: text
       !! without the terminating null; not allocated after an error
       type(error_t), allocatable, intent(out) :: error
@@ -82,16 +82,16 @@ contains
       end do
    end subroutine get_text
 
-   !> Several texts of C, unless something was refused before.
+   !> Convert several C strings, unless an earlier check failed.
    subroutine get_names(address, n, what, names, error)
       type(c_ptr), intent(in) :: address
-      !! of their addresses
+      !! address of the array of their addresses
       integer(c_size_t), intent(in) :: n
       !! at least 1
       character(*), intent(in) :: what
-      !! each is, for the message
+      !! name of each text, for the message
       character(:), allocatable, intent(out) :: names(:)
-      !! (n) without the terminating nulls, with blanks behind; not allocated after an error
+      !! (n) without the terminating nulls, padded with blanks; not allocated after an error
       type(error_t), allocatable, intent(inout) :: error
       !! one of the addresses is NULL
       type(c_ptr), pointer :: places(:)

@@ -1,6 +1,6 @@
-!> Making cases: of text, with samples of arrays, and of a case that is kept. Flat procedures for
-!> f2py in the extension `rwmf._kernel` beside `rwmf_bindings_python_kernel`, whose
-!> conventions they follow.
+!> Creation of cases from text, from samples in arrays, and from a stored case. Flat procedures for
+!> f2py in the extension `rwmf._kernel` beside `rwmf_bindings_python_kernel`, with the same
+!> conventions.
 module rwmf_bindings_python_cases
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
    use rwmf_bindings_python_handles, only: add_source, find, keep, keep_motion, kept_t, &
@@ -16,9 +16,9 @@ module rwmf_bindings_python_cases
 
 contains
 
-   !> Read and validate a case. `others` are handles, 0 for none: of a case whose records are not
-   !> read again where both name the same, and of samples that stand for the records of `&motion`
-   !> and `&vertical`.
+   !> Read and validate a case. `others` are handles, 0 for none: the first of a case whose records
+   !> are reused where both name the same files. The others are samples in place of the records of
+   !> `&motion` and `&vertical`.
    subroutine case_read(text, source, others, handle, status, message, message_length)
       character(*), intent(in) :: text
       character(*), intent(in) :: source
@@ -38,7 +38,7 @@ contains
 
       allocate (kept)
       allocate (kept%case)
-      ! what is not there is a null pointer and arrives as an absent argument
+      ! a missing object is a null pointer, passed as an absent argument
       case => sampled_case(others(1))
       a => samples_of(others(2))
       v => samples_of(others(3))
@@ -50,7 +50,7 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine case_read
 
-   !> Keep samples of an array; without times (none at all) they follow an interval of the case.
+   !> Store samples of an array. With an empty array of times they follow the interval of the case.
    subroutine samples_keep(a, t, handle, status, message, message_length)
       real(c_double), intent(in) :: a(:)
       real(c_double), intent(in) :: t(:)
@@ -73,7 +73,8 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine samples_keep
 
-   !> Look up keys that change: their names, separated by blanks, and how many numbers each gets.
+   !> Find the keys to change from their names, separated by blanks, and return the number of values
+   !> of each.
    subroutine changes_find(handle, names, n_values, changes, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       character(*), intent(in) :: names
@@ -96,8 +97,8 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine changes_find
 
-   !> The case with other numbers. The samples of its records, and their motion, stay with the case
-   !> that was read.
+   !> Create a case with changed numbers. The samples of its records, and their motion, remain with
+   !> the original case.
    subroutine case_change(handle, changes, numbers, source, changed, status, message, &
       message_length)
       integer(c_int64_t), intent(in) :: handle
@@ -130,7 +131,7 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine case_change
 
-   !> How many ordinates the spectrum of a case has; 0 without `&spectrum`.
+   !> Number of ordinates of the spectrum of a case; 0 without `&spectrum`.
    subroutine ordinates(handle, n)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(out) :: n

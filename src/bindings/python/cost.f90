@@ -14,7 +14,7 @@ module rwmf_bindings_python_cost
 
 contains
 
-   !> Names of the values of a measurement, one a line.
+   !> Names of the values of a measurement, one per line.
    subroutine value_names(buffer, length)
       integer(c_int8_t), intent(inout) :: buffer(:)
       ! f2py declares the C type of int8 only when it is written this way at least once
@@ -24,10 +24,10 @@ contains
       call put_text(names_of_values, buffer, length)
    end subroutine value_names
 
-   !> Run a case with a method and tolerance, again and again until the budget (s) is spent.
+   !> Run a case with a method and tolerance repeatedly until the budget [s] is spent.
    !>
-   !> `counts` is (steps, right-hand sides, impacts, overturned, repeats); impact times beyond the
-   !> room for them are left out.
+   !> `counts` is (steps, right-hand sides, impacts, overturned, repeats). Impact times beyond the
+   !> size of their array are dropped.
    subroutine measure(handle, method, rtol, budget, control, values, seconds, counts, &
       impact_times, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
@@ -56,8 +56,9 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine measure
 
-   !> Run a case by one of today's procedures ('ode45', 'rk4', 'newmark'), whose step is the usual
-   !> interval of such a case over a divisor; `dt` returns it (s). The rest is as in `measure`.
+   !> Run a case by one of today's procedures ('ode45', 'rk4', 'newmark'). The step is the usual
+   !> interval of the case over a divisor; `dt` returns it [s]. The other arguments are as in
+   !> `measure`.
    subroutine measure_baseline(handle, name, divisor, budget, values, seconds, dt, counts, &
       impact_times, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle

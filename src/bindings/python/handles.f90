@@ -1,5 +1,5 @@
-!> What the Python wrapper needs besides the kernel: cases and results kept behind integer handles,
-!> text as bytes, errors as numbers.
+!> Support for the Python wrapper: cases and results behind integer handles, text as bytes, errors
+!> as numbers.
 module rwmf_bindings_python_handles
    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_int64_t, c_int8_t, c_loc, &
       c_null_ptr
@@ -17,17 +17,18 @@ module rwmf_bindings_python_handles
    public :: kept_t, keep, find, put_text, put_error, add_source, split_names, make_control
    public :: keep_motion, motion_of, complete_case, sampled_case, samples_of
 
-   !> What a handle stands for: a case, samples of a motion, keys that change, or the result or the
-   !> spectrum computed of a case.
+   !> Object behind a handle: a case, samples of a motion, changed keys, or the result or the
+   !> spectrum computed from a case.
    type :: kept_t
       type(case_t), allocatable :: case
-      !! never changes once it is kept, so that any number of threads may compute of it
+      !! constant once stored, so that any number of threads may use it
       type(motion_t), allocatable :: motion
-      !! of the case, tabulated once; absent when it is that of `origin`, or its record is scaled
+      !! motion of the case, tabulated once; absent if it is that of `origin`, or its record is
+      !! scaled
       type(kept_t), pointer :: origin => null()
-      !! of a changed case: that with the samples of its records, which the caller keeps as long
+      !! original of a changed case, with the samples of its records; the caller keeps it alive
       logical :: is_motion_of_origin = .false.
-      !! nothing has changed how the ground moves
+      !! the ground motion is unchanged
       type(samples_t), allocatable :: samples
       type(changes_t), allocatable :: changes
       type(result_t), allocatable :: result
@@ -36,10 +37,10 @@ module rwmf_bindings_python_handles
 
 contains
 
-   !> Handle of something on the heap: its address. Nothing is kept of what has failed.
+   !> Create the handle of an object on the heap, its address. After an error the object is freed.
    subroutine keep(kept, error, handle)
       type(kept_t), pointer, intent(inout) :: kept
-      !! given back on failure
+      !! freed on failure
       type(error_t), allocatable, intent(in) :: error
       integer(c_int64_t), intent(out) :: handle
       !! 0 on failure
@@ -52,19 +53,19 @@ contains
       end if
    end subroutine keep
 
-   !> What a handle stands for.
+   !> Return the object behind a handle.
    function find(handle) result(kept)
       integer(c_int64_t), intent(in) :: handle
-      !! from `keep`, not freed
+      !! handle from `keep`, not freed
       type(kept_t), pointer :: kept
 
       call c_f_pointer(transfer(handle, c_null_ptr), kept)
    end function find
 
-   !> The case with the samples behind the handle of a case, which may be a changed one; null for 0.
+   !> Return the case with the samples for the handle of a case, which may be changed; null for 0.
    function sampled_case(handle) result(case)
       integer(c_int64_t), intent(in) :: handle
-      !! of a case, or 0
+      !! handle of a case, or 0
       type(case_t), pointer :: case
       type(kept_t), pointer :: kept
 
@@ -75,10 +76,10 @@ contains
       if (associated(kept%origin)) case => kept%origin%case
    end function sampled_case
 
-   !> The samples behind a handle; null for 0.
+   !> Return the samples behind a handle; null for 0.
    function samples_of(handle) result(samples)
       integer(c_int64_t), intent(in) :: handle
-      !! of samples, or 0
+      !! handle of samples, or 0
       type(samples_t), pointer :: samples
       type(kept_t), pointer :: kept
 
@@ -88,14 +89,14 @@ contains
       samples => kept%samples
    end function samples_of
 
-   !> Copy a text into a buffer of bytes, as much of it as there is room for.
+   !> Copy a text into a buffer of bytes, truncated to the size of the buffer.
    pure subroutine put_text(text, buffer, length)
       character(*), intent(in) :: text
       !! any length; its trailing blanks are copied as well
       integer(c_int8_t), intent(inout) :: buffer(:)
       !! (bytes)
       integer(c_int), intent(out) :: length
-      !! bytes of the text; larger than the buffer: ask again with a larger one
+      !! bytes of the text; if larger than the buffer, call again with a larger one
       integer :: i
 
       length = len(text, c_int)
@@ -104,7 +105,7 @@ contains
       end do
    end subroutine put_text
 
-   !> A failure, or its absence, as a number and a message.
+   !> Convert an error, or its absence, to a number and a message.
    pure subroutine put_error(error, status, message, length)
       type(error_t), allocatable, intent(in) :: error
       integer(c_int), intent(out) :: status
@@ -122,7 +123,7 @@ contains
       end if
    end subroutine put_error
 
-   !> Names that tabs separate.
+   !> Split names separated by tabs.
    pure subroutine split_names(text, names)
       character(*), intent(in) :: text
       !! '' for none
@@ -139,21 +140,21 @@ contains
       end do
    end subroutine split_names
 
-   !> Messages about a case begin with the name of its file.
+   !> Prefix the message of an error with the name of the case's file.
    pure subroutine add_source(source, error)
       character(*), intent(in) :: source
-      !! path of its file, '' when it was made in memory
+      !! path of its file, '' for a case made in memory
       type(error_t), allocatable, intent(inout) :: error
-      !! stays unallocated when nothing is wrong
+      !! error of the case, if any
 
       if (allocated(error) .and. len(source) > 0) call add_context(error, source)
    end subroutine add_source
 
-   !> Tabulate the motion of a case, unless its samples are with another one: a long record that is
-   !> only scaled would fill the memory of many cases.
+   !> Tabulate the motion of a case, unless its samples belong to another one: copies of a long
+   !> scaled record would fill the memory.
    subroutine keep_motion(kept)
       type(kept_t), intent(inout) :: kept
-      !! with its case
+      !! with its case set
 
       if (kept%is_motion_of_origin) return
       if (associated(kept%origin)) then
@@ -162,10 +163,10 @@ contains
       kept%motion = motion_from_case(kept%case)
    end subroutine keep_motion
 
-   !> The motion of a case: what is tabulated, or `room` with what is then.
+   !> Return the motion of a case: the tabulated one, or one built in `room`.
    subroutine motion_of(kept, room, motion)
       type(kept_t), pointer, intent(in) :: kept
-      !! a case
+      !! object of a case
       type(motion_t), target, intent(inout) :: room
       type(motion_t), pointer, intent(out) :: motion
 
@@ -179,10 +180,10 @@ contains
       end if
    end subroutine motion_of
 
-   !> A case with the samples of its records.
+   !> Copy a case and the samples of its records.
    subroutine complete_case(kept, case)
       type(kept_t), intent(in) :: kept
-      !! a case
+      !! object of a case
       type(case_t), intent(out) :: case
 
       case = kept%case
@@ -196,7 +197,7 @@ contains
       case%vertical_record%a = kept%origin%case%vertical_record%a
    end subroutine complete_case
 
-   !> Progress counter and cancel flag in the caller's memory.
+   !> Create a control with progress counter and cancel flag in the caller's memory.
    function make_control(counters) result(control)
       integer(c_int64_t), target, intent(inout) :: counters(2)
       !! finished simulations; non-zero to stop

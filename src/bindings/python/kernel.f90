@@ -1,16 +1,17 @@
-!> The kernel as flat procedures for f2py: the extension `rwmf._kernel`.
+!> Kernel as flat procedures for f2py, in the extension `rwmf._kernel`.
 !>
-!> * A case enters as namelist text, so that all users share one parser and one validation. It is
-!>   read once and stays in the kernel behind a handle, from which everything is computed. Texts
-!>   come as bytes (UTF-8): f2py refuses strings that are not ASCII.
-!> * Text leaves as bytes: `length` is what the text needs; when the buffer is smaller, the caller
-!>   asks again with a larger one.
+!> * A case is passed as namelist text, so that all users share one parser and one validation. It
+!>   is read once and stored in the kernel behind a handle, from which everything is computed. Texts
+!>   are bytes (UTF-8), because f2py rejects strings that are not ASCII.
+!> * Text is returned as bytes. `length` is the required size; if the buffer is smaller, the caller
+!>   calls again with a larger one.
 !> * `status` is 0, 1 (numerical), 2 (input, output) or 130 (interrupted), with a message.
-!> * Results stay in the kernel behind a handle until they are freed. Any number of threads may use
-!>   a case at once, for it never changes; a result is used by one thread at a time.
-!> * The large arrays are not copied: the caller gets their address, good until the handle is freed.
+!> * Results are stored in the kernel behind a handle until they are freed. Any number of threads
+!>   may use a case at once, because it is constant; only one thread at a time may use a result.
+!> * The large arrays are not copied: the caller gets their address, valid until the handle is
+!>   freed.
 !>
-!> f2py reads this file: kinds of iso_c_binding, plain `implicit none`.
+!> f2py parses this file, which therefore uses kinds of iso_c_binding and plain `implicit none`.
 module rwmf_bindings_python_kernel
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t, c_loc
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -33,7 +34,7 @@ module rwmf_bindings_python_kernel
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
    use rwmf_simulation_warnings, only: list_case_warnings
-   use rwmf_spectrum_quantities, only: default_quantity, keys_asked_by, list_applicable
+   use rwmf_spectrum_quantities, only: default_quantity, requested_keys_of, list_applicable
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum
    use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
    use rwmf_text_strings, only: real_to_text
@@ -53,7 +54,7 @@ contains
       call put_text(kernel_version, buffer, length)
    end subroutine version
 
-   !> Instructions that spectra use on this processor.
+   !> Instruction set that spectra use on this processor.
    subroutine instruction_set(buffer, length)
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
@@ -61,7 +62,7 @@ contains
       call put_text(trim(kernel_instructions()), buffer, length)
    end subroutine instruction_set
 
-   !> The table of groups and keys, one key a line.
+   !> Table of groups and keys, one key per line.
    subroutine schema(buffer, length)
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
@@ -71,7 +72,7 @@ contains
       call put_text(text, buffer, length)
    end subroutine schema
 
-   !> The groups and those that each needs, one a line.
+   !> Groups and their required groups, one per line.
    subroutine groups(buffer, length)
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
@@ -81,7 +82,7 @@ contains
       call put_text(text, buffer, length)
    end subroutine groups
 
-   !> The table of output quantities, one a line.
+   !> Table of output quantities, one per line.
    subroutine quantities(buffer, length)
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
@@ -91,7 +92,7 @@ contains
       call put_text(text, buffer, length)
    end subroutine quantities
 
-   !> Names of the kinds of events 1, 2, ..., one a line.
+   !> Names of the kinds of events 1, 2, ..., one per line.
    subroutine event_names(buffer, length)
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
@@ -105,7 +106,7 @@ contains
       call put_text(names, buffer, length)
    end subroutine event_names
 
-   !> Give back the memory behind a handle, which is void from then on.
+   !> Free the memory behind a handle, which is invalid from then on.
    subroutine release(handle)
       integer(c_int64_t), intent(in) :: handle
       type(kept_t), pointer :: kept
@@ -114,7 +115,7 @@ contains
       deallocate (kept)
    end subroutine release
 
-   !> All values of a case with those that were not given.
+   !> Describe all values of a case, including those that were not given.
    subroutine describe(handle, buffer, length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -127,7 +128,7 @@ contains
       call put_text(lines, buffer, length)
    end subroutine describe
 
-   !> End of the motion of a case, after which the ground is still [s].
+   !> Time of the end of the motion of a case, after which the ground is at rest [s].
    subroutine end_of_motion(handle, t)
       integer(c_int64_t), intent(in) :: handle
       real(c_double), intent(out) :: t
@@ -153,8 +154,8 @@ contains
       a = real(peak_acceleration(motion), c_double)
    end subroutine peak_of_motion
 
-   !> The axes that the scene of a case has in a spectrum, one a line: name, value ('' for none),
-   !> unit, meaning; then the key of what its runs report unless they are asked for more.
+   !> List the spectrum axes of the scene of a case, one per line: name, value ('' for none), unit,
+   !> meaning. The last line is the key of the default quantity.
    subroutine axes_of_case(handle, buffer, length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -177,7 +178,7 @@ contains
       call put_text(lines//trim(default_quantity(kept%case)), buffer, length)
    end subroutine axes_of_case
 
-   !> What a case will simulate and report: see `preview_text`.
+   !> Preview the effects and outputs of a case; see `preview_text`.
    subroutine inventory(handle, buffer, length, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -198,7 +199,7 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine inventory
 
-   !> The method by which a spectrum of a case, or rows of it, are computed.
+   !> Method for a spectrum or rows of a case.
    subroutine spectrum_method(handle, buffer, length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -209,12 +210,11 @@ contains
       call put_text(trim(method_of_spectrum(kept%case%solver%method)), buffer, length)
    end subroutine spectrum_method
 
-   !> What the user should know about a case, in its spectrum if it has one, with tabs between the
-   !> lines.
+   !> List the warnings of a case, for its spectrum if it has one, separated by tabs.
    subroutine case_warnings(handle, keys, buffer, length)
       integer(c_int64_t), intent(in) :: handle
       character(*), intent(in) :: keys
-      !! quantities that are reported, with tabs between; '' for those that the case asks for
+      !! reported quantities, separated by tabs; '' for those of the case
       integer(c_int8_t), intent(inout) :: buffer(:)
       integer(c_int), intent(out) :: length
       type(kept_t), pointer :: kept
@@ -227,7 +227,7 @@ contains
       call motion_of(kept, room, motion)
       call split_names(keys, reported)
       if (keys == '') then
-         reported = keys_asked_by(kept%case)
+         reported = requested_keys_of(kept%case)
          if (allocated(kept%case%output)) then
             if (kept%case%output%reactions) reported = all_quantities%key
          end if
@@ -236,7 +236,7 @@ contains
       call put_text(joined(warnings), buffer, length)
    end subroutine case_warnings
 
-   !> What the user should know about a spectrum, with tabs between the lines.
+   !> List the warnings of a spectrum, separated by tabs.
    subroutine spectrum_warnings(sweep, buffer, length)
       integer(c_int64_t), intent(in) :: sweep
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -247,7 +247,7 @@ contains
       call put_text(joined(kept%spectrum%warnings), buffer, length)
    end subroutine spectrum_warnings
 
-   !> Run one simulation. `control` is (finished, cancel), read and set while this runs.
+   !> Run one simulation. `control` is (finished, cancel), read and set during the run.
    subroutine simulate(handle, control, run, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(inout), target :: control(2)
@@ -271,8 +271,8 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine simulate
 
-   !> The named scalars of a run: a line each as in `summary_text`, and beside it, as far as there
-   !> is room, its number in `reals` (kind 'real') or `counts` ('int', 'logical').
+   !> List the named scalars of a run, with a line for each as in `summary_text`. Its number is in
+   !> `reals` (kind 'real') or `counts` ('int', 'logical'), up to the sizes of these arrays.
    subroutine result_summary(handle, run, reals, counts, buffer, length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(in) :: run
@@ -296,8 +296,8 @@ contains
       call put_text(lines, buffer, length)
    end subroutine result_summary
 
-   !> Address of the history, (rows, columns) with the rows of a column one after the other, and
-   !> the number of events; 0 where there is none.
+   !> Return the address and shape of the history, stored as (rows, columns) column by column, and
+   !> the number of events; 0 if absent.
    subroutine result_history(run, address, n_rows, n_columns, n_events)
       integer(c_int64_t), intent(in) :: run
       integer(c_int64_t), intent(out) :: address
@@ -319,7 +319,7 @@ contains
       if (allocated(kept%result%events)) n_events = size(kept%result%events, kind=c_int)
    end subroutine result_history
 
-   !> Names of the columns of the history, one a line.
+   !> Names of the columns of the history, one per line.
    subroutine result_columns(run, buffer, length)
       integer(c_int64_t), intent(in) :: run
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -338,7 +338,7 @@ contains
       call put_text(names%room(:names%length), buffer, length)
    end subroutine result_columns
 
-   !> The events, in the number of `result_history`.
+   !> Copy the events; `result_history` gives their number.
    subroutine result_events(run, kinds, t, theta, theta_dot)
       integer(c_int64_t), intent(in) :: run
       integer(c_int), intent(inout) :: kinds(:)
@@ -355,7 +355,7 @@ contains
       theta_dot = real(kept%result%events%theta_dot, c_double)
    end subroutine result_events
 
-   !> Names of the files that a run may write, named after `source`, one a line.
+   !> Names of the files that a run may write, named after `source`, one per line.
    subroutine result_names(source, buffer, length)
       character(*), intent(in) :: source
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -372,7 +372,7 @@ contains
       call put_text(lines, buffer, length)
    end subroutine result_names
 
-   !> Key of the output quantity that a word may mean, empty for none.
+   !> Key of the output quantity that a word may mean; empty for none.
    subroutine meant_quantity(word, buffer, length)
       character(*), intent(in) :: word
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -409,15 +409,15 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine result_write
 
-   !> The most threads that a spectrum takes on this machine.
+   !> Largest number of threads for a spectrum on this machine.
    subroutine most_threads(n)
       integer(c_int), intent(out) :: n
 
       n = int(kernel_most_threads(), c_int)
    end subroutine most_threads
 
-   !> Compute a spectrum with so many threads (0: all). `keys` are those of the quantities ('' for
-   !> those of the case), separated by tabs; `control` is (finished, cancel).
+   !> Compute a spectrum with a number of threads (0: all). `keys` are those of the quantities (''
+   !> for those of the case), separated by tabs; `control` is (finished, cancel).
    subroutine spectrum(handle, keys, threads, control, sweep, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       character(*), intent(in) :: keys
@@ -504,9 +504,9 @@ contains
       seconds = real(kept%spectrum%seconds, c_double)
    end subroutine spectrum_shape
 
-   !> The axes, in the sizes of `spectrum_shape`, gamma and b of a bare frame NaN, those of rows as
-   !> well, and the address
-   !> of the values (n_T, n_gamma, n_b, n_quantities), T_s running fastest.
+   !> Copy the axes in the sizes of `spectrum_shape`; return the address of the values (n_T,
+   !> n_gamma, n_b, n_quantities), T_s varying fastest. The gamma and b of a bare frame are NaN, as
+   !> are all axes of rows.
    subroutine spectrum_values(sweep, T_s, gamma, b, address)
       integer(c_int64_t), intent(in) :: sweep
       real(c_double), intent(inout) :: T_s(:)
@@ -525,7 +525,7 @@ contains
       address = transfer(c_loc(kept%spectrum%values), address)
    end subroutine spectrum_values
 
-   !> Keys of the quantities in these values, separated by tabs.
+   !> Keys of the quantities of a spectrum, separated by tabs.
    subroutine spectrum_quantities(sweep, buffer, length)
       integer(c_int64_t), intent(in) :: sweep
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -536,8 +536,7 @@ contains
       call put_text(joined(kept%spectrum%quantities), buffer, length)
    end subroutine spectrum_quantities
 
-   !> Keys of the quantities that a spectrum of the scene may be asked for, separated by
-   !> tabs.
+   !> Keys of the quantities applicable to a spectrum of the scene, separated by tabs.
    subroutine applicable(handle, buffer, length, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int8_t), intent(inout) :: buffer(:)
@@ -559,8 +558,8 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine applicable
 
-   !> What became of the ordinates: places, from 1, in the table of names, in the order of the array
-   !> (T_s, gamma, b), and these names, separated by tabs.
+   !> Return the status of the ordinates: positions, from 1, in the table of names, in the order of
+   !> the array (T_s, gamma, b). The names are separated by tabs.
    subroutine spectrum_status(sweep, places, buffer, length)
       integer(c_int64_t), intent(in) :: sweep
       integer(c_int8_t), intent(inout) :: places(:)

@@ -1,9 +1,9 @@
-!> The kernel in quadruple precision as a flat procedure for f2py: the extension `rwmf._reference`,
-!> against which the errors of all methods are measured.
+!> Kernel in quadruple precision as a flat procedure for f2py, in the extension `rwmf._reference`.
+!> It is the reference for the errors of all methods.
 !>
-!> Compiled from the kernel's own sources with `RWMF_QUAD`, into a library of its own, so that
-!> nothing of it meets the double-precision kernel in the same process. The case is read as
-!> everywhere: its numbers are those of double precision.
+!> It is compiled from the kernel's own sources with `RWMF_QUAD`. A separate library shares nothing
+!> with the double-precision kernel in a process. The numbers of the case are read in double
+!> precision.
 module rwmf_bindings_python_reference
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
    use rwmf_baseline_timed_run, only: empty_measured, halve_intervals, measure_method, &
@@ -18,9 +18,10 @@ module rwmf_bindings_python_reference
 
 contains
 
-   !> Run a case at two tolerances, the second time with the intervals of a record halved as well;
-   !> return the results of the second run and how much those of the first differ: a bound of their
-   !> error, because it shrinks with tolerance and interval. An impact differs from the nearest one.
+   !> Run a case at two tolerances, the second time with the intervals of a record halved as well.
+   !> Return the results of the second run and their differences from the first. The differences
+   !> bound the error, because it decreases with tolerance and interval. Each impact is compared
+   !> with the nearest one.
    !>
    !> `counts` is (steps, right-hand sides, impacts, overturned, impacts at the looser tolerance).
    !> `control` is (finished runs, cancel).

@@ -1,4 +1,4 @@
-!> What practitioners run today, for the same scenes: the measure of what accuracy is worth.
+!> Procedures in use today for the same scenes, as a baseline for accuracy and cost.
 !>
 !> | name      | procedure                                                                       |
 !> |-----------|---------------------------------------------------------------------------------|
@@ -29,22 +29,21 @@ module rwmf_baseline_baseline_run
 
 contains
 
-   !> Compute the response of a scene in one of today's ways.
+   !> Compute the response of a scene by one of today's procedures.
    !>
-   !> Errors: an unknown name; a step that is none; no period of the frame; a scene with further
-   !> states or with springs that remember, which these procedures have no place for; the numerical
-   !> failures of the procedure.
+   !> Errors: an unknown name; an invalid step; no period of the frame; the numerical failures of
+   !> the procedure. Scenes with further states or with hysteretic springs are not supported.
    subroutine run_baseline(case, name, dt, rtol, atol, baseline, error)
       type(case_t), intent(in) :: case
       !! valid
       character(*), intent(in) :: name
       !! 'ode45', 'rk4' or 'newmark'
       real(wp), intent(in) :: dt
-      !! step, of ode45 the interval at which lift-off is looked for; see `usual_interval` [s]
+      !! step; for ode45 the interval of the checks for uplift; see `usual_interval` [s]
       real(wp), intent(in) :: rtol
-      !! of ode45 [-]
+      !! relative tolerance of ode45 [-]
       real(wp), intent(in) :: atol
-      !! of ode45 [rad] and [rad/s]
+      !! absolute tolerance of ode45 [rad] and [rad/s]
       type(baseline_t), intent(out) :: baseline
       type(error_t), allocatable, intent(out) :: error
       type(motion_t), target :: motion

@@ -1,7 +1,8 @@
-!> Fixed steps: Runge and Kutta's method of order 4, and Newmark's with average acceleration.
+!> Integration with fixed steps by Runge and Kutta's method of order 4, or by Newmark's with average
+!> acceleration.
 !>
-!> The impact is applied at the end of the step in which theta changes its sign; theta stays where
-!> the step left it.
+!> The impact is applied at the end of the step in which theta changes its sign; theta keeps its
+!> value at that time.
 module rwmf_baseline_fixed_step
    use rwmf_baseline_problem, only: apply_impact, evaluate, observe, problem_t, try_lift_off
    use rwmf_core_error, only: err_numerical, error_t, fail
@@ -15,14 +16,14 @@ module rwmf_baseline_fixed_step
 
 contains
 
-   !> From the beginning of the scene to its end.
+   !> Integrate from the beginning of the scene to its end.
    !>
-   !> Errors: `too_many_steps`; a state that is not finite; Newton's iteration of Newmark's method
-   !> that does not end.
+   !> Errors: `too_many_steps`; a state that is not finite; no convergence of Newton's iteration in
+   !> Newmark's method.
    subroutine follow_with_fixed_steps(scene, is_newmark, dt, error)
       type(problem_t), intent(inout) :: scene
       logical, intent(in) :: is_newmark
-      !! Newmark's method, else Runge and Kutta's
+      !! Newmark's method, otherwise Runge and Kutta's
       real(wp), intent(in) :: dt
       !! [s]
       type(error_t), allocatable, intent(out) :: error
@@ -43,7 +44,7 @@ contains
       end do
    end subroutine follow_with_fixed_steps
 
-   !> Go to the next sample.
+   !> Advance to the next sample.
    subroutine take_step(scene, is_newmark, t_new, error)
       type(problem_t), intent(inout) :: scene
       logical, intent(in) :: is_newmark
@@ -67,11 +68,11 @@ contains
       call observe(scene, scene%y)
    end subroutine take_step
 
-   !> Impact or overturning at the end of a step?
+   !> Apply an impact or overturning at the end of a step.
    subroutine end_step(scene, dt)
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: dt
-      !! a flight that would be shorter cannot be followed [s]
+      !! shortest flight that the step resolves [s]
 
       scene%overturned = abs(scene%y(1)) >= scene%overturning_angle
       if (scene%overturned) return
@@ -91,8 +92,8 @@ contains
       scene%y = scene%y + h/6*(f(:, 1) + 2*f(:, 2) + 2*f(:, 3) + f(:, 4))
    end subroutine runge_kutta_step
 
-   !> Average acceleration (beta = 1/4, gamma = 1/2), Newton's iteration on the acceleration at the
-   !> end of the step.
+   !> Take a Newmark step with average acceleration (beta = 1/4, gamma = 1/2), with Newton's
+   !> iteration on the acceleration at its end.
    subroutine newmark_step(scene, h, error)
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: h
@@ -129,7 +130,7 @@ contains
       end if
    end subroutine newmark_step
 
-   !> State after a step with the mean of two accelerations.
+   !> Compute the state after a step with the mean of two accelerations.
    pure function average_acceleration(y_old, a_old, a_new, h) result(y)
       real(wp), intent(in) :: y_old(2)
       !! theta [rad], theta' [rad/s]

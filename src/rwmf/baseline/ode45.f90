@@ -1,9 +1,8 @@
-!> The procedure of the paper: MATLAB's `ode45` with an event function and a restart after each
-!> impact.
+!> Procedure of the paper, MATLAB's `ode45` with an event function and a restart after each impact.
 !>
-!> Dormand and Prince's pair 5(4) with the step control, the event location and the four output
-!> points a step that Shampine and Reichelt describe (The MATLAB ODE Suite, SIAM J. Sci. Comput. 18,
-!> 1997). It integrates straight over the samples of a record.
+!> It uses Dormand and Prince's pair 5(4). Step control, event location and the four output points
+!> per step are those of Shampine and Reichelt (The MATLAB ODE Suite, SIAM J. Sci. Comput. 18,
+!> 1997). Its steps ignore the samples of a record.
 module rwmf_baseline_ode45
    use rwmf_baseline_problem, only: apply_impact, evaluate, observe, problem_t, try_lift_off
    use rwmf_core_error, only: err_numerical, error_t, fail
@@ -42,23 +41,23 @@ module rwmf_baseline_ode45
       [stages, 4])
    !! dense_weights(:, k): coefficient of the k-th power of the position in the step
 
-   !> One accepted step.
+   !> Accepted step.
    type :: step_t
       real(wp) :: t
-      !! its beginning [s]
+      !! beginning [s]
       real(wp) :: h
-      !! its length [s]
+      !! length [s]
       real(wp) :: y(2)
-      !! state at its beginning
+      !! state at the beginning
       real(wp) :: y_new(2)
-      !! state at its end
+      !! state at the end
       real(wp) :: f(2, stages)
       !! derivatives of the stages
    end type step_t
 
 contains
 
-   !> From the beginning of the scene to its end.
+   !> Integrate from the beginning of the scene to its end.
    !>
    !> Errors: `too_many_steps`; a step that becomes too small.
    subroutine follow_with_ode45(scene, rtol, atol, dt, error)
@@ -66,9 +65,9 @@ contains
       real(wp), intent(in) :: rtol
       !! `RelTol` [-]
       real(wp), intent(in) :: atol
-      !! `AbsTol`, the same for all states
+      !! `AbsTol`, for all states
       real(wp), intent(in) :: dt
-      !! interval of the samples at which lift-off is looked for [s]
+      !! interval of the samples at which uplift is checked [s]
       type(error_t), allocatable, intent(out) :: error
       logical :: hit
 
@@ -83,7 +82,7 @@ contains
       end do
    end subroutine follow_with_ode45
 
-   !> Go to the next sample at which the ground motion lifts the wall, or to the end.
+   !> Advance to the next sample at which the ground motion lifts the wall, or to the end.
    subroutine wait_for_lift_off(scene, dt)
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: dt
@@ -100,7 +99,8 @@ contains
       scene%t = scene%t_end
    end subroutine wait_for_lift_off
 
-   !> One call of ode45: from the present state to the end, an impact or overturning.
+   !> Integrate as in one call of ode45, from the current state to the end, an impact or
+   !> overturning.
    subroutine follow_flight(scene, rtol, atol, hit, error)
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: rtol
@@ -137,7 +137,7 @@ contains
       end do
    end subroutine follow_flight
 
-   !> First step length [s].
+   !> Compute the first step length [s].
    pure real(wp) function first_length(step, rtol, atol, h_max) result(h)
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: rtol
@@ -152,7 +152,7 @@ contains
       h = max(h, least_length(step%t))
    end function first_length
 
-   !> What ode45 takes for the shortest step that makes sense [s].
+   !> Shortest step length of ode45 [s].
    pure real(wp) function least_length(t) result(h)
       real(wp), intent(in) :: t
       !! [s]
@@ -160,7 +160,7 @@ contains
       h = 16*spacing(t)
    end function least_length
 
-   !> One step that the tolerances accept; time and state of its end go into the scene.
+   !> Take one step that satisfies the tolerances; store time and state at its end in the scene.
    subroutine advance(scene, step, rtol, atol, h, h_max, error)
       type(problem_t), intent(inout) :: scene
       type(step_t), intent(inout) :: step
@@ -200,7 +200,7 @@ contains
       scene%y = step%y_new
    end subroutine advance
 
-   !> The stages of a step of given length.
+   !> Compute the stages of a step of given length.
    subroutine attempt(scene, step)
       type(problem_t), intent(inout) :: scene
       type(step_t), intent(inout) :: step
@@ -214,7 +214,7 @@ contains
       step%y_new = y
    end subroutine attempt
 
-   !> State inside the step, by the continuous extension.
+   !> Compute the state inside the step by the continuous extension.
    pure function state_inside(step, t) result(y)
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: t
@@ -227,12 +227,12 @@ contains
       y = step%y + step%h*matmul(step%f, matmul(dense_weights, [x, x**2, x**3, x**4]))
    end function state_inside
 
-   !> Keep the points between the ends of the step and its end.
+   !> Record the points between the ends of the step, and its end.
    subroutine keep_points(scene, step, length)
       type(problem_t), intent(inout) :: scene
       type(step_t), intent(in) :: step
       real(wp), intent(in) :: length
-      !! of the step, or of its part before the impact [s]
+      !! length of the step, or of its part before the impact [s]
       integer :: i
 
       do i = 1, points_per_step - 1
@@ -241,9 +241,9 @@ contains
       call observe(scene, scene%y)
    end subroutine keep_points
 
-   !> Event theta = 0: a change of sign between the ends of the step.
+   !> Find the event theta = 0, a change of sign between the ends of the step.
    !>
-   !> A flight that begins on theta = 0 is judged from half the resolution later.
+   !> For a flight that begins at theta = 0 the sign is evaluated half the resolution later.
    subroutine find_impact(scene, step, hit)
       type(problem_t), intent(inout) :: scene
       type(step_t), intent(in) :: step

@@ -1,13 +1,13 @@
-!> What today's procedures for rocking walls share: the scene, the impact rule, rest and lift-off,
-!> and what they report.
+!> Common parts of today's procedures for rocking walls: the scene, the impact rule, rest and
+!> uplift, and the reported results.
 !>
-!> The equation of motion is the kernel's own. The treatment of everything around it is meant to be
-!> what is usually programmed, not what is best: the ground motion is a table that is interpolated,
-!> lift-off is noticed at a sample, maxima are those of the points that are kept.
+!> The equation of motion is the kernel's own. All other parts follow common practice, not the best
+!> method. The ground motion is an interpolated table, uplift is detected at a sample, and maxima
+!> are those of the recorded points.
 module rwmf_baseline_problem
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
-      frame_displacement, lift_off_drive, rhs
+      frame_displacement, uplift_demand, rhs
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_model_restitution, only: factor_at, restitution_t
    use rwmf_motion_ground_motion, only: interval_at, motion_t
@@ -20,24 +20,24 @@ module rwmf_baseline_problem
       usual_interval
 
    real(wp), parameter :: small_velocity = 1.0e-6_wp
-   !! a wall that is pressed down and leaves an impact with less comes to rest [rad/s]
+   !! a wall pressed onto its base stops after an impact below this velocity [rad/s]
    integer(i8), parameter :: most_steps = 1000000_i8
-   !! a procedure that follows every impact of a chatter must end
+   !! limit of the steps, because every impact of a chatter is followed
    real(wp), parameter :: interval_without_motion = 0.01_wp
    !! [s]
 
-   !> What such a procedure reports.
+   !> Results of a procedure.
    type :: baseline_t
       real(wp), allocatable :: u_s_max
-      !! largest |u_s| of the points kept [m]; absent without a frame
+      !! largest |u_s| of the recorded points [m]; absent without a frame
       real(wp), allocatable :: theta_max
-      !! largest |theta| of the points kept [rad]; absent without a wall
+      !! largest |theta| of the recorded points [rad]; absent without a wall
       real(wp), allocatable :: impact_times(:)
       !! (impacts) [s]
       real(wp), allocatable :: final_state(:)
       !! (states)
       real(wp) :: t_end
-      !! where it ended: the case's end, or overturning [s]
+      !! end of the run, the end of the case or overturning [s]
       logical :: overturned
       integer(i8) :: steps
       integer(i8) :: rhs_evaluations
@@ -45,17 +45,17 @@ module rwmf_baseline_problem
       !! wall-clock time [s]
    end type baseline_t
 
-   !> A scene while it is computed.
+   !> Scene with its current state.
    type :: problem_t
       type(equation_t) :: equation
       type(restitution_t) :: restitution
-      !! what an impact leaves of the velocity
+      !! restitution of the velocity at impact
       real(wp) :: overturning_angle
       !! [rad]
       real(wp) :: t_end
       !! [s]
       real(wp) :: t
-      !! present time [s]
+      !! current time [s]
       real(wp) :: y(2)
       !! theta [rad] and theta' [rad/s]; bare frame u [m] and u' [m/s]
       logical :: rests
@@ -73,12 +73,12 @@ module rwmf_baseline_problem
 
 contains
 
-   !> The scene of a case at t = 0.
+   !> Create the scene of a case at t = 0.
    subroutine create_problem(case, motion, scene)
       type(case_t), intent(in) :: case
-      !! valid, with the frame's T_s given
+      !! valid case, with the frame's T_s
       type(motion_t), intent(in), target :: motion
-      !! of the case; outlives the scene
+      !! motion of the case; must outlive the scene
       type(problem_t), intent(out) :: scene
 
       call build_equation(case, motion, scene%equation)
@@ -104,8 +104,8 @@ contains
       call observe(scene, scene%y)
    end subroutine create_problem
 
-   !> The interval of time at which such a case is usually sampled: the record's own, a hundredth of
-   !> the pulse's period, 0.01 s without a motion [s].
+   !> Usual sampling interval of a case: that of the record, a hundredth of the pulse's period, or
+   !> 0.01 s without a motion [s].
    pure real(wp) function usual_interval(case) result(dt)
       type(case_t), intent(in) :: case
 
@@ -121,7 +121,7 @@ contains
       end if
    end function usual_interval
 
-   !> First-order form of the equation of the side in force, until the impact is applied.
+   !> Evaluate the first-order form of the equation of motion on the current side.
    subroutine evaluate(scene, t, y, y_dot)
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: t
@@ -136,7 +136,7 @@ contains
       call rhs(scene%equation, t, y, y_dot)
    end subroutine evaluate
 
-   !> Let a point that is kept take part in the maxima.
+   !> Include a recorded point in the maxima.
    subroutine observe(scene, y)
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: y(2)
@@ -144,7 +144,7 @@ contains
       integer :: side
 
       side = scene%equation%state%side
-      ! a fixed step leaves theta beyond 0 before the impact is applied
+      ! after a fixed step theta is beyond 0 until the impact is applied
       if (y(1)*side < 0) call enter_side(scene%equation%model_t, scene%equation%state, -side)
       scene%u_max = max(scene%u_max, abs(frame_displacement(scene%equation, &
          scene%equation%state%side, y)))
@@ -152,12 +152,12 @@ contains
       call enter_side(scene%equation%model_t, scene%equation%state, side)
    end subroutine observe
 
-   !> Impact at the present time: the velocity falls by the factor e and the other side begins, or
-   !> the wall comes to rest.
+   !> Apply an impact at the current time: multiply the velocity by the factor e and change the
+   !> side, or stop the wall.
    subroutine apply_impact(scene, least_flight)
       type(problem_t), intent(inout) :: scene
       real(wp), intent(in) :: least_flight
-      !! a flight that would be shorter ends in rest; 0 for no such limit [s]
+      !! flights shorter than this end in rest; 0 without a limit [s]
       real(wp), allocatable :: grown(:)
       real(wp) :: slope(2)
 
@@ -186,11 +186,11 @@ contains
 
       interval = interval_at(scene%equation%motion, t)
       side = 0
-      if (lift_off_drive(scene%equation, 1, interval, t) > 0) side = 1
-      if (lift_off_drive(scene%equation, -1, interval, t) > 0) side = -1
+      if (uplift_demand(scene%equation, 1, interval, t) > 0) side = 1
+      if (uplift_demand(scene%equation, -1, interval, t) > 0) side = -1
    end function lifting_side
 
-   !> Does the ground motion lift the resting wall at the present time?
+   !> Start uplift of the resting wall if the ground motion lifts it at the current time.
    subroutine try_lift_off(scene)
       type(problem_t), intent(inout) :: scene
       integer :: side
@@ -201,7 +201,7 @@ contains
       scene%rests = .false.
    end subroutine try_lift_off
 
-   !> What applies to the scene.
+   !> Collect the results that apply to the scene.
    subroutine finish_problem(scene, baseline)
       type(problem_t), intent(in) :: scene
       type(baseline_t), intent(inout) :: baseline

@@ -1,4 +1,4 @@
-!> What a comparison of methods needs of one simulation: numbers, impact times and cost, in the same
+!> Results of one simulation for a comparison of methods: numbers, impact times and cost, in one
 !> form for every method and for the reference.
 module rwmf_baseline_timed_run
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -36,25 +36,25 @@ module rwmf_baseline_timed_run
    character(*), parameter :: value_names = 'u_s_max_m'//feed//'t_u_s_max_s'//feed &
       //'theta_max_rad'//feed//'theta_dot_max_rad_s'//feed//'theta_end_rad'//feed &
       //'theta_dot_end_rad_s'//feed//'t_end_s'//feed//'peak'//feed
-   !! one a line; the last one is what `&solver accuracy_of` names, in its unit
+   !! one per line; the last one is the quantity of `&solver accuracy_of`, in its unit
 
-   !> One simulation in numbers.
+   !> Results of one simulation in numbers.
    type :: timed_run_t
       real(wp) :: values(n_values)
-      !! in the order and the units of `value_names`; NaN for what does not apply to the scene
+      !! in the order and the units of `value_names`; NaN if not applicable to the scene
       real(wp), allocatable :: impact_times(:)
       !! (impacts) [s]
       integer(i8) :: steps
       integer(i8) :: rhs_evaluations
       logical :: overturned
       real(wp) :: seconds
-      !! wall-clock time of one run that keeps nothing, the fastest of all repeats [s]
+      !! wall-clock time of one run without stored results, the fastest of all repeats [s]
       integer :: repeats
    end type timed_run_t
 
 contains
 
-   !> Nothing measured yet.
+   !> Return an empty measurement.
    type(timed_run_t) function empty_measured() result(measured)
 
       measured%values = ieee_value(1.0_wp, ieee_quiet_nan)
@@ -68,7 +68,7 @@ contains
 
    !> Run a case with another method and tolerance.
    !>
-   !> Errors: no duration, a tolerance that is none, and those of `check_peak` and `run_once`.
+   !> Errors: no duration, an invalid tolerance, and those of `check_peak` and `run_once`.
    subroutine measure_method(case, method, rtol, budget, control, measured, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: method
@@ -76,7 +76,7 @@ contains
       real(wp), intent(in) :: rtol
       !! in (0, 1), as `&solver rtol` [-]
       real(wp), intent(in) :: budget
-      !! repeat the run for its time until this much is spent, or not at all for 0 [s]
+      !! total time of repeated runs; 0 for a single run [s]
       type(control_t), intent(in) :: control
       type(timed_run_t), intent(out) :: measured
       type(error_t), allocatable, intent(out) :: error
@@ -93,7 +93,7 @@ contains
       call check_peak(case, motion, error)
       if (allocated(error)) return
       trial = plain_case(case, method, rtol)
-      ! two rows of history: events are kept together with a history
+      ! two rows of history, because events are stored only with a history
       if (.not. allocated(trial%output)) trial%output = output_t(energy=.false.)
       trial%output%dt = trial%solver%t_end
       call run_once(trial, motion, control, result, error)
@@ -112,7 +112,7 @@ contains
       end do
    end subroutine measure_method
 
-   !> Is there something to measure, and how?
+   !> Check duration, tolerance and budget of a measurement.
    subroutine check_measurable(case, rtol, budget, error)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: rtol
@@ -136,7 +136,8 @@ contains
       end if
    end subroutine check_measurable
 
-   !> The case without what costs time besides the integration, with tolerances derived from rtol.
+   !> Return the case without outputs that take time besides the integration, with tolerances
+   !> derived from rtol.
    type(case_t) function plain_case(case, method, rtol) result(plain)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: method
@@ -177,11 +178,11 @@ contains
       measured%seconds = result%seconds
    end subroutine take_result
 
-   !> Copy a measurement into a caller's arrays in double precision, as much as there is room for.
+   !> Copy a measurement into a caller's arrays in double precision, up to their sizes.
    pure subroutine put_measured(measured, values, counts, impact_times)
       type(timed_run_t), intent(in) :: measured
       real(dp), intent(inout) :: values(:)
-      !! in the order and the units of `value_names`; those beyond the eighth stay as they are
+      !! in the order and the units of `value_names`; values beyond the eighth are unchanged
       integer(i8), intent(out) :: counts(5)
       !! steps, right-hand sides, impacts, overturned, repeats
       real(dp), intent(inout) :: impact_times(:)
@@ -196,13 +197,13 @@ contains
          merge(1_i8, 0_i8, measured%overturned), int(measured%repeats, i8)]
    end subroutine put_measured
 
-   !> How far two measurements are apart: values, and for each impact of the first the nearest one
-   !> of the other (in chatter their numbers differ).
+   !> Compute the differences of two measurements. Each impact of the first is compared with the
+   !> nearest impact of the other, because chatter changes their numbers.
    pure subroutine put_differences(one, other, differences, impact_differences)
       type(timed_run_t), intent(in) :: one
       type(timed_run_t), intent(in) :: other
       real(dp), intent(inout) :: differences(:)
-      !! their sizes, in the order and the units of `value_names`
+      !! absolute differences, in the order and the units of `value_names`
       real(dp), intent(inout) :: impact_differences(:)
       !! (impacts of `one`, or fewer) [s]
       integer :: i
@@ -225,9 +226,9 @@ contains
       end do
    end subroutine put_differences
 
-   !> The record with a sample in the middle of each interval: the same motion in twice as many
-   !> pieces. A method that stops at every sample then takes other steps, so that the results of
-   !> both differ by its error even where the samples, not the tolerance, determine the steps.
+   !> Insert a sample in the middle of each interval of a record. The motion is unchanged, in twice
+   !> as many pieces. A method that stops at every sample then takes other steps. Therefore the
+   !> results differ by its error even where the samples, not the tolerance, determine the steps.
    pure subroutine halve_intervals(record)
       type(record_t), intent(inout) :: record
       real(wp), allocatable :: t(:)
@@ -245,7 +246,7 @@ contains
       record%n = 2*n - 1
    end subroutine halve_intervals
 
-   !> Run one of today's procedures again and again until the budget is spent.
+   !> Run one of today's procedures repeatedly until the budget is spent.
    !>
    !> Errors: those of `run_baseline`.
    subroutine repeat_baseline(case, name, dt, budget, measured, error)

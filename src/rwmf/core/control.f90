@@ -1,4 +1,4 @@
-!> What a caller shares with a running computation: a counter of finished work and a stop flag.
+!> Progress counter and stop flag that a caller shares with a running computation.
 module rwmf_core_control
    use rwmf_core_kinds, only: i8
    implicit none
@@ -6,17 +6,17 @@ module rwmf_core_control
 
    public :: control_t, is_cancelled, count_done
 
-   !> Both targets belong to the caller and may be read and set from another thread.
+   !> Pointers to the caller's counter and flag, which another thread may read and set.
    type :: control_t
       integer(i8), pointer :: done => null()
-      !! finished simulations of a spectrum; null: nobody asks
+      !! number of finished simulations of a spectrum; null: progress is not reported
       integer(i8), pointer :: cancel => null()
-      !! stop as soon as possible where it is not zero; null: cannot be stopped
+      !! a non-zero value stops the computation as soon as possible; null: it cannot be stopped
    end type control_t
 
 contains
 
-   !> Does the caller want the computation to stop?
+   !> True if the caller has set the stop flag.
    logical function is_cancelled(control)
       type(control_t), intent(in) :: control
       integer(i8) :: flag
@@ -29,7 +29,7 @@ contains
       end if
    end function is_cancelled
 
-   !> One more simulation is finished.
+   !> Add one finished simulation to the counter.
    subroutine count_done(control)
       type(control_t), intent(in) :: control
 

@@ -1,12 +1,12 @@
-!> The error value that every procedure which can fail returns as its last argument.
+!> Error value that every procedure that can fail returns as its last argument.
 !>
 !> | stat            | value | meaning                                                    |
 !> |-----------------|-------|------------------------------------------------------------|
-!> | `err_numerical` | 1     | the integration cannot deliver (too many steps, overflow)  |
-!> | `err_input`     | 2     | case, record or call is not acceptable; file I/O failed    |
+!> | `err_numerical` | 1     | the integration failed (too many steps, overflow)          |
+!> | `err_input`     | 2     | invalid case, record or call, or a file I/O failure        |
 !> | `err_interrupt` | 130   | the caller set the cancel flag                             |
 !>
-!> The numbers are the exit statuses of the programs.
+!> The programs return these numbers as their exit status.
 module rwmf_core_error
    implicit none
    private
@@ -18,14 +18,14 @@ module rwmf_core_error
    integer, parameter :: err_input = 2
    integer, parameter :: err_interrupt = 130
 
-   !> A failure: what went wrong, which value, what is allowed. Allocated means failed.
+   !> Description of a failure. A procedure has failed if its error argument is allocated.
    type :: error_t
       integer :: stat
       !! one of the `err_` numbers
       character(:), allocatable :: name
       !! one word for tables: 'input', 'interrupted', 'too_many_steps', ...
       character(:), allocatable :: message
-      !! one line for a person
+      !! one line of text for the user
    end type error_t
 
 contains
@@ -37,9 +37,9 @@ contains
       integer, intent(in) :: stat
       !! one of the `err_` numbers
       character(*), intent(in) :: message
-      !! what, which value, what is allowed
+      !! the problem, the offending value and the allowed values
       character(*), intent(in), optional :: name
-      !! one word for tables; by default that of the number
+      !! one word for tables; the default depends on `stat`
 
       allocate (error)
       error%stat = stat
@@ -59,7 +59,7 @@ contains
    pure subroutine add_context(error, context)
       type(error_t), intent(inout) :: error
       character(*), intent(in) :: context
-      !! for example the file's name
+      !! context, for example the file's name
 
       error%message = context//': '//error%message
    end subroutine add_context

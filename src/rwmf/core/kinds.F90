@@ -1,7 +1,7 @@
 !> Working precision of the kernel and the mathematical constants in it.
 !>
-!> The kernel is compiled twice: in double precision for work, and with `RWMF_QUAD` defined in
-!> quadruple precision as the reference that the errors of the methods are measured against.
+!> The kernel is compiled in double precision for normal use. With `RWMF_QUAD` defined it is
+!> compiled in quadruple precision, the reference for the errors of the methods.
 module rwmf_core_kinds
    use, intrinsic :: iso_fortran_env, only: int64, real64, real128
    implicit none
@@ -12,7 +12,8 @@ module rwmf_core_kinds
    integer, parameter :: dp = real64
    !! double precision, the kind of files and interfaces
    integer, parameter :: i8 = int64
-   !! kind of counters: a chatter of 1e6 impacts has more than 2**31 right-hand sides
+   !! kind of counters: a run with 1e6 impacts has more than 2**31 evaluations of the right-hand
+   !! side
 #ifdef RWMF_QUAD
    integer, parameter :: wp = real128
 #else

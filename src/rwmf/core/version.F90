@@ -1,4 +1,4 @@
-!> Version of the package; the build system knows the number and hands it over as a macro.
+!> Version of the package; the build system supplies the number as a macro.
 module rwmf_core_version
    implicit none
    private
@@ -6,6 +6,6 @@ module rwmf_core_version
    public :: version
 
    character(*), parameter :: version = RWMF_VERSION
-   !! as in the package's metadata, for example '1.2.3'
+   !! version of the package's metadata, for example '1.2.3'
 
 end module rwmf_core_version

@@ -1,18 +1,17 @@
 !> The rocking wall as an element of a host program that owns the frame.
 !>
-!> The host's equation of motion at the link reads m u'' + c u' + k u + f(u, u', u'') = -m u_g'',
-!> and f is what the wall resists with. From the balance of moments about the pivot, without the
-!> frame, with phi = |theta|, w = sigma u = R u_phi(phi), w' = R j phi' and
-!> w'' = R (k phi'**2 + j phi''):
+!> The host's equation of motion at the link is m u'' + c u' + k u + f(u, u', u'') = -m u_g''.
+!> The wall's resisting force f follows from its balance of moments about the pivot. With
+!> phi = |theta|, w = sigma u = R u_phi(phi), w' = R j phi' and w'' = R (k phi'**2 + j phi''):
 !>
 !>    sigma f = m_w/lever [inertia R phi'' + c sigma u_g'' + g (s + q r)]
 !>
-!> Further effects add R (I phi'' - M) to the bracket, with the inertia I and the moment
-!> M(phi, phi') that their loops say; vertical motion adds v_g'' s.
+!> Further effects add R (I phi'' - M) to the bracket. Their loops compute the inertia I and the
+!> moment M(phi, phi'). Vertical motion adds v_g'' s.
 !>
-!> An element is a value: it holds no state, needs no destruction, and may be used by any number of
-!> threads. The host keeps the side (+1 or -1 while the wall rocks, 0 at rest), the displacement and
-!> its rates, and asks `rwmf_embedding_element_events` when they change their course.
+!> An element is a value: it has no state, needs no destruction, and any number of threads may use
+!> it. The host keeps the side (+1 or -1 while the wall rocks, 0 at rest), the displacement and its
+!> rates. It finds impact, rest and lift-off with `rwmf_embedding_element_events`.
 module rwmf_embedding_element
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use rwmf_core_error, only: err_input, error_t, fail
@@ -37,26 +36,26 @@ module rwmf_embedding_element
    private
 
    public :: wall_element_t, element_response_t
-   public :: create_element, respond, velocity_factor, lift_off_drive_of, resting_inertia
+   public :: create_element, respond, velocity_factor, uplift_demand_of, resting_inertia
    public :: require_element
 
-   !> Wall and cable without frame. Plain values: assignment copies it.
+   !> Wall and cable without frame. Assignment copies an element.
    type :: wall_element_t
       private
       type(equation_t) :: equation
       real(wp) :: m_w = 0
-      !! mass of the wall [kg]; 0: never created
+      !! mass of the wall [kg]; 0 before creation
       real(wp) :: vertical_ratio = 0
-      !! of the vertical to the horizontal ground acceleration [-]
+      !! ratio of the vertical to the horizontal ground acceleration [-]
       real(wp) :: e = 1
       !! velocity factor at impact [-]
       type(scene_t) :: effects
-      !! the loops of further effects
+      !! scene with the loops of further effects
       real(wp) :: largest_angle = 0
       !! rotation at which the wall counts as overturned [rad]
    end type wall_element_t
 
-   !> What the wall answers to a motion of the link.
+   !> Response of the wall to a motion of the link.
    type :: element_response_t
       real(wp) :: force = 0
       !! resisting force f on the host's degree of freedom [N]
@@ -78,14 +77,14 @@ module rwmf_embedding_element
 
 contains
 
-   !> Make an element from a case with `&wall`, and any effect that does not refuse it.
+   !> Create an element from a case with `&wall` and any effects that allow an element.
    !>
-   !> `&frame` serves only the rule 'coupled', which wants the mass ratio; a period of it that the
-   !> case gives, or leaves to `&spectrum`, plays no part. Fails with `err_input`.
+   !> `&frame` provides only the mass ratio for the rule 'coupled'; the period of the frame is
+   !> unused. Fails with `err_input`.
    subroutine create_element(element, case, error)
       type(wall_element_t), intent(out) :: element
       type(case_t), intent(in) :: case
-      !! valid
+      !! valid case
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: wall_alone
       type(motion_t), target :: none
@@ -109,7 +108,7 @@ contains
       element%largest_angle = case%model%overturning_angle
    end subroutine create_element
 
-   !> A wall, and no effect that an element cannot have.
+   !> Check that a case has a wall, and no effect that an element cannot have.
    subroutine check_element(case, error)
       type(case_t), intent(in) :: case
       type(error_t), allocatable, intent(out) :: error
@@ -128,15 +127,16 @@ contains
       end do
    end subroutine check_element
 
-   !> Force and tangents at the motion of the link.
+   !> Compute force and tangents at a motion of the link.
    !>
-   !> The displacement may lie a little on the wrong side of zero, as the trial states of a host do
-   !> before it has located the impact. Fails with `err_input` when the wall cannot get there or a
-   !> number is none (not finite, above 1e30 in size), and leaves `response` at zero.
+   !> The displacement may lie slightly on the wrong side of zero: trial states of a host do so
+   !> before the host has located the impact. Fails with `err_input` and a zero `response` if the
+   !> wall cannot reach this displacement. The same holds for numbers that are not finite or exceed
+   !> 1e30 in size.
    subroutine respond(element, side, u, u_dot, u_ddot, u_g_ddot, response, error)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
-      !! +1 or -1: the side on which the wall rocks; of a hinged wall without effect
+      !! +1 or -1: the side on which the wall rocks; ignored for a hinged wall
       real(wp), intent(in) :: u
       !! displacement of the link relative to the ground [m]
       real(wp), intent(in) :: u_dot
@@ -154,7 +154,7 @@ contains
       real(wp) :: rates(2)
       !! phi' [rad/s], phi'' [rad/s2]
       integer :: s
-      !! the side whose kinematics hold
+      !! side whose kinematics apply
 
       call require_element(element, error)
       call require_side(element, side, error)
@@ -184,17 +184,17 @@ contains
       response = found
    end subroutine respond
 
-   !> Is there an element?
+   !> Check that an element has been created.
    pure subroutine require_element(element, error)
       type(wall_element_t), intent(in) :: element
       type(error_t), allocatable, intent(inout) :: error
-      !! `err_input` for an element that was never created
+      !! `err_input` if it has not
 
       if (allocated(error) .or. element%m_w > 0) return
       call fail(error, err_input, 'no element: it was never created')
    end subroutine require_element
 
-   !> Is it a side that the wall can rock on?
+   !> Check that a side is one on which the wall can rock.
    pure subroutine require_side(element, side, error)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
@@ -204,7 +204,7 @@ contains
       call fail(error, err_input, 'the side of a rocking wall is 1 or -1; at rest it only holds')
    end subroutine require_side
 
-   !> The side whose kinematics hold: a hinged wall has those of +1 for both signs of theta.
+   !> Side whose kinematics apply: a hinged wall uses those of +1 for both signs of theta.
    pure integer function side_of(element, side)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
@@ -213,7 +213,7 @@ contains
       if (.not. element%equation%has_impacts) side_of = 1
    end function side_of
 
-   !> Force and tangents in the direction of the motion (sigma f against sigma u).
+   !> Compute force and tangents in the direction of the motion (sigma f against sigma u).
    pure subroutine fill_force(element, kin, cable, rates, ground, response)
       type(wall_element_t), intent(in) :: element
       type(kinematics_t), intent(in) :: kin
@@ -224,7 +224,7 @@ contains
       !! sigma u_g'' [m/s2]
       type(element_response_t), intent(inout) :: response
       real(wp) :: inertia
-      !! of the wall about its pivot over m_w R [m]
+      !! moment of inertia of the wall about its pivot over m_w R [m]
       real(wp) :: unit
       !! [kg]
       real(wp) :: by_phi
@@ -252,8 +252,9 @@ contains
       slope = ((2*kin%k**2/kin%j - kin%k_1)*rates(1)**2 - kin%k*rates(2))/kin%j
    end function slope_of_phi_ddot
 
-   !> Add vertical motion and what the loops of further effects say; its derivatives by phi and phi'
-   !> are central differences.
+   !> Add vertical motion and further effects to force and tangents.
+   !>
+   !> The derivatives of further effects by phi and phi' are central differences.
    subroutine add_effects(element, side, kin, motion, vertical, response)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
@@ -269,9 +270,9 @@ contains
       real(wp) :: unit
       !! [kg m]
       real(wp) :: moment
-      !! against the motion [1/s2]
+      !! moment against the motion [1/s2]
       real(wp) :: moment_1
-      !! its derivative by phi at fixed w', w''
+      !! derivative of the moment by phi at fixed w', w'' [1/s2]
 
       associate (p => element%equation%p, phi => motion(1), phi_dot => motion(2), &
                  phi_ddot => motion(3))
@@ -297,8 +298,9 @@ contains
       end associate
    end subroutine add_effects
 
-   !> Moment of further effects away from the base [1/s2] and their inertia [-], over m_w R**2:
-   !> their loops, behind that of a wall of unit inertia and without weight.
+   !> Moment of further effects away from the base [1/s2] and their inertia [-], over m_w R**2.
+   !>
+   !> The loops run for a wall of unit inertia and without weight.
    function moment_of_effects(element, side, phi, phi_dot) result(sums)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
@@ -322,7 +324,7 @@ contains
       sums = [motion%moment(1), motion%inertia(1) - 1]
    end function moment_of_effects
 
-   !> Rotation that belongs to a displacement: Newton's method inside a bracket.
+   !> Find the rotation at a displacement by Newton's method inside a bracket.
    subroutine find_rotation(element, side, w, phi, kin, error)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
@@ -355,9 +357,10 @@ contains
          //' m is more than the wall can follow', 'overturned')
    end subroutine find_rotation
 
-   !> Factor that the host applies to the velocity of the link at an impact: the kinematics of both
-   !> sides agree at u = 0, so that it is that of the rotation; NaN for an element that was never
-   !> created [-].
+   !> Factor for the velocity of the link at an impact [-].
+   !>
+   !> It equals that of the rotation, because the kinematics of both sides agree at u = 0. The
+   !> result is NaN for an element that was never created.
    pure real(wp) function velocity_factor(element)
       type(wall_element_t), intent(in) :: element
 
@@ -365,10 +368,11 @@ contains
       if (.not. element%m_w > 0) velocity_factor = ieee_value(velocity_factor, ieee_quiet_nan)
    end function velocity_factor
 
-   !> By how much the host's push exceeds what holds the resting wall on one side [N]; positive:
-   !> the wall lifts off to that side. A hinged wall is not held: what pushes it turns it at once.
-   !> NaN for an element that was never created, and for another side than +1 or -1.
-   real(wp) function lift_off_drive_of(element, side, push, u_g_ddot) result(drive)
+   !> Uplift demand minus uplift capacity of the resting wall towards one side [N].
+   !>
+   !> A positive value means uplift. A hinged wall has no capacity: any force turns it at once. The
+   !> result is NaN for an element that was never created, and for a side other than +1 or -1.
+   real(wp) function uplift_demand_of(element, side, push, u_g_ddot) result(drive)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
       !! +1 or -1
@@ -380,7 +384,7 @@ contains
       type(cable_state_t) :: cable
       real(wp) :: effects(2)
       integer :: s
-      !! the side whose kinematics hold
+      !! side whose kinematics apply
 
       drive = ieee_value(drive, ieee_quiet_nan)
       if (abs(side) /= 1 .or. .not. element%m_w > 0) return
@@ -392,9 +396,9 @@ contains
       drive = drive - element%m_w/kin%lever*element%vertical_ratio*u_g_ddot*kin%s
       effects = moment_of_effects(element, s, 0.0_wp, 0.0_wp)
       drive = s*side*(drive + element%m_w/kin%lever*element%equation%p%R*effects(1))
-   end function lift_off_drive_of
+   end function uplift_demand_of
 
-   !> Inertia that the wall adds to the link when it lifts off [kg].
+   !> Inertia that the wall adds to the link at uplift [kg].
    real(wp) function resting_inertia(element)
       type(wall_element_t), intent(in) :: element
       type(kinematics_t) :: kin

@@ -1,13 +1,13 @@
-!> When a wall that a host carries as an element hits its base, comes to rest and lifts off.
+!> Impact, rest and uplift of a wall that a host carries as an element.
 !>
-!> The host knows its motion at both ends of a time step; these find the instant inside it. Numbers
-!> are finite and at most 1e30 in size; what is not is refused with `err_input`, and where the
-!> caller does not take the error, the answer is that nothing happens, at the time NaN.
+!> The host passes its motion at both ends of a time step; these procedures find the instant of
+!> the event inside the step. Numbers that are not finite or exceed 1e30 in size are refused with
+!> `err_input`. If the caller omits `error`, the result is then no event, at the time NaN.
 module rwmf_embedding_element_events
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_embedding_element, only: lift_off_drive_of, require_element, resting_inertia, &
+   use rwmf_embedding_element, only: uplift_demand_of, require_element, resting_inertia, &
       velocity_factor, wall_element_t
    use rwmf_embedding_ranges, only: not_negative, require_number, require_numbers
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
@@ -18,30 +18,30 @@ module rwmf_embedding_element_events
 
 contains
 
-   !> First return of the wall to its base within a step of the host.
+   !> Find the first return of the wall to its base within a step of the host.
    !>
-   !> The displacement between the ends is the cubic through values and velocities; the parabola of
-   !> Newmark's average acceleration is one. At the impact the host multiplies the velocity by
-   !> `velocity_factor` and changes the side.
+   !> The displacement between the ends is the cubic through values and velocities, which includes
+   !> the parabola of Newmark's average acceleration. At the impact the host multiplies the velocity
+   !> by `velocity_factor` and changes the side.
    pure subroutine next_impact(side, dt, u_0, u_dot_0, u_1, u_dot_1, found, tau, error)
       integer, intent(in) :: side
       !! +1 or -1
       real(wp), intent(in) :: dt
       !! >= 0, length of the step [s]
       real(wp), intent(in) :: u_0
-      !! displacement of the link at its beginning [m]
+      !! displacement of the link at the beginning of the step [m]
       real(wp), intent(in) :: u_dot_0
-      !! velocity there [m/s]
+      !! velocity at the same instant [m/s]
       real(wp), intent(in) :: u_1
-      !! displacement at its end [m]
+      !! displacement of the link at the end of the step [m]
       real(wp), intent(in) :: u_dot_1
-      !! velocity there [m/s]
+      !! velocity at the same instant [m/s]
       logical, intent(out) :: found
-      !! there is an impact within the step
+      !! an impact occurs within the step
       real(wp), intent(out) :: tau
-      !! time since the beginning; dt when there is no impact [s]
+      !! time since the beginning; dt without an impact [s]
       type(error_t), allocatable, intent(out), optional :: error
-      !! `err_input` for another side, a negative `dt`, or a number that is none
+      !! `err_input` for another side, a negative `dt`, or a number that is not finite
       type(error_t), allocatable :: refusal
       real(wp) :: p(0:3)
       !! sigma u as a polynomial of tau/dt [m]
@@ -80,7 +80,7 @@ contains
       value_at = p(0) + x*(p(1) + x*(p(2) + x*p(3)))
    end function value_at
 
-   !> 0, the stationary points inside (or again an end), and 1.
+   !> Ends of the monotone pieces of a cubic on [0, 1]; a piece may be empty.
    pure function monotone_pieces(p) result(ends)
       real(wp), intent(in) :: p(0:)
       real(wp) :: ends(0:3)
@@ -91,7 +91,7 @@ contains
       ends = [0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp]
       discriminant = p(2)**2 - 3*p(3)*p(1)
       if (discriminant <= 0) return
-      ! this form does not cancel, and keeps the one root of a parabola
+      ! this form avoids cancellation and retains the one root of a parabola
       q = -(p(2) + sign(sqrt(discriminant), p(2)))
       x = 0
       if (abs(q) > abs(p(1))) x(1) = p(1)/q
@@ -101,7 +101,7 @@ contains
       ends(2) = maxval(x)
    end function monotone_pieces
 
-   !> Root of a falling piece, to the spacing of the numbers.
+   !> Root of a falling piece, to the spacing of floating-point numbers.
    pure real(wp) function falling_root(p, begin, end) result(x)
       real(wp), intent(in) :: p(0:)
       real(wp), intent(in) :: begin
@@ -115,9 +115,9 @@ contains
       x = bracket%high
    end function falling_root
 
-   !> First lift-off of a resting wall within a step of the host.
+   !> Find the first uplift of a resting wall within a step of the host.
    !>
-   !> The host's push on the wall and the ground acceleration vary linearly over the step.
+   !> The host's force on the wall and the ground acceleration vary linearly over the step.
    subroutine next_lift_off(element, dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1, side, tau, error)
       type(wall_element_t), intent(in) :: element
       real(wp), intent(in) :: dt
@@ -125,17 +125,17 @@ contains
       real(wp), intent(in) :: push_0
       !! force of the host on the wall at the beginning, positive towards positive u [N]
       real(wp), intent(in) :: push_1
-      !! at the end [N]
+      !! force of the host on the wall at the end [N]
       real(wp), intent(in) :: u_g_ddot_0
       !! ground acceleration at the beginning [m/s2]
       real(wp), intent(in) :: u_g_ddot_1
-      !! at the end [m/s2]
+      !! ground acceleration at the end [m/s2]
       integer, intent(out) :: side
-      !! to which the wall lifts off, 0 when it rests throughout
+      !! side to which the wall lifts off; 0 if it rests throughout
       real(wp), intent(out) :: tau
-      !! time since the beginning; dt when it rests [s]
+      !! time since the beginning; dt if the wall rests throughout [s]
       type(error_t), allocatable, intent(out), optional :: error
-      !! `err_input` for an element never created, a negative `dt`, or a number that is none
+      !! `err_input` for an element never created, a negative `dt`, or a number that is not finite
       type(error_t), allocatable :: refusal
       real(wp) :: drive_0
       real(wp) :: drive_1
@@ -154,8 +154,8 @@ contains
       end if
       tau = dt
       do s = -1, 1, 2
-         drive_0 = lift_off_drive_of(element, s, push_0, u_g_ddot_0)
-         drive_1 = lift_off_drive_of(element, s, push_1, u_g_ddot_1)
+         drive_0 = uplift_demand_of(element, s, push_0, u_g_ddot_0)
+         drive_1 = uplift_demand_of(element, s, push_1, u_g_ddot_1)
          if (max(drive_0, drive_1) <= 0) cycle
          root = 0
          if (drive_0 < 0) root = dt*drive_0/(drive_0 - drive_1)
@@ -165,11 +165,11 @@ contains
       end do
    end subroutine next_lift_off
 
-   !> May the host put the wall to rest after an impact?
+   !> True if the host may put the wall to rest after an impact.
    !>
-   !> Flights of duration 2 v e**n/a follow each other when the wall is pressed down on both sides;
-   !> when all of them together are shorter than a step, the host cannot tell them from rest, and
-   !> what is dropped is of second order in the step. A hinged wall never rests.
+   !> A wall that is pressed down on both sides bounces, with flights of duration 2 v e**n/a. If
+   !> their sum is shorter than a step, the host cannot resolve them. The error of neglecting them
+   !> is of second order in the step. A hinged wall never rests.
    logical function settles(element, dt, u_dot, push, u_g_ddot, host_mass, error)
       type(wall_element_t), intent(in) :: element
       real(wp), intent(in) :: dt
@@ -177,15 +177,15 @@ contains
       real(wp), intent(in) :: u_dot
       !! velocity of the link after the impact [m/s]
       real(wp), intent(in) :: push
-      !! force of the host on the wall if it rested [N]
+      !! force of the host on the wall at rest [N]
       real(wp), intent(in) :: u_g_ddot
       !! [m/s2]
       real(wp), intent(in) :: host_mass
-      !! >= 0, of the host's degree of freedom at the link [kg]
+      !! >= 0, mass of the host's degree of freedom at the link [kg]
       type(error_t), allocatable, intent(out), optional :: error
       type(error_t), allocatable :: refusal
       real(wp) :: pull
-      !! towards the base [m/s2]
+      !! acceleration towards the base [m/s2]
 
       settles = .false.
       call require_element(element, refusal)
@@ -197,8 +197,8 @@ contains
          if (present(error)) call move_alloc(refusal, error)
          return
       end if
-      pull = -max(lift_off_drive_of(element, 1, push, u_g_ddot), &
-         lift_off_drive_of(element, -1, push, u_g_ddot))/(resting_inertia(element) + host_mass)
+      pull = -max(uplift_demand_of(element, 1, push, u_g_ddot), &
+         uplift_demand_of(element, -1, push, u_g_ddot))/(resting_inertia(element) + host_mass)
       settles = pull > 0 .and. 2*abs(u_dot) <= pull*(1 - velocity_factor(element))*dt
    end function settles
 

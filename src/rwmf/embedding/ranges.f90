@@ -1,8 +1,8 @@
-!> Numbers that a host hands over: finite, of a size that structures have, not negative where
-!> negative means nothing; times with digits left for a step.
+!> Range checks of the numbers that a host passes.
 !>
-!> `error` enters with what was refused before and stays that, so that all numbers of a call are
-!> checked one after the other.
+!> Numbers must be finite and of a plausible size, some of them also not negative. Times must leave
+!> enough digits for a step. An earlier `error` is kept, so a call checks its numbers in sequence
+!> and reports the first failure.
 module rwmf_embedding_ranges
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
@@ -20,22 +20,22 @@ module rwmf_embedding_ranges
    integer, parameter :: a_time = 3
 
    real(wp), parameter :: largest = 1.0e30_wp
-   !! beyond any metre or newton of a structure, and its powers do not overflow
+   !! exceeds any length or force of a structure; its powers do not overflow
    real(wp), parameter :: latest = 1.0e10_wp
-   !! three hundred years, where neighbouring numbers are two microseconds apart [s]
+   !! three hundred years; adjacent numbers differ by two microseconds there [s]
 
 contains
 
-   !> Is it a finite number of a possible size?
+   !> True if a number is finite and of a plausible size.
    elemental logical function is_number(x)
       real(wp), intent(in) :: x
-      !! of any unit that a host hands over
+      !! number in any unit
 
       is_number = ieee_is_finite(x)
       if (is_number) is_number = abs(x) <= largest
    end function is_number
 
-   !> Is it a time that a motion can stand at?
+   !> True if a number is a valid time.
    elemental logical function is_time(t)
       real(wp), intent(in) :: t
       !! [s]
@@ -44,12 +44,12 @@ contains
       if (is_time) is_time = abs(t) <= latest
    end function is_time
 
-   !> Is a number acceptable? Fails with `err_input`.
+   !> Check a number against a range. Fails with `err_input`.
    pure subroutine require_number(x, name, range, error)
       real(wp), intent(in) :: x
       !! [any]
       character(*), intent(in) :: name
-      !! of the number, for the message
+      !! name of the number, for the message
       integer, intent(in) :: range
       !! `any_number`, `not_negative`, `positive` or `a_time`
       type(error_t), allocatable, intent(inout) :: error
@@ -69,14 +69,14 @@ contains
       end if
    end subroutine require_number
 
-   !> Are several numbers numbers at all?
+   !> Check that several numbers are finite and of a plausible size.
    pure subroutine require_numbers(x, names, error)
       real(wp), intent(in) :: x(:)
       !! [any]
       character(*), intent(in) :: names(:)
-      !! of the numbers, with blanks behind
+      !! names of the numbers, padded with blanks
       type(error_t), allocatable, intent(inout) :: error
-      !! `err_input` for one that is none
+      !! `err_input` for the first one that is not
       integer :: i
 
       do i = 1, size(x)

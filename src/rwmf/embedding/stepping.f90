@@ -1,15 +1,14 @@
 !> One rocking wall-moment frame inside the time loop of a host program.
 !>
-!> The host creates it from a case, advances it under the ground acceleration that it hands over
-!> piece by piece, asks for state, forces and events (`query_state` and its like), saves and
-!> restores when it rejects a step, and destroys it. Any number may exist at once, each in any
-!> thread; nothing is read, written or kept anywhere else. A call that fails leaves everything as it
-!> was.
+!> The host creates an instance from a case and passes the ground acceleration piece by piece to
+!> advance it. `query_state`, `query_forces` and `query_events` return the response. The host saves
+!> and restores the state to repeat a rejected step. Any number of instances may exist, in any
+!> threads; there is no other state. A call that fails changes nothing.
 !>
-!> With `dop853` and `extrapolation` the bits do not depend on how a motion is cut into calls as
-!> long as the cuts lie at knots. CVODE and ARKODE have a history that cannot be saved: with them
-!> both saving and restoring begin the integrator anew, so that a step that is repeated has the
-!> same bits as the step that was rejected.
+!> With `dop853` and `extrapolation` the result is bitwise independent of the division of a motion
+!> into calls, provided that the divisions are at knots. The history of CVODE and ARKODE cannot be
+!> saved, so both saving and restoring restart these integrators. A repeated step is therefore
+!> bitwise identical to the rejected one.
 module rwmf_embedding_stepping
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: i8, wp
@@ -18,13 +17,13 @@ module rwmf_embedding_stepping
    use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
       restore_state, save_state, snapshot_t, start_instance, use_host_motion, wall_instance_t
    use rwmf_integrator_factory, only: new_integrator
-   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, frame_displacement, &
-      kinematics_at, second_derivative
+   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, rates_at, &
+      second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: resistance
    use rwmf_model_hysteresis_spring_set, only: uneven_plastic_part
-   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_equation, only: frame_acceleration, frame_motion
    use rwmf_model_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       motion_from_case
@@ -41,26 +40,26 @@ module rwmf_embedding_stepping
    public :: require
    public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
 
-   !> Handle of a wall. A copy of it is another name of the same wall.
+   !> Handle of a wall. A copy refers to the same wall.
    type :: stepping_t
       type(wall_instance_t), pointer :: instance => null()
    end type stepping_t
 
-   !> Advance to a later time under the case's own motion, samples, or a motion that is computed.
+   !> Advance to a later time under the motion of the case, samples, or a computed motion.
    interface advance_stepping
       module procedure advance_own
       module procedure advance_samples
       module procedure advance_ground
    end interface advance_stepping
 
-   !> Where the wall is. What the scene has not is zero.
+   !> State of a wall. Components that do not apply to the scene are zero.
    type :: wall_state_t
       real(wp) :: t
-      !! time of this state: that of the last advance, or of overturning or collapse [s]
+      !! time of this state: end of the last advance, overturning or collapse [s]
       logical :: at_rest
       logical :: overturned
       logical :: collapsed
-      !! a drift passed the limit of an effect
+      !! a drift exceeded the limit of an effect
       real(wp) :: theta = 0
       !! rotation [rad]
       real(wp) :: theta_dot = 0
@@ -78,39 +77,39 @@ module rwmf_embedding_stepping
       real(wp) :: theta_max = 0
       !! largest |theta| so far [rad]
       integer(i8) :: impacts
-      !! so far
+      !! number of impacts so far
       integer(i8) :: lift_offs
-      !! so far
+      !! number of uplifts so far
       integer(i8) :: steps
-      !! of the integrator so far
+      !! steps of the integrator so far
    end type wall_state_t
 
-   !> Forces in N; in N per kg of the wall when the case has no mass (bare frame: of the frame).
+   !> Forces in N, or without a mass in the case in N per kg of the wall (bare frame: of the frame).
    type :: wall_forces_t
       real(wp) :: link = 0
-      !! from the wall on the frame, positive towards positive u_s [N] or [N/kg]
+      !! force of the wall on the frame, positive towards positive u_s [N] or [N/kg]
       real(wp) :: frame_shear = 0
-      !! of spring and damper of the frame on its mass, with the sign of u_s [N] or [N/kg]
+      !! force of the frame's spring and damper, with the sign of u_s [N] or [N/kg]
       real(wp) :: cable = 0
       !! tension [N] or [N/kg]
    end type wall_forces_t
 
 contains
 
-   !> Create a wall (or bare frame) from a case; it stands in the case's initial state.
+   !> Create a wall (or bare frame) from a case, in its initial state.
    !>
-   !> Fails with `err_input` when the case cannot be stepped.
+   !> Fails with `err_input` if the case does not allow stepping.
    subroutine create_stepping(stepping, case, error, t_begin, peak)
       type(stepping_t), intent(inout) :: stepping
-      !! empty; not one that still holds a wall
+      !! empty handle, which refers to no wall
       type(case_t), intent(in) :: case
-      !! valid; `&output`, `&spectrum` and `t_end` play no part
+      !! valid; `&output`, `&spectrum` and `t_end` are ignored
       type(error_t), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: t_begin
-      !! time of the initial state, 0 when absent [s]
+      !! time of the initial state, 0 by default [s]
       real(wp), intent(in), optional :: peak
-      !! size of the ground acceleration to come, which sets the absolute tolerance unless
-      !! `&solver atol` does; by default that of the case's motion, else g/10 [m/s2]
+      !! expected peak ground acceleration, which sets the absolute tolerance unless `&solver atol`
+      !! does. The default is the peak of the case's motion, or g/10 without one [m/s2]
 
       call check_case(stepping, case, t_begin, peak, error)
       if (allocated(error)) return
@@ -146,7 +145,7 @@ contains
       if (present(peak)) call require_number(peak, 'peak', positive, error)
    end subroutine check_case
 
-   !> Give everything back. Safe to call twice.
+   !> Destroy a wall and free its memory. A second call has no effect.
    subroutine destroy_stepping(stepping)
       type(stepping_t), intent(inout) :: stepping
 
@@ -156,7 +155,7 @@ contains
       stepping%instance => null()
    end subroutine destroy_stepping
 
-   !> Is there a wall behind the handle? Fails with `err_input`.
+   !> Check that a handle refers to a wall. Fails with `err_input`.
    subroutine require(stepping, error)
       type(stepping_t), intent(in) :: stepping
       type(error_t), allocatable, intent(out) :: error
@@ -171,7 +170,7 @@ contains
    subroutine advance_own(stepping, t, error)
       type(stepping_t), intent(inout) :: stepping
       real(wp), intent(in) :: t
-      !! not before the present time [s]
+      !! at or after the current time [s]
       type(error_t), allocatable, intent(out) :: error
 
       call check_target(stepping, t, error)
@@ -188,13 +187,13 @@ contains
       end associate
    end subroutine advance_own
 
-   !> Advance to the last of the times under straight lines through samples of the acceleration.
+   !> Advance to the last sample under linearly interpolated samples of the ground acceleration.
    !>
-   !> A first value that differs from the last one of the call before is a jump of the ground.
+   !> If the first value differs from the last one of the previous call, the acceleration jumps.
    subroutine advance_samples(stepping, t, a, error)
       type(stepping_t), intent(inout) :: stepping
       real(wp), intent(in) :: t(:)
-      !! (n >= 2) strictly increasing times, the first of them the present time [s]
+      !! (n >= 2) strictly increasing times, beginning with the current time [s]
       real(wp), intent(in) :: a(:)
       !! (n) ground accelerations [m/s2]
       type(error_t), allocatable, intent(out) :: error
@@ -209,14 +208,14 @@ contains
       end associate
    end subroutine advance_samples
 
-   !> Advance under an acceleration that the host computes, smooth between now and t.
+   !> Advance under an acceleration that the host computes.
    !>
-   !> A resting wall looks for lift-off at eighths of the way: a motion that turns more often asks
-   !> for shorter ones.
+   !> The acceleration must be smooth between the current time and t. For a resting wall, uplift is
+   !> checked at eighths of this interval. Use shorter intervals for a motion that turns more often.
    subroutine advance_ground(stepping, t, ground, error)
       type(stepping_t), intent(inout) :: stepping
       real(wp), intent(in) :: t
-      !! after the present time [s]
+      !! at or after the current time [s]
       class(ground_t), intent(in), target :: ground
       !! used during this call only
       type(error_t), allocatable, intent(out) :: error
@@ -233,12 +232,12 @@ contains
          call follow_ground(instance%given_motion, instance%t, t, ground)
          call use_host_motion(instance, ground%acceleration_at(instance%t))
          call advance_instance(instance, t, error)
-         ! what the host computes with may be gone by the next call
+         ! the host's `ground` may no longer exist at the next call
          if (instance%follows_host) call hold_ground_acceleration(instance)
       end associate
    end subroutine advance_ground
 
-   !> Is t a time to advance to?
+   !> Check that a wall can advance to a time.
    subroutine check_target(stepping, t, error)
       type(stepping_t), intent(in) :: stepping
       real(wp), intent(in) :: t
@@ -255,8 +254,10 @@ contains
       end if
    end subroutine check_target
 
-   !> What a host hands over is the horizontal motion: a vertical one that is a multiple of it
-   !> follows, a record of its own does not.
+   !> Refuse a vertical motion that does not follow from the horizontal one.
+   !>
+   !> A host passes only the horizontal motion. A vertical motion with a ratio follows from it, a
+   !> separate vertical record does not.
    subroutine refuse_vertical(stepping, error)
       type(stepping_t), intent(in) :: stepping
       type(error_t), allocatable, intent(out) :: error
@@ -292,14 +293,14 @@ contains
       end if
    end subroutine check_samples
 
-   !> Remember the present state.
+   !> Save the current state.
    !>
-   !> CVODE and ARKODE begin anew in the next call (see above).
+   !> CVODE and ARKODE restart in the next call (see above).
    subroutine save_stepping(stepping, snapshot, error)
       type(stepping_t), intent(inout) :: stepping
       type(snapshot_t), intent(out) :: snapshot
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` for a wall that was never created
+      !! `err_input` if the handle refers to no wall
 
       call require(stepping, error)
       if (allocated(error)) return
@@ -309,13 +310,14 @@ contains
       snapshot%hybrid%must_restart = .true.
    end subroutine save_stepping
 
-   !> Return to a state that `save_stepping` remembered of this wall (or of one made alike).
-   !> The events of the last call are forgotten.
+   !> Restore a state that `save_stepping` saved for this wall, or for one from the same case.
+   !>
+   !> The list of events becomes empty.
    subroutine restore_stepping(stepping, snapshot, error)
       type(stepping_t), intent(inout) :: stepping
       type(snapshot_t), intent(in) :: snapshot
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` for a wall never created, an empty snapshot, or that of another wall
+      !! `err_input` for a handle without a wall, an empty snapshot, or that of another wall
 
       call require(stepping, error)
       if (allocated(error)) return
@@ -330,12 +332,12 @@ contains
       stepping%instance%recorder%n_events = 0
    end subroutine restore_stepping
 
-   !> State at the present time.
+   !> Return the state at the current time.
    subroutine query_state(stepping, state, error)
       type(stepping_t), intent(in) :: stepping
       type(wall_state_t), intent(out) :: state
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` for a wall that was never created
+      !! `err_input` if the handle refers to no wall
 
       call require(stepping, error)
       if (allocated(error)) return
@@ -354,30 +356,27 @@ contains
       call fill_motion(stepping%instance, state)
    end subroutine query_state
 
-   !> Rotation and displacement with their rates.
+   !> Fill in rotation and displacement with their rates.
    subroutine fill_motion(instance, state)
       type(wall_instance_t), intent(in) :: instance
       type(wall_state_t), intent(inout) :: state
-      type(kinematics_t) :: kin
-      real(wp) :: y_ddot
+      real(wp) :: y_dot(size(instance%hybrid%y))
 
       associate (equation => instance%equation, y => instance%hybrid%y)
-         y_ddot = 0
-         if (.not. state%at_rest) y_ddot = second_derivative(equation, instance%hybrid%t, y)
+         y_dot = 0
+         if (.not. state%at_rest .or. equation%beam%n > 0) call rates_at(equation, &
+            instance%hybrid%t, y, y_dot)
+         if (state%at_rest) y_dot(2) = 0
          if (.not. equation%has_wall) then
             state%u_s = y(1)
             state%u_s_dot = y(2)
-            state%u_s_ddot = y_ddot
+            state%u_s_ddot = y_dot(2)
          else
             state%theta = y(1)
             state%theta_dot = y(2)
-            state%theta_ddot = y_ddot
-            kin = kinematics_at(equation, y(1))
+            state%theta_ddot = y_dot(2)
             if (equation%has_frame) then
-               state%u_s = frame_displacement(equation, equation%state%side, y)
-               call frame_motion(equation, equation%state%side, y, u_s, state%u_s_dot)
-               y_dot = [y(2), y_ddot]
-               if (equation%beam%n > 0) call rates_of(equation, instance%hybrid%t, y, y_ddot, y_dot)
+               call frame_motion(equation, equation%state%side, y, state%u_s, state%u_s_dot)
                state%u_s_ddot = frame_acceleration(equation, equation%state%side, y, y_dot)
             end if
          end if
@@ -385,14 +384,15 @@ contains
       end associate
    end subroutine fill_motion
 
-   !> Forces at the present time.
+   !> Return the forces at the current time.
    !>
-   !> The link carries what the frame's mass needs beyond its own spring and damper, also at rest.
+   !> The link force balances the frame's inertia force and the force of its spring and damper. This
+   !> applies to a resting wall, too.
    subroutine query_forces(stepping, forces, error)
       type(stepping_t), intent(in) :: stepping
       type(wall_forces_t), intent(out) :: forces
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` for a wall that was never created
+      !! `err_input` if the handle refers to no wall
       type(wall_state_t) :: state
       type(cable_state_t) :: cable
       real(wp) :: frame_mass
@@ -400,9 +400,9 @@ contains
       real(wp) :: restoring
       !! force of spring and damper on the mass at the link [N]
       real(wp), allocatable :: floor_forces(:)
-      !! (floors) of `&storeys` with all modes [N]
+      !! (floors) resisting forces of `&storeys` with all modes [N]
       real(wp) :: on_frame(2)
-      !! forces of effects on the frame over that mass [m/s2]
+      !! forces of effects on the frame over the mass of the wall [m/s2]
 
       call query_state(stepping, state, error)
       if (allocated(error)) return
@@ -422,7 +422,7 @@ contains
             restoring = floor_forces(size(floor_forces))
          end if
          if (equation%floors%are_linked .and. equation%has_wall) then
-            ! what the floors' momentum takes from links at every floor, and the lowest shear
+            ! links at every floor: inertia forces of the floors plus the base shear
             forces%link = &
                instance%mass*(p%gamma*(equation%floors%excited_mass_ratio*state%u_s_ddot &
                + instance%ground) + equation%floors%mass*instance%ground) + forces%frame_shear
@@ -439,13 +439,13 @@ contains
       end associate
    end subroutine query_forces
 
-   !> Events of the last advance, in the order of time.
+   !> Return the events of the last advance in order of time.
    subroutine query_events(stepping, events, error)
       type(stepping_t), intent(in) :: stepping
       type(event_t), allocatable, intent(out) :: events(:)
       !! (events)
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` for a wall that was never created
+      !! `err_input` if the handle refers to no wall
 
       call require(stepping, error)
       if (allocated(error)) return

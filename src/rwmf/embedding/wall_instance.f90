@@ -1,5 +1,7 @@
-!> What stands behind the handle of a wall that a host program advances: scene, integrator, hybrid
-!> system, the motion in force, and how its state is taken and put back.
+!> Data and state of a wall that a host program advances.
+!>
+!> An instance has a scene, an integrator, a hybrid system and a current motion. Its state can be
+!> saved and restored.
 module rwmf_embedding_wall_instance
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
@@ -16,7 +18,7 @@ module rwmf_embedding_wall_instance
    use rwmf_simulation_finite_check, only: check_numbers
    use rwmf_simulation_hybrid_loop, only: start_hybrid
    use rwmf_simulation_hybrid_state, only: has_ended, hybrid_state_t, hybrid_t
-   use rwmf_simulation_lanes_team, only: team_t
+   use rwmf_simulation_lanes_batch, only: batch_t
    use rwmf_simulation_recorder_recorder, only: create_recorder, peaks_t, recorder_t
    use rwmf_simulation_run, only: guess_size, initial_state, tolerances
    implicit none
@@ -26,67 +28,67 @@ module rwmf_embedding_wall_instance
    public :: start_instance, use_host_motion, hold_ground_acceleration, advance_instance, &
       save_state, restore_state
 
-   !> All that belongs to one wall. Lives on the heap, because the integrators point into it.
+   !> Data of one wall. It is on the heap, because the integrators point into it.
    type :: wall_instance_t
       type(case_t) :: case
       type(motion_t) :: own_motion
-      !! that of the case
+      !! motion of the case
       type(motion_t) :: given_motion
-      !! what the host says
+      !! motion given by the host
       logical :: follows_host = .false.
-      !! the motion in force is the host's
+      !! the current motion is that of the host
       type(equation_t) :: equation
       class(integrator_t), allocatable :: integrator
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
-      type(team_t) :: team
-      !! of one lane, where the method steps in lanes
+      type(batch_t) :: batch
+      !! batch of one lane, for methods that step in lanes
       real(wp) :: t
-      !! how far the host has advanced; after overturning or collapse the motion ended earlier [s]
+      !! time reached by the host; after overturning or collapse the motion ended earlier [s]
       real(wp) :: ground
-      !! ground acceleration there [m/s2]
+      !! ground acceleration at this time [m/s2]
       real(wp) :: identity(8) = 0
-      !! see `identity_of`, which mixes units
+      !! result of `identity_of`, in mixed units
       real(wp) :: mass
-      !! of the wall, without one of the frame; 1 when the case does not say [kg]
+      !! mass of the wall, or of a bare frame; 1 if the case gives none [kg]
       integer(i8) :: steps = 0_i8
-      !! of the integrator in all calls
+      !! steps of the integrator in all calls
    end type wall_instance_t
 
-   !> State of a wall between two calls: plain values, may be copied and forgotten at will.
+   !> State of a wall between two calls. Assignment copies it; it needs no destruction.
    type :: snapshot_t
       logical :: is_filled = .false.
       real(wp) :: identity(8) = 0
-      !! `identity_of` the wall, which mixes units: a snapshot of another one is refused
+      !! `identity_of` the wall, in mixed units: a snapshot of another wall is refused
       logical :: follows_host = .false.
       real(wp) :: t = 0
-      !! how far the host had advanced [s]
+      !! time reached by the host [s]
       real(wp) :: ground = 0
-      !! ground acceleration there [m/s2]
+      !! ground acceleration at this time [m/s2]
       type(discrete_state_t) :: state
       type(hybrid_state_t) :: hybrid
       type(peaks_t) :: peaks
-      !! of the observer
+      !! maxima and counts of the recorder
       integer(i8) :: steps = 0
       integer(i8) :: rhs_evaluations = 0
       real(wp) :: h = 0
       !! step length of a one-step method [s]
       real(wp), allocatable :: f(:)
-      !! (states) derivative that it would begin with; not allocated: it begins anew
+      !! (states) derivative at the beginning of its next step; not allocated: it restarts
    end type snapshot_t
 
 contains
 
-   !> Integrator, hybrid system and observer at their beginning.
+   !> Initialise integrator, hybrid system and recorder.
    subroutine start_instance(instance, t_begin, peak, error)
       type(wall_instance_t), pointer, intent(in) :: instance
       real(wp), intent(in), optional :: t_begin
       !! [s]
       real(wp), intent(in), optional :: peak
-      !! largest ground acceleration to expect, by which tolerances are chosen; by default that of
-      !! the case's motion, or g/10 where it has none [m/s2]
+      !! expected peak ground acceleration, which sets the tolerances. The default is the peak of
+      !! the case's motion, or g/10 without one [m/s2]
       type(error_t), allocatable, intent(out) :: error
-      !! the integrator cannot be made, or the history does not fit into memory
+      !! the integrator cannot be created, or the history does not fit into memory
 
       associate (equation => instance%equation, case => instance%case)
          instance%identity = identity_of(equation)
@@ -113,7 +115,7 @@ contains
       end associate
    end subroutine start_instance
 
-   !> Sizes of theta and theta' that the absolute tolerances belong to.
+   !> Expected sizes of theta and theta', which scale the absolute tolerances.
    function size_to_expect(instance, peak) result(size_guess)
       type(wall_instance_t), pointer, intent(in) :: instance
       real(wp), intent(in), optional :: peak
@@ -121,7 +123,7 @@ contains
       !! [rad], [rad/s]
       real(wp) :: a
       real(wp) :: ratio
-      !! of the vertical motion to whatever the host hands over [-]
+      !! ratio of the vertical motion to the host's motion [-]
 
       a = peak_acceleration(instance%own_motion)
       if (.not. a > 0) a = instance%case%model%g/10
@@ -136,22 +138,22 @@ contains
       instance%equation%motion => instance%own_motion
    end function size_to_expect
 
-   !> The motion that the host has just given comes into force at the present time.
+   !> Apply the motion just given by the host, from the current time on.
    subroutine use_host_motion(instance, a)
       type(wall_instance_t), pointer, intent(in) :: instance
       real(wp), intent(in) :: a
-      !! its first value [m/s2]
+      !! first value of the ground acceleration [m/s2]
 
       instance%equation%motion => instance%given_motion
       call enter_interval(instance%equation%model_t, instance%equation%state, 1)
       instance%follows_host = .true.
-      ! A kink costs a multistep method less than a restart; a jump does not.
+      ! A kink costs a multistep method less than a restart; a jump costs more.
       if (abs(a - instance%ground) > 1.0e4_wp*epsilon(a)*max(abs(a), abs(instance%ground))) then
          instance%hybrid%must_restart = .true.
       end if
    end subroutine use_host_motion
 
-   !> The host's motion stays at its present value until it says more.
+   !> Hold the ground acceleration at its current value until the host gives another motion.
    subroutine hold_ground_acceleration(instance)
       type(wall_instance_t), pointer, intent(in) :: instance
 
@@ -161,7 +163,7 @@ contains
       instance%follows_host = .true.
    end subroutine hold_ground_acceleration
 
-   !> Let time pass; a failure takes everything back.
+   !> Advance to a later time. A failure restores the state before the call.
    subroutine advance_instance(instance, t, error)
       type(wall_instance_t), pointer, intent(in) :: instance
       real(wp), intent(in) :: t
@@ -174,7 +176,7 @@ contains
       instance%integrator%steps = 0_i8
       instance%recorder%n_events = 0
       call advance(instance%hybrid, instance%equation, instance%integrator, instance%recorder, t, &
-         no_control, instance%team, error)
+         no_control, instance%batch, error)
       call check_numbers('the state of the wall', instance%hybrid%y, error)
       if (allocated(error)) then
          call restore_state(instance, before)
@@ -190,12 +192,12 @@ contains
       end if
    end subroutine advance_instance
 
-   !> Remember the present state.
+   !> Save the current state.
    subroutine save_state(instance, snapshot, goes_on)
       type(wall_instance_t), pointer, intent(in) :: instance
       type(snapshot_t), intent(out) :: snapshot
       logical, intent(in) :: goes_on
-      !! from there a one-step method goes on without a restart
+      !! a one-step method continues from this state without a restart
 
       snapshot%is_filled = .true.
       snapshot%identity = instance%identity
@@ -214,7 +216,7 @@ contains
       end select
    end subroutine save_state
 
-   !> Return to what `save_state` remembered.
+   !> Restore a state from `save_state`.
    subroutine restore_state(instance, snapshot)
       type(wall_instance_t), pointer, intent(in) :: instance
       type(snapshot_t), intent(in) :: snapshot
@@ -243,14 +245,14 @@ contains
       end select
    end subroutine restore_state
 
-   !> Numbers that tell a wall that has just been put together from others.
+   !> Numbers that distinguish a newly created wall from others.
    pure function identity_of(equation) result(identity)
       type(equation_t), intent(in) :: equation
       real(wp) :: identity(8)
       integer :: i
 
       identity(:4) = [equation%p%alpha, equation%p%R, equation%p%omega_s, equation%p%gamma]
-      ! What yields has to find its memory in the snapshot, and every loop its coefficients.
+      ! A snapshot must have the state of each yielding part and the coefficients of each loop.
       identity(5:6) = 0
       if (equation%cable%is_tendon) identity(5) = 1
       if (equation%has_bilinear_springs) identity(6) = 1 + size(equation%springs)

@@ -1,10 +1,9 @@
-!> A case with other numbers, made from one that is kept: no text is read, no record, and every rule
-!> of reading holds.
+!> Cases with other numbers, derived from a valid case. Neither text nor records are read again, and
+!> all rules of the reader apply.
 !>
-!> `find_changes` looks up once which keys change; `change_case` then costs microseconds. It gives a
-!> case as the reader would have given it of a text with those numbers, but without that text and
-!> without the samples of records, which the case that it comes from keeps (`motion_from_case` takes
-!> both).
+!> `find_changes` looks up the changed keys once; `change_case` then takes microseconds. The result
+!> is the case that the reader would return for a text with those numbers. It lacks the text and the
+!> samples of records, which stay in the original case (`motion_from_case` takes both).
 module rwmf_input_change
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
@@ -28,37 +27,37 @@ module rwmf_input_change
 
    public :: changes_t, find_changes, change_case, is_motion_changed
 
-   !> Keys that change, looked up.
+   !> Keys to be changed, after look-up.
    type :: changes_t
       private
       type(case_group_t), allocatable :: groups(:)
       type(group_values_t) :: values
-      !! of the case, with a place for each number
+      !! values of the case, with space for each changed number
       type(key_t), allocatable :: keys(:)
       !! (names)
       integer, allocatable :: first(:)
-      !! (names) place of the first number among all values
+      !! (names) index of the first number among all values
       integer, allocatable :: n(:)
-      !! (names) how many numbers
+      !! (names) number of values
    end type changes_t
 
 contains
 
-   !> Look up the keys that change.
+   !> Look up the keys to be changed.
    !>
-   !> Errors: a name that is no `group.key`, an unknown group or key (with the one that may be
-   !> meant), a key that holds no numbers or says how a file is read, a name twice, a group that the
-   !> case lacks, a required key that is taken out.
+   !> Errors: a name that is not `group.key`, an unknown group or key, a repeated name, or a group
+   !> that the case lacks. Keys without numbers and keys that control the reading of files cannot
+   !> change. Required keys cannot be removed.
    subroutine find_changes(case, names, changes, error, n_values)
       type(case_t), intent(in) :: case
-      !! that was read, or changed
+      !! case that was read or changed
       character(*), intent(in) :: names(:)
       !! (n) 'group.key', padded with blanks; the key must hold numbers (a logical is 0 or 1)
       type(changes_t), intent(out) :: changes
       type(error_t), allocatable, intent(out) :: error
       integer, intent(in), optional :: n_values(:)
-      !! (n) how many numbers each key gets: one, or any number of a list, or none, which takes the
-      !! key out; one each when it is absent
+      !! (n) number of values of each key: one, any number for a list, or none, which removes the
+      !! key; absent: one for each key
       type(key_t), allocatable :: keys(:)
       integer :: places(size(names))
       integer :: i
@@ -84,7 +83,7 @@ contains
       if (.not. allocated(error)) call check_units(changes%values, keys, error)
    end subroutine find_changes
 
-   !> Place of a key.
+   !> Find the index of a key by its name `group.key`.
    subroutine find_place(values, keys, name, place, error)
       type(group_values_t), intent(in) :: values
       type(key_t), intent(in) :: keys(:)
@@ -122,14 +121,14 @@ contains
       end if
    end subroutine find_place
 
-   !> Is it a group that every case may have, none of whose keys is required?
+   !> True for groups that every case may have and that have no required key.
    pure logical function is_of_method(group)
       character(*), intent(in) :: group
 
       is_of_method = any(group == [character(8) :: 'model', 'solver', 'output', 'spectrum'])
    end function is_of_method
 
-   !> One number, or a list of them; of what is no number none.
+   !> Check the number of values: one, or several for a list; none for keys without numbers.
    subroutine check_size(key, n, error)
       type(key_t), intent(in) :: key
       integer, intent(in) :: n
@@ -150,8 +149,7 @@ contains
          //trim(requirement(key)))
    end subroutine check_size
 
-   !> The values of the case with places for the numbers that change, and the defaults that then
-   !> hold.
+   !> Arrange the values of the case with space for the changed numbers, and enter the defaults.
    subroutine lay_out(old, keys, places, changes)
       type(group_values_t), intent(in) :: old
       type(key_t), intent(in) :: keys(:)
@@ -159,9 +157,9 @@ contains
       !! (names)
       type(changes_t), intent(inout) :: changes
       integer :: order(size(keys))
-      !! number of the name of each key, 0 for none
+      !! index of the name of each key, 0 for none
       integer :: length
-      !! of the texts
+      !! length of all texts
       type(key_values_t) :: given
       integer :: n
       integer :: i, k
@@ -202,23 +200,23 @@ contains
       end associate
    end subroutine lay_out
 
-   !> How many values there are; room behind them says nothing.
+   !> Number of values in use; the arrays may be larger.
    pure integer function count_values(values)
       type(group_values_t), intent(in) :: values
 
       count_values = maxval(values%keys%first + values%keys%n) - 1
    end function count_values
 
-   !> The case with other numbers.
+   !> Make the case with other numbers.
    !>
-   !> Errors: a number that its key does not allow, and the rules between keys and groups, in the
-   !> words of reading.
+   !> Errors: a number that its key does not allow, and violated rules between keys and groups, with
+   !> the messages of the reader.
    subroutine change_case(case, changes, numbers, changed, error)
       type(case_t), intent(in) :: case
-      !! that the changes were looked up for; of its records only what is known beside samples
+      !! case of `find_changes`; its records need no samples
       type(changes_t), intent(in) :: changes
       real(dp), intent(in) :: numbers(:)
-      !! one a name, of lists theirs one after the other [unit of each key]
+      !! one per name, for lists all their values in sequence [unit of each key]
       type(case_t), intent(out) :: changed
       !! without text and samples
       type(error_t), allocatable, intent(out) :: error
@@ -245,7 +243,7 @@ contains
       if (.not. allocated(error)) call keep_records(case, changed, error)
    end subroutine change_case
 
-   !> Check the numbers of a key. What is allowed is an interval: the ends of a list tell.
+   !> Check the numbers of a key. Allowed values form an interval, so the extremes suffice.
    pure subroutine check_numbers(key, numbers, problem)
       type(key_t), intent(in) :: key
       real(dp), intent(in) :: numbers(:)
@@ -255,11 +253,11 @@ contains
       call check_number(key, minval(numbers), problem)
       if (.not. allocated(problem)) call check_number(key, maxval(numbers), problem)
       if (allocated(problem)) return
-      ! minval and maxval pass over what is no number, a sum does not
+      ! minval and maxval ignore NaN, the sum does not
       if (.not. all(ieee_is_finite(numbers))) call check_number(key, sum(numbers), problem)
    end subroutine check_numbers
 
-   !> Do the keys that change say how the ground moves?
+   !> True if a changed key affects the ground motion.
    pure logical function is_motion_changed(changes)
       type(changes_t), intent(in) :: changes
 
@@ -267,7 +265,7 @@ contains
          .or. (changes%keys%group == 'model' .and. changes%keys%key == 'g'))
    end function is_motion_changed
 
-   !> What is known of the records, with the factor that then holds.
+   !> Copy the records without their samples, and update their factors.
    subroutine keep_records(case, changed, error)
       type(case_t), intent(in) :: case
       type(case_t), intent(inout) :: changed
@@ -285,7 +283,7 @@ contains
       character(*), intent(in) :: path
       type(record_t), intent(in) :: record
       real(wp), intent(in) :: g
-      !! what unit 'g' means [m/s2]
+      !! acceleration of unit 'g' [m/s2]
       class(record_source_t), intent(inout) :: source
       type(record_t), allocatable, intent(out) :: kept
       type(error_t), allocatable, intent(out) :: error

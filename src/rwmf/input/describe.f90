@@ -1,4 +1,4 @@
-!> A validated case as a table: what it says and what the defaults add.
+!> Description of a validated case as a table of given, default and derived values.
 module rwmf_input_describe
    use rwmf_core_kinds, only: wp
    use rwmf_input_schema, only: all_keys
@@ -18,18 +18,20 @@ module rwmf_input_describe
 
 contains
 
-   !> One line for every key that has a value, in the order of the schema, separated by tabs:
-   !> `group.key`, type, value, unit, `given`, `default` or `derived` (it follows from dimensional
-   !> keys); of a ratio in a case with a mass that value in kg, N, ... and its unit; and where the
-   !> value follows from what the case gives for the same key, as `n` of `&storeys` makes it, that.
+   !> Write one tab-separated line for each key with a value, in the order of the schema.
    !>
-   !> Groups that are absent have no lines, but `&model` and `&solver` always have. Reals are
-   !> written with the digits that give the same double precision number again, lists with
-   !> commas. It is the case as it was read: changes of its components do not show.
+   !> The columns are `group.key`, type, value, unit and origin: `given`, `default` or `derived`
+   !> (from dimensional keys). For a ratio in a case with a mass, the next columns are the
+   !> dimensional value and its unit (kg, N, ...). If the value is derived from the given value of
+   !> the same key, as for `n` of `&storeys`, the last column is the given value.
+   !>
+   !> Absent groups have no lines, except `&model` and `&solver`. Reals are written with the digits
+   !> that read back as the same double precision number, lists with commas. The table describes the
+   !> case as read; later changes of its components are not included.
    subroutine describe_case(case, text)
       type(case_t), intent(in) :: case
       character(:), allocatable, intent(out) :: text
-      !! the lines, each with its line feed; '' for a case that has not been read
+      !! lines, each with its line feed; '' for a case that was not read from text
       type(key_t), allocatable :: keys(:)
       character(:), allocatable :: value, in_si, given
       character(7) :: origin
@@ -66,7 +68,7 @@ contains
       if (lines%length > 0) text = lines%room(:lines%length)
    end subroutine describe_case
 
-   !> Does the key apply to the case?
+   !> True if the key applies to the case.
    pure logical function is_in_scene(values, key)
       type(group_values_t), intent(in) :: values
       type(key_t), intent(in) :: key
@@ -80,10 +82,10 @@ contains
       case ('vertical')
          is_in_scene = key%key /= 'scale' .or. has_key(values, 'vertical', 'file')
       case ('solver')
-         ! the tolerance is then found by the run
+         ! the run then chooses the tolerance
          is_in_scene = key%key /= 'rtol' .or. .not. has_key(values, 'solver', 'accuracy')
       case ('p_delta')
-         ! storeys have heights of their own
+         ! storeys have their own heights
          is_in_scene = key%key /= 'h_f' .or. .not. has_group(values, 'storeys')
       case ('spectrum')
          is_in_scene = key%key /= 'spacing' .or. .not. has_key(values, 'spectrum', 'T_s')
@@ -92,13 +94,14 @@ contains
       end select
    end function is_in_scene
 
-   !> The values of a key in the form in which equal values are equal texts; '' when it has none.
+   !> Write the values of a key in canonical form, so that equal values give equal texts; '' for
+   !> none.
    pure subroutine canonical_values(case, row, key, factor, text)
       type(case_t), intent(in) :: case
       type(key_values_t), intent(in) :: row
       type(key_t), intent(in) :: key
       real(wp), intent(in) :: factor
-      !! on reals
+      !! factor on reals
       character(:), allocatable, intent(out) :: text
       type(text_buffer_t) :: list
       integer :: i
@@ -120,7 +123,7 @@ contains
          end do
       end associate
       text = list%room(:list%length)
-      ! defaults that only the validated case knows: the last sample of the record, the height
+      ! defaults that depend on the validated case: last sample of the record, height
       if (key%key == 't_end' .and. text == '') text = trim(real_to_text(case%solver%t_end))
       if (key%default == '2h' .and. .not. row%is_given) text = trim(real_to_text(2*case%wall%h))
    end subroutine canonical_values

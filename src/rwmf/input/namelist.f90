@@ -1,9 +1,9 @@
-!> Namelist text as a list of groups of keys with values, without knowing which keys there are.
+!> Parser of namelist text into groups of keys with values, independent of the schema.
 !>
-!> As in Fortran, letters may be small or capital, `!` begins a comment, values are separated by
-!> blanks or commas, may go on over several lines and may be repeated (`3*1.0`), and a group ends
-!> with `/` or `&end`. Other than in Fortran nothing is skipped in silence: text outside the
-!> groups, empty values and subscripts are errors.
+!> As in Fortran, names may be in upper or lower case and `!` begins a comment. Values are separated
+!> by blanks or commas, may continue over several lines and may be repeated (`3*1.0`). A group ends
+!> with `/` or `&end`. Unlike in Fortran, no input is skipped silently: text outside the groups,
+!> empty values and subscripts are errors.
 module rwmf_input_namelist
    use rwmf_core_error, only: add_context, err_input, error_t, fail
    use rwmf_input_scanner, only: next_token, scanner_t, skip_blanks, start_scanner, token_comma, &
@@ -15,38 +15,38 @@ module rwmf_input_namelist
    public :: entry_t, group_t, parse_namelist
 
    integer, parameter :: most_values = 10000
-   !! values of one key: a repeat count may not fill the memory
+   !! largest number of values of one key: a repeat count must not exhaust the memory
    integer, parameter :: most_keys = 1000
-   !! keys of one group, and groups of one text: more is not a case, and would take long to refuse
+   !! largest number of keys of one group and of groups of one text: more would take long to reject
 
-   !> `key = value, value, ...`
+   !> One entry `key = value, value, ...`
    type :: entry_t
       character(:), allocatable :: key
-      !! in small letters
+      !! in lower case
       integer :: line
-      !! where the key stands
+      !! line of the key
       type(string_t), allocatable :: values(:)
-      !! (n) as they stand in the text, strings without their quotes
+      !! (n) as in the text, strings without their quotes
       logical :: is_quoted
       !! all values are in quotes
    end type entry_t
 
-   !> `&name ... /`
+   !> One group `&name ... /`
    type :: group_t
       character(:), allocatable :: name
-      !! in small letters, without the ampersand
+      !! in lower case, without the ampersand
       integer :: line
-      !! where it begins
+      !! line of its beginning
       type(entry_t), allocatable :: entries(:)
       !! (n) in the order of the text
    end type group_t
 
 contains
 
-   !> Take a text apart.
+   !> Parse a namelist text.
    !>
-   !> Errors, each with its line: text outside a group, a group or string that is not closed, a word
-   !> that is neither key nor value, a key without value, an empty value, a subscript.
+   !> Errors, each with its line: text outside a group, an unclosed group or string, a key without
+   !> value, an empty value, a subscript. A word that is neither key nor value is an error too.
    subroutine parse_namelist(text, groups, error)
       character(*), intent(in) :: text
       !! the whole namelist text, lines with their line feeds
@@ -77,7 +77,7 @@ contains
       groups = groups(:n)
    end subroutine parse_namelist
 
-   !> Read from behind the name of the group to its end.
+   !> Read a group from after its name to its end.
    subroutine read_group(text, scanner, name, group, error)
       character(*), intent(in) :: text
       type(scanner_t), intent(inout) :: scanner
@@ -119,7 +119,7 @@ contains
       character(*), intent(in) :: text
       type(scanner_t), intent(inout) :: scanner
       type(token_t), intent(inout) :: token
-      !! the key; on return what follows the values
+      !! the key; on return the token after the values
       type(entry_t), intent(out) :: entry
       type(error_t), allocatable, intent(out) :: error
 
@@ -141,7 +141,7 @@ contains
       character(*), intent(in) :: text
       type(scanner_t), intent(inout) :: scanner
       type(token_t), intent(inout) :: token
-      !! the equals sign; on return what follows the values
+      !! the equals sign; on return the token after the values
       type(entry_t), intent(inout) :: entry
       type(error_t), allocatable, intent(out) :: error
       logical :: after_value
@@ -179,7 +179,7 @@ contains
    subroutine append_word(entry, n, token, error)
       type(entry_t), intent(inout) :: entry
       integer, intent(inout) :: n
-      !! values in use
+      !! number of values in use
       type(token_t), intent(in) :: token
       type(error_t), allocatable, intent(out) :: error
       logical :: ok
@@ -199,11 +199,11 @@ contains
       end if
    end subroutine append_word
 
-   !> Append a value once or several times, doubling the room when it is full.
+   !> Append a value once or several times; double the array when it is full.
    subroutine append_values(entry, n, count, value, error)
       type(entry_t), intent(inout) :: entry
       integer, intent(inout) :: n
-      !! values in use
+      !! number of values in use
       integer, intent(in) :: count
       character(*), intent(in) :: value
       type(error_t), allocatable, intent(out) :: error
@@ -226,7 +226,7 @@ contains
       n = n + count
    end subroutine append_values
 
-   !> Is the word that was just read a key, that is followed by an equals sign?
+   !> True if the last word is a key, followed by an equals sign.
    pure logical function is_key(text, scanner)
       character(*), intent(in) :: text
       type(scanner_t), intent(in) :: scanner
@@ -238,7 +238,7 @@ contains
       if (ahead%position <= len(text)) is_key = text(ahead%position:ahead%position) == '='
    end function is_key
 
-   !> A letter, followed by letters, digits and underscores.
+   !> True for a letter followed by letters, digits and underscores.
    pure logical function is_name(text)
       character(*), intent(in) :: text
       character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
@@ -247,7 +247,7 @@ contains
          .and. verify(text, letters//'0123456789_') == 0
    end function is_name
 
-   !> Report a token.
+   !> Report an error at a token.
    subroutine fail_at(token, problem, error)
       type(token_t), intent(in) :: token
       character(*), intent(in) :: problem

@@ -1,4 +1,4 @@
-!> From namelist text to a validated case.
+!> Reader that converts namelist text to a validated case.
 module rwmf_input_reader
    use rwmf_core_error, only: add_context, err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -23,12 +23,12 @@ module rwmf_input_reader
 
 contains
 
-   !> Read and validate a case file, the record that it names included.
+   !> Read and validate a case file and its records.
    !>
-   !> Errors: the file cannot be read, and those of `read_case_text`; messages begin with the path.
+   !> Errors: an unreadable file, and those of `read_case_text`; messages begin with the path.
    subroutine read_case_file(path, case, error)
       character(*), intent(in) :: path
-      !! a relative path in the file is resolved against its folder
+      !! path of the file; relative paths in the file refer to its folder
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: text
@@ -40,23 +40,23 @@ contains
       if (allocated(error)) call add_context(error, path)
    end subroutine read_case_file
 
-   !> Read and validate a case, the record that it names included.
+   !> Read and validate a case and its records.
    !>
-   !> Errors: text that is not a namelist, unknown or repeated groups and keys, values that are not
-   !> allowed, groups that contradict each other, a record that is missing or damaged.
+   !> Errors: text that is not a namelist, unknown or repeated groups and keys, invalid values,
+   !> contradictory groups, a missing or damaged record.
    subroutine read_case_text(text, folder, case, error, known, motion, vertical)
       character(*), intent(in) :: text
       !! namelist text
       character(*), intent(in) :: folder
-      !! what a relative path in the text starts from; '' is the current folder
+      !! base of relative paths in the text; '' is the current folder
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
       type(case_t), intent(in), optional :: known
-      !! whose samples are taken where both name the same record: what it has read is not read again
+      !! case whose samples are reused for the same record, to avoid reading its file again
       type(samples_t), intent(in), optional :: motion
-      !! of `&motion`, whose `file` is then the name of these samples; no file is read
+      !! samples of `&motion`; its `file` is then only a name, and no file is read
       type(samples_t), intent(in), optional :: vertical
-      !! of `&vertical`, likewise
+      !! samples of `&vertical`; its `file` is then only a name, and no file is read
       type(group_t), allocatable :: given(:)
       type(case_group_t), allocatable :: groups(:)
 
@@ -77,14 +77,14 @@ contains
       if (.not. allocated(error)) call end_with_records(case, error)
    end subroutine read_case_text
 
-   !> Every group that is given puts its values into the case; those that say how to compute always.
+   !> Fill the case from every group that is given; `&model` and `&solver` always apply.
    subroutine fill_case(case, groups, error)
       type(case_t), intent(inout) :: case
-      !! with its values, nothing else filled
+      !! case with its values, otherwise empty
       type(case_group_t), intent(in) :: groups(:)
       !! `all_groups`
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` when the storeys have no first mode
+      !! `err_input` if the storeys have no first mode
       integer :: i
 
       case%unit_mass = unit_mass(case%values)
@@ -99,7 +99,7 @@ contains
       end do
    end subroutine fill_case
 
-   !> Records of the horizontal and of the vertical motion.
+   !> Read the records of the horizontal and the vertical motion.
    subroutine read_records(folder, case, error, known, motion, vertical)
       character(*), intent(in) :: folder
       type(case_t), intent(inout) :: case
@@ -130,18 +130,18 @@ contains
       end if
    end subroutine read_records
 
-   !> The record of a group from samples.
+   !> Make the record of a group from samples.
    subroutine add_samples(group, samples, values, g, source, record, error)
       character(*), intent(in) :: group
       type(samples_t), intent(in) :: samples
       type(group_values_t), intent(in) :: values
       real(wp), intent(in) :: g
-      !! what unit 'g' means [m/s2]
+      !! acceleration of unit 'g' [m/s2]
       class(record_source_t), intent(inout) :: source
       type(record_t), allocatable, intent(out) :: record
       type(error_t), allocatable, intent(out) :: error
 
-      ! no file has this path
+      ! samples of an array have no file
       source%path = ''
       allocate (record)
       call make_record(samples, source%dt, source%unit, source%scale, g, record, error)
@@ -154,7 +154,7 @@ contains
       character(*), intent(in) :: folder
       type(group_values_t), intent(in) :: values
       real(wp), intent(in) :: g
-      !! what unit 'g' means [m/s2]
+      !! acceleration of unit 'g' [m/s2]
       class(record_source_t), intent(inout) :: source
       type(record_t), allocatable, intent(out) :: record
       type(error_t), allocatable, intent(out) :: error
@@ -163,7 +163,7 @@ contains
       source%path = join_path(folder, source%file)
       if (index(source%file, '/') == 1) source%path = source%file
       if (present(known)) call take_record(known, source, record)
-      ! what is not given is unallocated and arrives as an absent argument
+      ! an unallocated component is passed as an absent argument
       if (allocated(record)) then
          call set_factor(record, source%scale, g, error, source%unit)
       else
@@ -175,7 +175,7 @@ contains
       call add_file(values, group, error)
    end subroutine add_record
 
-   !> Put the key that names a record in front of a message.
+   !> Prepend the key of a record file to a message.
    subroutine add_file(values, group, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -185,12 +185,12 @@ contains
          //"' (line "//trim(integer_to_text(key_line(values, group, 'file')))//')')
    end subroutine add_file
 
-   !> The samples that a case has read from the same file in the same way, if it has.
+   !> Take the samples of another case if it has read the same file in the same way.
    pure subroutine take_record(known, source, record)
       type(case_t), intent(in) :: known
       class(record_source_t), intent(in) :: source
       type(record_t), allocatable, intent(out) :: record
-      !! its factor is still to be set
+      !! record whose factor is not yet set
 
       if (allocated(known%record)) then
          if (is_same_source(known%motion, source)) record = known%record
@@ -199,11 +199,11 @@ contains
          if (is_same_source(known%vertical, source)) record = known%vertical_record
       end if
       if (.not. allocated(record)) return
-      ! those of a changed case are with the case that it comes from
+      ! a changed case has no samples; they stay in the original case
       if (.not. allocated(record%t)) deallocate (record)
    end subroutine take_record
 
-   !> Is the same file read in the same way?
+   !> True if both sources read the same file in the same way.
    pure logical function is_same_source(one, other) result(is_same)
       class(record_source_t), intent(in) :: one
       class(record_source_t), intent(in) :: other
@@ -215,15 +215,15 @@ contains
       if (is_same .and. allocated(one%unit)) is_same = one%unit == other%unit
    end function is_same_source
 
-   !> The longest record ends the simulation, unless the case says when. Fails with `err_input` when
-   !> it would end before it starts.
+   !> End the simulation with the longest record if `t_end` is absent. Fails with `err_input` if the
+   !> simulation would end before it starts.
    subroutine end_with_records(case, error)
       type(case_t), intent(inout) :: case
-      !! with what is known of its records
+      !! case with its records; samples are not needed
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: group
       real(wp) :: t_last
-      !! [s]
+      !! last time of the records [s]
 
       if (has_key(case%values, 'solver', 't_end')) return
       t_last = -huge(t_last)

@@ -1,4 +1,4 @@
-!> Namelist text as a sequence of words, quoted strings and signs.
+!> Scanner that splits namelist text into words, quoted strings and signs.
 module rwmf_input_scanner
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_text_strings, only: integer_to_text, shown, to_lower
@@ -17,38 +17,38 @@ module rwmf_input_scanner
    integer, parameter :: token_comma = token_equals + 1
    integer, parameter :: token_slash = token_equals + 2
    integer, parameter :: token_group = 6
-   !! an ampersand with the name behind it
+   !! an ampersand followed by a name
 
    character(*), parameter :: line_feed = achar(10), carriage_return = achar(13), tab = achar(9)
    character(*), parameter :: word_ends = " ,=/!&'"""//line_feed//carriage_return//tab
 
-   !> Where the reading stands.
+   !> Reading position.
    type :: scanner_t
       integer :: position
-      !! of the next character
+      !! position of the next character
       integer :: line
-      !! its line
+      !! line of that character
       integer :: ampersands
-      !! in the whole text: no text has more groups
+      !! ampersands in the whole text, an upper bound of the number of groups
       integer :: equals_signs
-      !! and no group more keys
+      !! equals signs in the whole text, an upper bound of the number of keys
    end type scanner_t
 
-   !> A piece of the text.
+   !> One token of the text.
    type :: token_t
       integer :: kind
       !! one of the `token_` numbers
       integer :: line
-      !! where it begins
+      !! line of its beginning
       character(:), allocatable :: text
-      !! the word, the content of the string, the name of the group in small letters
+      !! the word, the content of the string, or the name of the group in lower case
    end type token_t
 
 contains
 
-   !> Begin at the start of a text.
+   !> Start at the beginning of a text.
    !>
-   !> Error: a control character, which no text file has.
+   !> Error: a control character that is not allowed in a text file.
    subroutine start_scanner(text, scanner, error)
       character(*), intent(in) :: text
       !! the whole namelist text, lines with their line feeds
@@ -74,12 +74,12 @@ contains
       end do
    end subroutine start_scanner
 
-   !> The next piece of the text.
+   !> Read the next token.
    !>
    !> Error: a string that is not closed on its line.
    subroutine next_token(text, scanner, token, error)
       character(*), intent(in) :: text
-      !! the one with which the scanner has been started
+      !! text that was passed to `start_scanner`
       type(scanner_t), intent(inout) :: scanner
       type(token_t), intent(out) :: token
       type(error_t), allocatable, intent(out) :: error
@@ -108,10 +108,10 @@ contains
       end select
    end subroutine next_token
 
-   !> Go to the next character that is neither blank nor in a comment.
+   !> Skip blanks, line feeds and comments.
    pure subroutine skip_blanks(text, scanner)
       character(*), intent(in) :: text
-      !! the one with which the scanner has been started
+      !! text that was passed to `start_scanner`
       type(scanner_t), intent(inout) :: scanner
       logical :: in_comment
 
@@ -134,7 +134,7 @@ contains
       end do
    end subroutine skip_blanks
 
-   !> Everything up to a blank or a sign.
+   !> Take all characters up to a blank or a sign.
    pure subroutine take_word(text, scanner, token)
       character(*), intent(in) :: text
       type(scanner_t), intent(inout) :: scanner
@@ -147,7 +147,7 @@ contains
       scanner%position = scanner%position + length
    end subroutine take_word
 
-   !> A string in single or double quotes; a doubled quote inside stands for one.
+   !> Take a string in single or double quotes; a doubled quote inside is one quote.
    subroutine take_string(text, scanner, token, error)
       character(*), intent(in) :: text
       type(scanner_t), intent(inout) :: scanner
@@ -182,7 +182,7 @@ contains
       end do
    end subroutine take_string
 
-   !> Is this character there? False beyond the end.
+   !> True if a character is at a position; false beyond the end of the text.
    pure logical function is_at(text, position, letter)
       character(*), intent(in) :: text
       integer, intent(in) :: position

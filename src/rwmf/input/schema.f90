@@ -1,8 +1,7 @@
-!> The one table of groups and keys of a case file: the basic groups, with the effects of
-!> `rwmf_model_effects_list` among them.
+!> Schema of a case file: the table of all groups and keys, with the basic groups and the effects of
+!> `rwmf_model_effects_list`.
 !>
-!> Validation, messages, the namelist reference and the typing of the Python package are all made
-!> from it.
+!> Validation, messages, the namelist reference and the type hints of the Python package use it.
 module rwmf_input_schema
    use rwmf_input_groups_analysis, only: model_group, output_group, solver_group
    use rwmf_input_groups_excitation, only: motion_group
@@ -20,8 +19,8 @@ module rwmf_input_schema
 
 contains
 
-   !> Every group, each effect behind the basic group that it follows: the order in which a case is
-   !> read, documented and reported.
+   !> All groups, each effect after its basic group; cases are read, documented and reported in this
+   !> order.
    function all_groups() result(groups)
       type(case_group_t), allocatable :: groups(:)
       type(case_group_t), allocatable :: basic(:)
@@ -30,7 +29,7 @@ contains
       integer :: i
       integer :: j
 
-      ! one by one: gfortran 12 loses the keys of what stands in an array constructor
+      ! assigned one by one: gfortran 12 loses the keys of elements of an array constructor
       allocate (basic(10))
       basic(1) = wall_group()
       basic(2) = frame_group()
@@ -56,14 +55,14 @@ contains
       end do
    end function all_groups
 
-   !> Every key, in the order of the documentation.
+   !> All keys in the order of the documentation.
    function all_keys() result(keys)
       type(key_t), allocatable :: keys(:)
 
       keys = keys_of(all_groups())
    end function all_keys
 
-   !> The keys of all groups, one group after the other.
+   !> Keys of all groups, one group after the other.
    pure function keys_of(groups) result(keys)
       type(case_group_t), intent(in) :: groups(:)
       !! `all_groups`
@@ -79,7 +78,7 @@ contains
       end do
    end function keys_of
 
-   !> The groups in the order of the documentation.
+   !> Names of the groups in the order of the documentation.
    function group_names() result(names)
       character(12), allocatable :: names(:)
       type(case_group_t), allocatable :: groups(:)
@@ -93,13 +92,13 @@ contains
       end do
    end function group_names
 
-   !> Place of a key among those of a group, 0 when it is not there.
+   !> Index of a key of a group; 0 if there is none of that name.
    pure integer function find_key(keys, group, name)
       type(key_t), intent(in) :: keys(:)
       character(*), intent(in) :: group
-      !! in small letters
+      !! name of the group, in lower case
       character(*), intent(in) :: name
-      !! letters may be small or capital
+      !! name of the key, in upper or lower case
 
       do find_key = size(keys), 1, -1
          if (keys(find_key)%group /= group) cycle
@@ -107,9 +106,11 @@ contains
       end do
    end function find_key
 
-   !> The table as text: group, key, type, unit, default, what is allowed, help and the range in
-   !> real buildings, separated by tabs, one key a line. The default of a required key is
-   !> 'required', of one without 'none'.
+   !> Write the table of keys as text, one tab-separated line per key.
+   !>
+   !> The columns are group, key, type, unit, default, allowed values, help, range in real
+   !> buildings, and the key that this one replaces. The default is 'required' for required keys and
+   !> 'none' for keys without one.
    subroutine write_schema(text)
       character(:), allocatable, intent(out) :: text
       !! the lines, each with its line feed
@@ -123,24 +124,25 @@ contains
       where (keys%default == '')
          keys%default = merge('required        ', 'none            ', keys%is_required)
       end where
-      ! of its whole length at once: a text that grows by lines is copied with each of them
+      where (keys%scales) keys%gives = ''
+      ! allocated at full length: appending line by line would copy the text each time
       allocate (character(sum(len_trim(keys%group) + len_trim(keys%key) + len_trim(keys%type) &
          + len_trim(keys%unit) + len_trim(keys%default) + len_trim(keys%allowed) &
-         + len_trim(keys%help) + len_trim(keys%usual) + 8)) :: text)
+         + len_trim(keys%help) + len_trim(keys%usual) + len_trim(keys%gives) + 9)) :: text)
       n = 0
       do i = 1, size(keys)
          associate (key => keys(i))
             line = trim(key%group)//tab//trim(key%key)//tab//trim(key%type)//tab &
                //trim(key%unit)//tab//trim(key%default)//tab//trim(key%allowed)//tab &
-               //trim(key%help)//tab//trim(key%usual)//new_line('a')
+               //trim(key%help)//tab//trim(key%usual)//tab//trim(key%gives)//new_line('a')
          end associate
          text(n + 1:n + len(line)) = line
          n = n + len(line)
       end do
    end subroutine write_schema
 
-   !> The groups as text, one a line: the name of each, and of those without which it must not be
-   !> given, separated by tabs.
+   !> Write the groups as text: each line has the name of a group and of the groups that it
+   !> requires, separated by tabs.
    subroutine write_groups(text)
       character(:), allocatable, intent(out) :: text
       !! the lines, each with its line feed

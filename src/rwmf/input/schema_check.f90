@@ -1,5 +1,5 @@
-!> Does namelist text hold to the schema: known groups and keys, once each, with allowed values?
-!> Then it becomes values by group and key.
+!> Check of namelist text against the schema: known groups and keys, once each, with allowed values.
+!> The result is the values by group and key.
 module rwmf_input_schema_check
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
@@ -21,10 +21,10 @@ module rwmf_input_schema_check
 
 contains
 
-   !> Check groups one by one and collect the values of all keys, given or by default.
+   !> Check each group and collect the values of all keys, given or by default.
    !>
    !> Errors: unknown or repeated group, unknown or repeated key, wrong type, value out of range,
-   !> required key that is missing. The message names group, key, value, line and what is allowed.
+   !> missing required key. The message names group, key, value, line and the allowed values.
    subroutine collect_values(groups, keys, values, error)
       type(group_t), intent(in) :: groups(:)
       type(key_t), intent(in) :: keys(:)
@@ -32,7 +32,7 @@ contains
       type(group_values_t), intent(out) :: values
       type(error_t), allocatable, intent(out) :: error
       integer :: n
-      !! values so far
+      !! number of values so far
       integer :: i
 
       call make_room(groups, keys, values)
@@ -45,9 +45,9 @@ contains
       call enter_defaults(keys, values, n)
    end subroutine collect_values
 
-   !> Check which groups and keys a case gives, whatever their numbers.
+   !> Check the combination of given groups and keys, independent of their values.
    !>
-   !> Errors: a group without the one it acts on, keys that do not belong to the kind of motion.
+   !> Errors: a group without the one that it requires, keys that the kind of motion does not have.
    subroutine check_groups(values, groups, error)
       type(group_values_t), intent(in) :: values
       type(case_group_t), intent(in) :: groups(:)
@@ -74,9 +74,9 @@ contains
       end do
    end subroutine check_groups
 
-   !> Check the rules between the values of a case whose groups go together.
+   !> Check the rules between the values of a case with a valid combination of groups.
    !>
-   !> Errors: keys that exclude each other, keys that the presence of another key or group requires.
+   !> Errors: keys that exclude each other, missing keys that another key or group requires.
    subroutine check_values(values, groups, error)
       type(group_values_t), intent(in) :: values
       type(case_group_t), intent(in) :: groups(:)
@@ -91,8 +91,8 @@ contains
       end do
    end subroutine check_values
 
-   !> Has a group rules that apply to a case? Of those that say how to compute, something is always
-   !> given.
+   !> True if a group has rules that apply to a case. Rules of groups outside the scene, such as
+   !> `&solver`, always apply.
    pure logical function must_be_checked(values, group) result(must)
       type(group_values_t), intent(in) :: values
       type(case_group_t), intent(in) :: group
@@ -101,7 +101,7 @@ contains
       if (must .and. group%is_of_scene) must = has_group(values, trim(group%name))
    end function must_be_checked
 
-   !> Keys of the kind of motion, and no others.
+   !> Check that all given keys belong to the kind of motion.
    subroutine check_kinds(values, keys, error)
       type(group_values_t), intent(in) :: values
       type(key_t), intent(in) :: keys(:)
@@ -120,7 +120,7 @@ contains
       end do
    end subroutine check_kinds
 
-   !> Room for all values: those that are given, and each default once, which may be another value.
+   !> Allocate space for all values: the given ones, and one default for each key.
    subroutine make_room(groups, keys, values)
       type(group_t), intent(in) :: groups(:)
       type(key_t), intent(in) :: keys(:)
@@ -159,7 +159,7 @@ contains
       end do
    end subroutine make_room
 
-   !> Is the group known, and new?
+   !> Enter a group; it must be known and given once.
    subroutine enter_group(group, values, error)
       type(group_t), intent(in) :: group
       type(group_values_t), intent(inout) :: values
@@ -181,16 +181,16 @@ contains
       call fail_at_group(group%name, group%line, 'unknown group'//known, error)
    end subroutine enter_group
 
-   !> What a name that is not known may have been meant for, and what is allowed, for a message.
+   !> Write the closest known name and the allowed names, for a message about an unknown name.
    pure subroutine suggest(name, sign, names, text)
       character(*), intent(in) :: name
-      !! that is not known
+      !! unknown name
       character(*), intent(in) :: sign
-      !! before each name: '&' or ''
+      !! prefix of each name: '&' or ''
       character(*), intent(in) :: names(:)
-      !! (n) allowed, padded with blanks
+      !! (n) allowed names, padded with blanks
       character(:), allocatable, intent(out) :: text
-      !! for behind 'unknown key' or the like
+      !! continuation of 'unknown key' or a similar message
       character(len(names)) :: near
       integer :: i
 
@@ -228,7 +228,7 @@ contains
       do i = 1, size(keys)
          if (keys(i)%group /= group%name) cycle
          if (values%keys(i)%is_given .or. .not. keys(i)%is_required) cycle
-         ! a dimensional key may stand for it
+         ! a dimensional key may replace it
          if (any(values%keys%is_given .and. keys%group == group%name &
                  .and. keys%gives == keys(i)%key .and. .not. keys%scales)) cycle
          call fail_at_group(group%name, group%line, 'the key '//trim(keys(i)%key) &
@@ -256,7 +256,7 @@ contains
       type(key_t), intent(in) :: key
       type(group_values_t), intent(inout) :: values
       integer, intent(in) :: at
-      !! place of the key
+      !! index of the key
       integer, intent(inout) :: n
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem
@@ -285,7 +285,7 @@ contains
       end do
    end subroutine enter_values
 
-   !> Report an entry with all its values.
+   !> Report an error of an entry with all its values.
    subroutine fail_at_entry(group, entry, key, problem, error)
       type(group_t), intent(in) :: group
       type(entry_t), intent(in) :: entry
@@ -302,15 +302,15 @@ contains
       call fail_at_key(group%name, key, shown_values, entry%line, problem, error)
    end subroutine fail_at_entry
 
-   !> The keys that are not given take what a given key implies, or their defaults, or the value of
-   !> the key that a default names.
+   !> Enter the values of absent keys: implied by a given key, the default, or the value of the key
+   !> that the default names.
    subroutine enter_defaults(keys, values, n)
       type(key_t), intent(in) :: keys(:)
       !! `all_keys`
       type(group_values_t), intent(inout) :: values
-      !! with room for a value of each key
+      !! values with space for one value of each key
       integer, intent(inout) :: n
-      !! values so far
+      !! number of values so far
       integer :: source
       integer :: i
 
@@ -329,13 +329,13 @@ contains
       end do
    end subroutine enter_defaults
 
-   !> The text of a default: what a given key of the same group implies, otherwise its own.
+   !> Text of a default: the choice implied by a given key of the same group, otherwise the default.
    pure function default_text(keys, is_given, at) result(text)
       type(key_t), intent(in) :: keys(:)
       logical, intent(in) :: is_given(:)
       !! (keys)
       integer, intent(in) :: at
-      !! place of the key that is not given
+      !! index of the absent key
       character(len(keys%default)) :: text
       integer :: equals
       integer :: i
@@ -351,18 +351,18 @@ contains
       end do
    end function default_text
 
-   !> Append a value to those of a key.
+   !> Append a value to a key.
    pure subroutine append(values, at, n, number, text)
       type(group_values_t), intent(inout) :: values
-      !! with room for it
+      !! values with space for it
       integer, intent(in) :: at
-      !! place of the key
+      !! index of the key
       integer, intent(inout) :: n
-      !! values so far
+      !! number of values so far
       real(dp), intent(in) :: number
-      !! of a logical 1 or 0, of a text 0 [unit of the key]
+      !! value of a number, 1 or 0 for a logical, 0 for a text [unit of the key]
       character(*), intent(in) :: text
-      !! as it stands in the case; '' for a number that stands in none
+      !! text of the value in the case; '' for a number without text
       integer :: start
 
       start = values%ends(n)

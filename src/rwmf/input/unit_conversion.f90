@@ -1,6 +1,8 @@
-!> Dimensional keys: a case that says masses in kg, stiffnesses in N/m and forces in N becomes one
-!> of ratios before any rule looks at it. Which key stands for which one says the table of keys
-!> (`key_t`), what is more than a quotient the group (`case_group_t`, `derive`).
+!> Conversion of dimensional keys: masses in kg, stiffnesses in N/m and forces in N become ratios
+!> before the rules are checked.
+!>
+!> The table of keys maps each dimensional key to its ratio (`key_t`); a group's `derive` handles
+!> anything other than a division (`case_group_t`).
 module rwmf_input_unit_conversion
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -18,13 +20,13 @@ module rwmf_input_unit_conversion
 
 contains
 
-   !> Is each group said in one way, and as a whole? Whatever the numbers.
+   !> Check that the dimensional keys are consistent and complete, independent of their values.
    !>
-   !> Errors: a dimensional key beside the one that follows from it, without those that belong to
-   !> it, or beside a wall without a mass.
+   !> Errors: a dimensional key together with the key derived from it, without the keys that it
+   !> requires, or for a wall without a mass.
    subroutine check_units(values, keys, error)
       type(group_values_t), intent(inout) :: values
-      !! as given; that something follows from dimensional keys is noted in them
+      !! values as given; on return `has_units` marks a case with dimensional keys
       type(key_t), intent(in) :: keys(:)
       !! `all_keys`
       type(error_t), allocatable, intent(out) :: error
@@ -33,7 +35,7 @@ contains
       values%has_units = .false.
       do i = 1, size(keys)
          if (.not. values%keys(i)%is_given) cycle
-         if (keys(i)%needs /= '') call check_company(values, keys(i), error)
+         if (keys(i)%needs /= '') call check_required_keys(values, keys(i), error)
          if (allocated(error)) return
          if (keys(i)%gives == '') cycle
          values%has_units = .true.
@@ -50,15 +52,15 @@ contains
       end do
    end subroutine check_units
 
-   !> Are the keys there that a key cannot do without?
-   subroutine check_company(values, key, error)
+   !> Check that the other keys that a key requires are given.
+   subroutine check_required_keys(values, key, error)
       type(group_values_t), intent(in) :: values
       type(key_t), intent(in) :: key
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: names
       integer :: position, first, last
       integer :: bar
-      !! between two of which one is enough
+      !! position of the '|' between two alternatives
 
       position = 1
       do
@@ -75,20 +77,20 @@ contains
             //names, error)
          return
       end do
-   end subroutine check_company
+   end subroutine check_required_keys
 
-   !> Set the keys that follow from dimensional ones, group by group.
+   !> Set the keys that are derived from dimensional ones, group by group.
    !>
-   !> Errors: what follows is not allowed, and those of the groups.
+   !> Errors: derived values that are not allowed, and those of the groups.
    subroutine convert_units(values, groups, error)
       type(group_values_t), intent(inout) :: values
-      !! as given, checked
+      !! values as given, after `check_units`
       type(case_group_t), intent(in) :: groups(:)
       !! `all_groups`
       type(error_t), allocatable, intent(out) :: error
       integer :: i
       integer :: behind
-      !! place of the last key of the groups before
+      !! index of the last key of the groups before
 
       if (.not. values%has_units) return
       behind = 0
@@ -103,15 +105,16 @@ contains
       end do
    end subroutine convert_units
 
-   !> Quotients by mass or weight. A frame without wall is over its own mass.
+   !> Divide by mass or weight. The reference of a frame without a wall is its own mass: no
+   !> division.
    subroutine divide(values, keys)
       type(group_values_t), intent(inout) :: values
       type(key_t), intent(in) :: keys(:)
-      !! of a group
+      !! keys of one group
       real(wp), allocatable :: numbers(:)
       integer :: i
       integer :: to
-      !! place of the key that follows
+      !! index of the derived key in the group
 
       do i = 1, size(keys)
          if (keys(i)%gives == '') cycle
@@ -125,11 +128,11 @@ contains
       end do
    end subroutine divide
 
-   !> What follows is within the range of its key: finite, and not lost in an underflow.
+   !> Check that derived values are in the range of their keys: finite, and without underflow.
    subroutine check_derived(values, keys, behind, error)
       type(group_values_t), intent(in) :: values
       type(key_t), intent(in) :: keys(:)
-      !! of a group
+      !! keys of one group
       integer, intent(in) :: behind
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem

@@ -1,4 +1,4 @@
-!> Is a value of a case file what its key allows, and which number is it?
+!> Check of a value of a case file against the values that its key allows, and its conversion.
 module rwmf_input_value_check
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_kinds, only: dp, wp
@@ -13,17 +13,17 @@ module rwmf_input_value_check
 
 contains
 
-   !> Check a value and convert it, once. `problem` is 'must be ...', not allocated when it is fine.
+   !> Check a value and convert it to a number.
    pure subroutine check_value(key, value, is_quoted, number, problem)
       type(key_t), intent(in) :: key
       character(*), intent(in) :: value
-      !! as it stands in the case, without quotes
+      !! text of the value in the case, without quotes
       logical, intent(in) :: is_quoted
-      !! it stands in quotes in the case
+      !! the value is quoted in the case
       real(dp), intent(out) :: number
-      !! of a logical 1 or 0, of texts 0 [unit of the key]
+      !! value of a number, 1 or 0 for a logical, 0 for texts [unit of the key]
       character(:), allocatable, intent(out) :: problem
-      !! what the value must be; not allocated when it is fine
+      !! requirement 'must be ...'; not allocated if the value is valid
       logical :: ok
       logical :: truth
       integer :: whole
@@ -52,15 +52,14 @@ contains
       if (key%type == 'choice' .and. .not. is_quoted) problem = problem//' in quotes'
    end subroutine check_value
 
-   !> Check a number that did not come as text. `problem` is 'must be ...', not allocated when it is
-   !> fine.
+   !> Check a number that was not given as text.
    pure subroutine check_number(key, number, problem)
       type(key_t), intent(in) :: key
       !! of type 'real', 'real list', 'integer' or 'logical'
       real(dp), intent(in) :: number
-      !! of a logical 1 or 0 [unit of the key]
+      !! 1 or 0 for a logical [unit of the key]
       character(:), allocatable, intent(out) :: problem
-      !! what it must be; not allocated when it is fine
+      !! requirement 'must be ...'; not allocated if the number is valid
       logical :: ok
 
       ok = ieee_is_finite(number)
@@ -76,7 +75,7 @@ contains
       if (.not. ok) problem = 'must be '//trim(requirement(key))
    end subroutine check_number
 
-   !> The value of a default; of a text 0 [unit of the key].
+   !> Default of a key as a number; 0 for a text [unit of the key].
    pure real(dp) function default_number(key) result(number)
       type(key_t), intent(in) :: key
       logical :: truth
@@ -94,10 +93,10 @@ contains
       end select
    end function default_number
 
-   !> Ends of the range of a key in real buildings [unit of the key].
+   !> Bounds of the range of a key in real buildings [unit of the key].
    pure function usual_bounds(key) result(bounds)
       type(key_t), intent(in) :: key
-      !! with a range
+      !! key with a range
       real(wp) :: bounds(2)
       integer :: comma
 
@@ -106,7 +105,7 @@ contains
       bounds(2) = real(parse_bound(key%usual(comma + 1:index(key%usual, ']') - 1)), wp)
    end function usual_bounds
 
-   !> What the values of a key must be, for messages: `a number >= 0 [-]`.
+   !> Requirement on the values of a key, for messages: `a number >= 0 [-]`.
    pure function requirement(key) result(text)
       type(key_t), intent(in) :: key
       character(requirement_length) :: text
@@ -131,7 +130,7 @@ contains
       if (key%unit /= '') text = trim(text)//' ['//trim(key%unit)//']'
    end function requirement
 
-   !> `>= 0` or `in (0, 1]`.
+   !> Range of a key, for messages: `>= 0` or `in (0, 1]`.
    pure function range_text(key) result(text)
       type(key_t), intent(in) :: key
       character(len(key%allowed) + 3) :: text
@@ -140,10 +139,10 @@ contains
       if (scan(text, '([') == 1) text = 'in '//key%allowed
    end function range_text
 
-   !> `'a', 'b' or 'c'`.
+   !> List of quoted choices, for messages: `'a', 'b' or 'c'`.
    pure function quoted_choices(names) result(text)
       character(*), intent(in) :: names
-      !! separated by blanks
+      !! names separated by blanks
       character(requirement_length) :: text
       integer :: first
       integer :: last
@@ -164,17 +163,17 @@ contains
       end do
    end function quoted_choices
 
-   !> Is the value one of the names? Letters may be small or capital.
+   !> True if the value is one of the names, in upper or lower case.
    pure logical function is_choice(names, value)
       character(*), intent(in) :: names
-      !! separated by blanks
+      !! names separated by blanks
       character(*), intent(in) :: value
 
       is_choice = len_trim(value) > 0 .and. scan(trim(value), ' ') == 0 &
          .and. index(' '//names//' ', ' '//to_lower(trim(value))//' ') > 0
    end function is_choice
 
-   !> Read `.true.`, `T` and the like.
+   !> Read a logical value such as `.true.` or `T`.
    pure subroutine parse_logical(text, value, ok)
       character(*), intent(in) :: text
       logical, intent(out) :: value
@@ -192,7 +191,7 @@ contains
       end select
    end subroutine parse_logical
 
-   !> Is a number within `> 0`, `>= 0`, `(0, 0.1]`, ...?
+   !> True if a number is in a range such as `> 0`, `>= 0` or `(0, 0.1]`.
    pure logical function is_within(allowed, x)
       character(*), intent(in) :: allowed
       real(dp), intent(in) :: x
@@ -218,7 +217,7 @@ contains
       end if
    end function is_within
 
-   !> A number of the schema, which may be `pi/2`.
+   !> Number of the schema; `pi/2` is allowed.
    pure real(dp) function parse_bound(text)
       character(*), intent(in) :: text
       logical :: ok

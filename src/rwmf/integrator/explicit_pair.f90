@@ -1,4 +1,4 @@
-!> Explicit pairs as integrators of a single run: a team of one lane.
+!> Explicit pairs as integrators of a single run, a batch of one lane.
 module rwmf_integrator_explicit_pair
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_lane_step, only: attempt_step
@@ -12,16 +12,16 @@ module rwmf_integrator_explicit_pair
 
    public :: explicit_pair_t, extend_work
 
-   !> An explicit pair.
+   !> Integrator with an explicit pair.
    type, extends(one_step_t) :: explicit_pair_t
       type(pair_t) :: pair
       real(wp) :: work(power_count) = 0
-      !! of the ground motion, dampers and smooth plastic flow over the last step, where whoever
-      !! takes the steps asks for it [J/kg]
+      !! work of the ground motion, dampers and smooth plastic flow over the last step, if requested
+      !! [J/kg]
       real(wp) :: t_work = 0
-      !! end of that step, which may be cut short later [s]
+      !! end of the last step, which may be shortened later [s]
       real(wp), allocatable :: k(:, :, :)
-      !! (1, states, stages) room for the rates at the stages of a step
+      !! (1, states, stages) buffer for the rates at the stages of a step
    contains
       procedure :: find_work
       procedure :: attempt => attempt_explicit_pair
@@ -29,8 +29,9 @@ module rwmf_integrator_explicit_pair
 
 contains
 
-   !> Work from the beginning of the last step to another time: that of the step, and close to its
-   !> end the mean power of the way from there; else that of a repeated step.
+   !> Compute the work from the beginning of the last step to another time. Close to the end of the
+   !> step, add the mean power over the difference to the work of the step. Otherwise repeat the
+   !> step.
    subroutine find_work(self, t, y, work)
       class(explicit_pair_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -38,9 +39,9 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at t
       real(wp), intent(out) :: work(power_count)
-      !! as the component [J/kg]
+      !! work, as the component `work` [J/kg]
       real(wp), parameter :: close = 2.0e-4_wp
-      !! part of the step whose third power is negligible [-]
+      !! fraction of the step whose third power is negligible [-]
       real(wp) :: y_new(size(y))
       real(wp) :: ignored
 
@@ -53,7 +54,7 @@ contains
       end if
    end subroutine find_work
 
-   !> Add the work on a way so short that the powers in its middle are its mean.
+   !> Add the work over an interval so short that the power in its middle is its mean power.
    subroutine extend_work(equation, t_a, y_a, t_b, y_b, work)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_a, t_b
@@ -81,7 +82,7 @@ contains
       call attempt_pair(self, t, y, f, h, y_new, error)
    end subroutine attempt_explicit_pair
 
-   !> The same, and the work in it on request.
+   !> Attempt a step and compute the work in it on request.
    subroutine attempt_pair(self, t, y, f, h, y_new, error, work)
       class(explicit_pair_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -93,7 +94,7 @@ contains
       real(wp), intent(out), optional :: work(power_count)
       real(wp) :: acceleration(1, most_stages, 2)
       real(wp) :: tolerance(1, 0:size(y))
-      real(wp) :: length(1), norm(1)
+      real(wp) :: length(1), square(1)
       integer :: i
 
       self%error_order = self%pair%error_order
@@ -113,10 +114,10 @@ contains
          tolerance(1, 0) = self%tolerance%rtol
          tolerance(1, 1:) = self%tolerance%atol
          call attempt_step(equation%scene, pair, equation%state%coef, acceleration, length, &
-            tolerance, y, .not. present(work), self%k, y_new, norm, work)
+            tolerance, y, .not. present(work), self%k, y_new, square, work)
          equation%rhs_evaluations = equation%rhs_evaluations + int(pair%stages - 1, i8)
       end associate
-      error = norm(1)
+      error = sqrt(square(1))
    end subroutine attempt_pair
 
 end module rwmf_integrator_explicit_pair

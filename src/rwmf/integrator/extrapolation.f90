@@ -1,8 +1,8 @@
 !> Extrapolated midpoint rule (Gragg, Bulirsch, Stoer) of fixed high order.
 !>
-!> Needs no coefficients beyond integers, so that it runs in any precision: this is the integrator
-!> of the quadruple-precision reference. Hairer, Norsett, Wanner: Solving Ordinary Differential
-!> Equations I, section II.9, step numbers 2, 4, 6, ...
+!> The rule needs only integer coefficients and therefore runs in any precision: it integrates the
+!> quadruple-precision reference. Hairer, Norsett, Wanner: Solving Ordinary Differential Equations
+!> I, section II.9, step numbers 2, 4, 6, ...
 module rwmf_integrator_extrapolation
    use rwmf_core_kinds, only: dp, wp
    use rwmf_integrator_one_step, only: error_norm, one_step_t
@@ -18,8 +18,8 @@ module rwmf_integrator_extrapolation
    !> Gragg-Bulirsch-Stoer extrapolation.
    type, extends(one_step_t) :: extrapolation_t
       real(wp), allocatable :: table(:, :)
-      !! (states, columns) room for the present row of the Aitken-Neville scheme: column i of row j
-      !! holds T_{j, j+1-i}
+      !! (states, columns) buffer for the current row of the Aitken-Neville scheme; column i of row
+      !! j holds T_{j, j+1-i}
    contains
       procedure :: attempt => attempt_extrapolation
    end type extrapolation_t
@@ -57,7 +57,8 @@ contains
       error = error_norm(self, y, y_new, self%table(:, columns) - self%table(:, columns - 1))
    end subroutine attempt_extrapolation
 
-   !> Explicit midpoint rule with n substeps, n even: its error has an expansion in (h/n)**2.
+   !> Apply the explicit midpoint rule with n substeps, n even: its error has an expansion in
+   !> (h/n)**2.
    function midpoint_rule(self, t, y, f, h, n) result(y_end)
       class(extrapolation_t), intent(inout) :: self
       real(wp), intent(in) :: t

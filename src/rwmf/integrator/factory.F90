@@ -1,6 +1,7 @@
 !> Integrators by name.
 !>
-!> The quadruple-precision build has only our own: SUNDIALS computes in double precision.
+!> The quadruple-precision build has only the project's own integrators: SUNDIALS computes in double
+!> precision.
 module rwmf_integrator_factory
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_extrapolation, only: extrapolation_t
@@ -17,28 +18,28 @@ module rwmf_integrator_factory
 
 contains
 
-   !> The method of a single run: what 'auto' means there, the most accurate for its time
+   !> Method of a single run; 'auto' selects the most accurate one for its time
    !> (docs/developer/decisions.md).
    pure function run_method(method) result(name)
       character(*), intent(in) :: method
-      !! as the case gives it
+      !! value of the case
       character(16) :: name
 
       name = method
       if (method == 'auto' .or. method == 'fast') name = 'dop853'
    end function run_method
 
-   !> The method of a spectrum: 'auto' is the pair for its tolerance, 'fast' another word for it.
+   !> Method of a spectrum; 'auto' is the pair for its tolerance, 'fast' a synonym.
    pure function spectrum_method(method) result(name)
       character(*), intent(in) :: method
-      !! as the case gives it
+      !! value of the case
       character(16) :: name
 
       name = method
       if (method == 'fast') name = 'auto'
    end function spectrum_method
 
-   !> The integrator that `&solver method` names.
+   !> Create the integrator of `&solver method`.
    subroutine new_integrator(method, integrator)
       character(*), intent(in) :: method
       !! 'auto', 'adams', 'bdf', 'erk54', 'dop853', 'extrapolation' or 'fast'

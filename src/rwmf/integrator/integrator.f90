@@ -1,4 +1,4 @@
-!> What the hybrid loop needs of an integrator, and what every integrator can use.
+!> Interface of an integrator to the hybrid loop, and procedures for all integrators.
 module rwmf_integrator_integrator
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
@@ -20,21 +20,21 @@ module rwmf_integrator_integrator
       !! (states)
    end type tolerance_t
 
-   !> An integrator of the equation of motion between two events.
+   !> Integrator of the equation of motion between two events.
    !>
    !> After `step` the solution is known in [t0, t1]: at the ends as `y0` and `y1`, inside through
-   !> `state_at`. `start` begins a new initial value problem and forgets the past.
+   !> `state_at`. `start` begins a new initial value problem and discards the history.
    type, abstract :: integrator_t
       real(wp) :: t0
       !! beginning of the last step [s]
       real(wp) :: t1
-      !! its end [s]
+      !! end of the last step [s]
       real(wp), allocatable :: y0(:)
       !! (states) at t0
       real(wp), allocatable :: y1(:)
       !! (states) at t1
       integer(i8) :: steps = 0
-      !! accepted steps since `create`
+      !! number of accepted steps since `create`
    contains
       procedure(create_i), deferred :: create
       procedure(start_i), deferred :: start
@@ -44,7 +44,7 @@ module rwmf_integrator_integrator
    end type integrator_t
 
    abstract interface
-      !> Prepare for an equation; the equation outlives the stepper.
+      !> Prepare for an equation, which must outlive the integrator.
       subroutine create_i(self, equation, tolerance, error)
          import :: integrator_t, equation_t, tolerance_t, error_t
          implicit none
@@ -54,7 +54,7 @@ module rwmf_integrator_integrator
          type(error_t), allocatable, intent(out) :: error
       end subroutine create_i
 
-      !> Begin at time t with the state y.
+      !> Start at time t from the state y.
       subroutine start_i(self, t, y, span, error)
          import :: integrator_t, error_t, wp
          implicit none
@@ -64,12 +64,12 @@ module rwmf_integrator_integrator
          real(wp), intent(in) :: y(:)
          !! (states)
          real(wp), intent(in) :: span
-         !! the motion is expected to change its course within this time: a first step that is much
-         !! longer only makes the event harder to find [s]
+         !! time within which the motion is expected to change its course: a much longer first step
+         !! makes the event harder to find [s]
          type(error_t), allocatable, intent(out) :: error
       end subroutine start_i
 
-      !> Take one step of the integrator's own choice, at most to t_limit.
+      !> Take one step of the integrator's own choice, not beyond t_limit.
       subroutine step_i(self, t_limit, error)
          import :: integrator_t, error_t, wp
          implicit none
@@ -79,7 +79,7 @@ module rwmf_integrator_integrator
          type(error_t), allocatable, intent(out) :: error
       end subroutine step_i
 
-      !> State at a time inside the last step.
+      !> Return the state at a time inside the last step.
       subroutine state_at_i(self, t, y, error)
          import :: integrator_t, error_t, wp
          implicit none
@@ -91,7 +91,7 @@ module rwmf_integrator_integrator
          type(error_t), allocatable, intent(out) :: error
       end subroutine state_at_i
 
-      !> Give back what the integrator holds. Safe to call twice.
+      !> Free the memory of the integrator. Safe to call twice.
       subroutine destroy_i(self)
          import :: integrator_t
          implicit none
@@ -101,15 +101,15 @@ module rwmf_integrator_integrator
 
 contains
 
-   !> Say where and with what state an integration failed. Fails with `err_numerical`.
+   !> Report the time and the state of a failed integration. Fails with `err_numerical`.
    subroutine fail_step(integrator, what, rtol, cause, error)
       class(integrator_t), intent(in) :: integrator
       character(*), intent(in) :: what
-      !! what failed
+      !! name of the failed procedure
       real(wp), intent(in) :: rtol
-      !! in force [-]
+      !! current relative tolerance [-]
       character(*), intent(in) :: cause
-      !! why, and what helps
+      !! cause and remedy
       type(error_t), allocatable, intent(out) :: error
 
       call fail(error, err_numerical, what//' failed at t = '//trim(real_to_text(integrator%t1)) &
@@ -117,8 +117,8 @@ contains
          //trim(real_to_text(integrator%y1(2)))//', rtol = '//trim(real_to_text(rtol))//': '//cause)
    end subroutine fail_step
 
-   !> Step of a few round-offs. The flights of a dying chatter are that short, and without the
-   !> second-order term they would gain energy.
+   !> Take a step of a few round-offs. The last flights of a decaying chatter are that short, and
+   !> would gain energy without the second-order term.
    subroutine taylor_step(equation, t, h, y)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t

@@ -1,44 +1,47 @@
-!> Lengths of the steps of lanes, and which steps are plain: accepted without a look.
+!> Step lengths of lanes, and acceptance of steps that need no inspection.
 module rwmf_integrator_lane_control
+   use, intrinsic :: iso_fortran_env, only: int64, real64
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, is_rejected, &
-      line_columns, needs_look, of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
+      line_columns, needs_inspection, of_bottom, of_fastest, of_target, of_high, of_interval, &
+      of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
-      of_pace, of_top, of_trial, of_vertical_line, of_watch
+      of_max_rate, of_top, of_trial, of_vertical_line, of_inspection
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_model_lanes, only: lane_count
    implicit none
    private
 
-   public :: plan_step, judge_step, pass_knots
+   public :: plan_step, accept_or_reject, advance_intervals
 
 contains
 
-   !> Length of the next step of each lane: an equal share of the way to its limit, so that no
-   !> sliver is left there; and the acceleration of the ground on straight lines at the nodes.
+   !> Compute the length of the next step of each lane and the ground acceleration on straight lines
+   !> at the nodes. The length is an equal share of the time to the limit, so that no sliver
+   !> remains.
    pure subroutine plan_step(pair, table, ground)
       type(pair_t), intent(in) :: pair
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
       !! `of_trial`
       real(wp), intent(out) :: ground(lane_count, most_stages, 2)
-      !! horizontal and vertical [m/s2]
+      !! accelerations at the nodes, horizontal and vertical [m/s2]
       real(wp) :: rest, length
       real(wp), dimension(lane_count) :: line, vertical_line
       !! accelerations at the beginning [m/s2]
       real(wp), dimension(lane_count) :: rise, vertical_rise
-      !! and by how much they grow in the step [m/s2]
+      !! growth of the accelerations in the step [m/s2]
       integer :: i, s
 
       !$omp simd private(rest, length)
       do i = 1, lane_count
          rest = table(i, of_limit) - table(i, of_time)
-         ! of an idle lane any that can be divided by
+         ! an idle lane gets any nonzero length, as a divisor
          length = merge(min(table(i, of_length), rest), 1.0_wp, table(i, of_length) > 0)
-         ! a length far below the rest is not worth equal parts
+         ! a length far below the remaining time needs no equal parts
          length = merge(length, rest/max(1.0_wp, aint(rest/length*(1 - 1.0e-12_wp)) + 1), &
             length < 1.0e-8_wp*rest)
-         length = merge(table(i, of_goal), length, table(i, of_goal) > 0)
+         length = merge(table(i, of_target), length, table(i, of_target) > 0)
          length = merge(length, 0.0_wp, table(i, of_length) > 0)
          table(i, of_trial) = length
          rest = table(i, of_time) - table(i, of_line + 2)
@@ -56,74 +59,74 @@ contains
       end do
    end subroutine plan_step
 
-   !> Accept the steps that are accurate and in which nothing happens; the lengths of the next ones.
+   !> Accept the accurate steps without an event and set the lengths of the next ones.
    !>
-   !> Something may happen where a state leaves its window, or where theta' may change its sign
-   !> unless a bound of the turn stays inside of all that matters. Both bounds are coefficients in
-   !> Bernstein form of the quartic through both ends, both velocities and the acceleration at the
-   !> beginning, with its error (as in `rwmf_math_sign_changes`) for vibrations of up to 1.4 rad in
-   !> a step.
-   subroutine judge_step(n, further, table, y, y_dot, y_new, error, mark)
+   !> An event is possible where a state leaves its window. It is also possible where theta' may
+   !> change its sign, unless a bound of the turning point is inside the window. Both bounds are
+   !> coefficients in Bernstein form of the quartic through both ends, both velocities and the
+   !> acceleration at the beginning. They include its error (as in `rwmf_math_sign_changes`) for
+   !> vibrations of up to 1.4 rad in a step.
+   subroutine accept_or_reject(n, further, table, y, y_dot, y_new, error, mark)
       integer, intent(in) :: n
       !! number of states
       integer, intent(in) :: further
-      !! number of the one beside the rotation that has a window
+      !! number of the state with a window besides the rotation
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
       real(wp), intent(inout) :: y(lane_count, n)
       !! states at the beginnings; on return at the ends of accepted steps
       real(wp), intent(in) :: y_dot(lane_count, n)
       !! rates of the states at the beginning
       real(wp), intent(in) :: y_new(lane_count, n)
-      !! states at the ends of the steps that are tried
+      !! states at the ends of the attempted steps
       real(wp), intent(in) :: error(lane_count)
-      !! norm of the local error over the tolerance; accurate up to 1 [-]
+      !! square of the norm of the local error over the tolerance; accurate up to 1 [-]
       integer, intent(out) :: mark(lane_count)
-      !! `is_done`, `is_rejected`, `needs_look` or `at_limit`
-      real(wp) :: h, h_new, root, reach, lowest, top, bottom, slack
+      !! `is_done`, `is_rejected`, `needs_inspection` or `at_limit`
+      real(wp) :: h, h_new, way, begin, end, reach, lowest, top, bottom, slack
       real(wp) :: first, second
-      !! coefficients of theta' in the middle of the step [rad/s]
+      !! coefficients of theta' in the middle of the step, times its length like all rates [rad]
       real(wp) :: bend, last_bend
-      !! and differences of their differences [rad/s]
-      ! 1 where it is so, 0 where not: logical variables would keep the loop from being vectorised
+      !! second differences of these coefficients [rad]
+      ! 1 for true, 0 for false: logical variables would prevent vectorisation of the loop
       real(wp) :: is_accurate, is_inside, turns, is_far
-      real(wp) :: is_plain(lane_count)
+      real(wp) :: is_plain(lane_count), growth(lane_count)
       integer :: i, m
 
-      !$omp simd private(h, h_new, root, reach, lowest, top, bottom, slack, first, second, bend) &
-      !$omp& private(last_bend, is_accurate, is_inside, turns, is_far)
+      call find_growth(error, growth)
+      !$omp simd private(h, h_new, way, begin, end, reach, lowest, top, bottom, slack, first) &
+      !$omp& private(second, bend, last_bend, is_accurate, is_inside, turns, is_far)
       do i = 1, lane_count
          h = table(i, of_trial)
-         ! the eighth root, which the lengths follow at any order
-         root = sqrt(sqrt(sqrt(max(error(i), tiny(h)))))
          is_accurate = merge(1.0_wp, 0.0_wp, error(i) <= 1)
-         h_new = h*min(6.0_wp, 0.9_wp/root)
+         h_new = h*min(6.0_wp, 0.9_wp*growth(i))
          h_new = merge(min(h_new, h), max(h_new, merge(table(i, of_length), 0.0_wp, &
             h < table(i, of_length))), table(i, of_rejected) > 0)
-         root = merge(max(0.1_wp, min(0.9_wp, 0.9_wp/root)), 0.1_wp, error(i) < huge(h))
-         h_new = merge(h_new, h*root, is_accurate > 0)
-         table(i, of_length) = min(h_new, table(i, of_longest), 1/max(tiny(h), table(i, of_pace) &
-            *max(abs(y(i, 2)), abs(y_new(i, 2)))))
+         h_new = merge(h_new, h*max(0.1_wp, min(0.9_wp, 0.9_wp*growth(i))), is_accurate > 0)
+         table(i, of_length) = min(h_new, table(i, of_longest))
          table(i, of_rejected) = 1 - is_accurate
-         reach = 0.25_wp*h*(abs(y(i, 2)) + abs(y_new(i, 2)))
-         first = y(i, 2) + h*y_dot(i, 2)/3
-         second = 4*((y_new(i, 1) - y(i, 1))/max(h, tiny(h))) - y(i, 2) - first - y_new(i, 2)
-         bend = second - 2*first + y(i, 2)
-         last_bend = y_new(i, 2) - 2*second + first
+         begin = h*y(i, 2)
+         end = h*y_new(i, 2)
+         way = y_new(i, 1) - y(i, 1)
+         reach = 0.25_wp*(abs(begin) + abs(end))
+         first = begin + (1/3.0_wp)*(h*h*y_dot(i, 2))
+         second = 4*way - begin - first - end
+         bend = second - 2*first + begin
+         last_bend = end - 2*second + first
          slack = 0.035_wp*abs(last_bend - bend) + 0.05_wp*max(abs(bend), abs(last_bend))
-         ! theta' where it is least, for one that begins upwards
-         lowest = sign(1.0_wp, y(i, 2))
-         lowest = min(abs(y(i, 2)), lowest*(y(i, 2) + 3*first)/4, lowest*(first + second)/2 &
-            - slack, lowest*(3*second + y_new(i, 2))/4 - slack, lowest*y_new(i, 2))
+         ! smallest theta' of a step that begins upwards
+         lowest = sign(1.0_wp, begin)
+         lowest = min(abs(begin), lowest*(begin + 3*first), lowest*(first + second) - 2*slack, &
+            lowest*(3*second + end) - 4*slack, lowest*end)
          turns = merge(1.0_wp, 0.0_wp, lowest <= 0)
-         slack = 0.2_wp*h*slack
-         bottom = y(i, 1) + 0.25_wp*h*y(i, 2)
-         first = bottom + 0.25_wp*h*first
-         second = first + 0.25_wp*h*second
+         slack = 0.2_wp*slack
+         bottom = y(i, 1) + 0.25_wp*begin
+         first = bottom + 0.25_wp*first
+         second = first + 0.25_wp*second
          top = max(max(y(i, 1), y_new(i, 1)) + reach, max(bottom, first, second) + slack)
          bottom = min(min(y(i, 1), y_new(i, 1)) - reach, min(bottom, first, second) - slack)
          is_inside = merge(1.0_wp, 0.0_wp, max(table(i, of_low) - y_new(i, 1), y_new(i, 1) &
-            - table(i, of_high), table(i, of_watch) - 0.5_wp) < 0)
+            - table(i, of_high), table(i, of_inspection) - 0.5_wp) < 0)
          is_inside = merge(is_inside, 0.0_wp, max(table(i, of_least) - y_new(i, further), &
             y_new(i, further) - table(i, of_most)) <= 0)
          is_far = merge(1.0_wp, 0.0_wp, max(top - min(table(i, of_top), table(i, of_high)), &
@@ -136,29 +139,80 @@ contains
          table(i, of_time) = merge(h_new, table(i, of_time), is_plain(i) > 0)
          table(i, of_steps) = table(i, of_steps) + is_plain(i)
          mark(i) = int(merge(merge(real(at_limit, wp), real(is_done, wp), table(i, of_time) &
-            >= table(i, of_limit)), merge(real(needs_look, wp), real(is_rejected, wp), &
+            >= table(i, of_limit)), merge(real(needs_inspection, wp), real(is_rejected, wp), &
             is_accurate > 0), is_plain(i) > 0))
       end do
+      ! only smooth hysteresis, which has the further state, limits the rate
+      if (further > 1) call limit_rate(n, y, y_new, table)
       do m = 1, n
          !$omp simd
          do i = 1, lane_count
             y(i, m) = merge(y_new(i, m), y(i, m), is_plain(i) > 0)
          end do
       end do
-   end subroutine judge_step
+   end subroutine accept_or_reject
 
-   !> Let lanes that have come to their limits enter the next interval of the motion, where that is
-   !> a straight line with a limit of its own.
-   pure subroutine pass_knots(intervals, lines, table, mark)
-      integer, intent(in) :: intervals
-      !! number of the last one that is known
-      real(wp), intent(in) :: lines(line_columns, 0:intervals + 1)
-      !! of each interval: limit [s], or a negative number, as beyond the last one; a_0, slope, t_0,
-      !! vertical a_0, slope
+   !> Compute the factor on each step length: the inverse eighth root of the norm of the error.
+   !>
+   !> The factor is accurate to 4 %; it is 0 where the error is not finite. The bits of a positive
+   !> number are nearly its logarithm to the base 2. Roots and divisions would take as long as the
+   !> rest of `accept_or_reject`.
+   pure subroutine find_growth(error, growth)
+      real(wp), intent(in) :: error(lane_count)
+      !! square of the norm of the local error over the tolerance [-]
+      real(wp), intent(out) :: growth(lane_count)
+      !! [-]
+      integer(int64), parameter :: one = 17_int64*(1023_int64*2_int64**48) - 6_int64*2_int64**45
+      !! bits of 1 and a sixteenth of them, less half of the largest error of the logarithm
+      real(real64) :: number(lane_count)
+      integer(int64) :: bits(lane_count)
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         number(i) = real(max(error(i), real(tiny(number), wp)), real64)
+      end do
+      bits = transfer(number, bits)
+      !$omp simd
+      do i = 1, lane_count
+         bits(i) = one - shiftr(bits(i), 4)
+      end do
+      number = transfer(bits, number)
+      !$omp simd
+      do i = 1, lane_count
+         growth(i) = merge(real(number(i), wp), 0.0_wp, error(i) < huge(error))
+      end do
+   end subroutine find_growth
+
+   !> Limit the next step lengths while a hysteretic state relaxes to its bound.
+   pure subroutine limit_rate(n, y, y_new, table)
+      integer, intent(in) :: n
+      !! number of states
+      real(wp), intent(in) :: y(lane_count, n), y_new(lane_count, n)
+      !! states at both ends of the steps
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
+      integer :: i
+
+      !$omp simd
+      do i = 1, lane_count
+         table(i, of_length) = min(table(i, of_length), 1/max(tiny(y), table(i, of_max_rate) &
+            *max(abs(y(i, 2)), abs(y_new(i, 2)))))
+      end do
+   end subroutine limit_rate
+
+   !> Move lanes at their limits to the next interval of the motion, if that interval is a straight
+   !> line with its own limit.
+   pure subroutine advance_intervals(intervals, lines, table, mark)
+      integer, intent(in) :: intervals
+      !! number of the last known interval
+      real(wp), intent(in) :: lines(line_columns, 0:intervals + 1)
+      !! (line_columns, intervals) limit [s] (negative if unknown or beyond the last interval), a_0,
+      !! slope, t_0, vertical a_0, vertical slope
+      real(wp), intent(inout) :: table(lane_count, column_count)
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
       integer, intent(inout) :: mark(lane_count)
-      !! `at_limit`; on return `is_done` where it has been passed
+      !! `at_limit`; on return `is_done` after the knot
       integer :: i, next
 
       do i = 1, lane_count
@@ -174,6 +228,6 @@ contains
          table(i, of_vertical_line + 1) = lines(6, next)
          mark(i) = is_done
       end do
-   end subroutine pass_knots
+   end subroutine advance_intervals
 
 end module rwmf_integrator_lane_control

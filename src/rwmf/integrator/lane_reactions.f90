@@ -1,4 +1,4 @@
-!> Which steps of lanes plainly hold no extremum of reactions and demands.
+!> Detection of lane steps that cannot contain an extremum of reactions and demands.
 module rwmf_integrator_lane_reactions
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, of_calm, &
@@ -18,26 +18,28 @@ module rwmf_integrator_lane_reactions
    integer, parameter :: at_begin = 1
    integer, parameter :: at_middle = 2
    integer, parameter :: at_end = 3
-   !! of a step
+   !! indices of the values at the ends and the middle of a step
    integer, parameter :: so_far = 4
-   !! the largest
+   !! index of the largest value so far
    integer, parameter :: least_so_far = 5
-   !! which tells how far they vary
+   !! index of the smallest value so far, for the range
    integer, parameter :: value_count = 5
 
    real(wp), parameter :: unknown = sqrt(huge(1.0_wp))
-   !! value at the beginning of a step where the ground has jumped
+   !! value at the beginning of a step after a jump of the ground
 
    real(wp), parameter :: short_angle = 0.4_wp
-   !! of a step that may be plain: the second harmonic departs from a chord by (2*0.4)**2/8 of its
-   !! amplitude [rad]
+   !! largest phase angle of a plain step: the second harmonic departs from a chord by (2*0.4)**2/8
+   !! of its amplitude [rad]
 
 contains
 
-   !> Reactions and demands in the steps that the lanes have tried, and which of these are plain.
+   !> Compute reactions and demands in the attempted steps of all lanes, and mark the steps without
+   !> an extremum.
    !>
-   !> The end of a step is the beginning of the next one, unless the ground jumps in between. Where
-   !> the ends do not tell enough, the middle is found from the cubic through states and rates.
+   !> The values at the end of a step are those at the beginning of the next one, unless the ground
+   !> jumps in between. If the ends are not sufficient, the middle is found from the cubic through
+   !> states and rates.
    subroutine screen_steps(parts, screen, last, constants, coef, y, k, y_new, ground, mark, table, &
       values)
       type(force_parts_t), intent(in) :: parts
@@ -46,9 +48,9 @@ contains
       integer, intent(in) :: last
       !! stage at the end of the step
       real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%drifts))
-      !! of the buildings, as `put_constants` sets them, each in its unit
+      !! constants of the buildings from `put_constants`, each in its unit
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the loops, for the current side and branches
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
       !! (states) at the beginning
       real(wp), intent(in) :: k(lane_count, parts%through_link%n, most_stages)
@@ -58,13 +60,13 @@ contains
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)
       !! acceleration of the ground at the nodes, horizontal and vertical [m/s2]
       integer, intent(in) :: mark(lane_count)
-      !! what became of the steps before
+      !! results of the steps before
       real(wp), intent(inout) :: table(lane_count, column_count)
-      !! one row a lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
+      !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
       !! `of_ground_end`, `of_plain` and `of_calm`
       real(wp), intent(inout) :: values(lane_count, screen%n, value_count)
-      !! reactions and demands, in the units of `lane_demands`, at both ends and in the middle,
-      !! and their extremes so far, which stay
+      !! reactions and demands, in the units of `lane_demands`, at both ends and in the middle;
+      !! their extremes so far are kept
       real(wp) :: angle(lane_count), at(lane_count, 2)
       real(wp) :: y_middle(lane_count, parts%through_link%n)
       integer :: i, m
@@ -101,14 +103,13 @@ contains
          table(1, of_calm))
       !$omp simd
       do i = 1, lane_count
-         ! what grows up to the end is seen in the next step, if that goes on from there
+         ! the next step covers a value that grows up to the end, if it continues from there
          table(i, of_calm) = merge(table(i, of_calm), 0.0_wp, table(i, of_calm) > 0.75_wp &
             .or. table(i, of_next) > 0)
       end do
    end subroutine screen_steps
 
-   !> Values at the beginnings of steps: those of the ends of the steps before, where these were
-   !> accepted.
+   !> Copy the values at the ends of accepted steps to the beginnings of the next ones.
    pure subroutine begin_at_end(n, ground, mark, table, values)
       integer, intent(in) :: n
       !! number of values
@@ -143,7 +144,7 @@ contains
       end do
    end subroutine begin_at_end
 
-   !> Reactions, and demands where they are asked for, of moving lanes; arguments and units as of
+   !> Compute reactions, and demands if requested, of moving lanes; arguments and units are those of
    !> `lane_demands`.
    subroutine find_values(parts, screen, constants, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
@@ -166,32 +167,32 @@ contains
       end if
    end subroutine find_values
 
-   !> Which steps can hold no extremum of some of the values? Those whose three samples stay below
-   !> the largest so far by more than a peak can rise above them: by an eighth of their range where
-   !> they are a parabola, or a vibration through up to `longest_angle`. What falls from the largest
-   !> so far, by the parabola through them, has no other peak either.
+   !> Find the steps that cannot contain an extremum of some values. Their three samples are below
+   !> the largest value so far by more than a peak can exceed them. This excess is an eighth of the
+   !> range for a parabola, or for a vibration through up to `longest_angle`. A value that falls
+   !> from the largest so far, by the parabola through the samples, has no other peak either.
    pure subroutine find_flat_steps(screen, angle, values, first, final, parts, is_flat)
       type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: angle(lane_count)
-      !! that the fastest vibration of the scene goes through in the step [rad]
+      !! phase angle of the fastest vibration of the scene over the step [rad]
       real(wp), intent(in) :: values(lane_count, screen%n, value_count)
       integer, intent(in) :: first, final
-      !! values that are asked for
+      !! range of the values to check
       type(force_parts_t), intent(in) :: parts
       real(wp), intent(out) :: is_flat(lane_count)
-      !! 1 where there is none, 0 where there may be one; 0.5 where values grow up to the end
+      !! 1 if the step has no extremum, 0 if it may have one; 0.5 if values grow up to the end
       real(wp), parameter :: longest_angle = 1.5_wp
-      !! of a step [rad]
+      !! longest phase angle of a step [rad]
       real(wp), parameter :: rise = 0.25_wp
-      !! of the range of the samples
+      !! rise of a peak above the samples, over their range [-]
       real(wp), parameter :: slack = 0.01_wp
-      !! of the range so far
+      !! margin over the range so far [-]
       real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
-      !! of factors of a product
+      !! bound of the factors of a product
       real(wp), parameter :: same = 1.0e-8_wp
-      !! difference of the same value from another procedure, over it
+      !! relative difference between two procedures that compute the same value [-]
       real(wp) :: top, low, level, range, a, b, c, grows, falls
-      !! a, b, c: samples, of the quotient those of N, then of |H|
+      !! a, b, c: samples; of the quotient the samples of N, then of |H|
       integer :: i, q
 
       !$omp simd
@@ -232,37 +233,37 @@ contains
          top = max(a, b, c)
          top = top + rise*(top - min(a, b, c)) + slack*abs(top)
          level = min(values(i, demand, so_far), cap)
-         ! no demand is larger than that of a pivot that lifts
+         ! a pivot that lifts has the largest possible demand
          top = merge(-1.0_wp, merge(top, 2*cap*cap, low > 0), level >= cap)
          is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level*max(low, 0.0_wp))
       end do
    end subroutine find_flat_steps
 
-   !> Is the demand of a scene |H|/N, and not the force of a shear key?
+   !> Return whether the demand of a scene is |H|/N rather than the force of a shear key.
    pure logical function is_quotient(parts)
       type(force_parts_t), intent(in) :: parts
 
       is_quotient = parts%through_link%has_wall .and. .not. parts%has_shear_key
    end function is_quotient
 
-   !> Which steps can hold no extremum of the reactions? Most are so short, and so far from the
-   !> extrema so far, that their ends say it. A quotient |H|/N is bounded by its parts, because it
-   !> has a sharp peak wherever N is small.
+   !> Find the steps that cannot contain an extremum of the reactions. Most steps are so short, and
+   !> so far from the extrema so far, that their ends suffice. A quotient |H|/N is bounded by its
+   !> parts, because it has a sharp peak wherever N is small.
    pure subroutine find_plain_steps(parts, n, angle, values, is_plain)
       type(force_parts_t), intent(in) :: parts
       integer, intent(in) :: n
       !! number of values
       real(wp), intent(in) :: angle(lane_count)
-      !! that the fastest vibration of the scene goes through in the step [rad]
+      !! phase angle of the fastest vibration of the scene over the step [rad]
       real(wp), intent(in) :: values(lane_count, n, value_count)
       !! reactions at the ends of the step, and their extremes so far: -N [m/s2], |H|/N [-], |V|
-      !! [m/s2]; others behind them
+      !! [m/s2]; further values follow
       real(wp), intent(out) :: is_plain(lane_count)
-      !! 1 where there is none, 0 where there may be one
+      !! 1 if the step has no extremum, 0 if it may have one [-]
       real(wp), parameter :: largest_margin = 0.25_wp
-      !! of the range so far, of so long a step
+      !! margin over the range so far, for a step of `short_angle` [-]
       real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
-      !! of factors of a product
+      !! bound of the factors of a product
       real(wp) :: margin, range, found, level, normal_a, normal_b
       integer :: i, q
 
@@ -275,8 +276,8 @@ contains
             found = max(values(i, q, at_begin), values(i, q, at_end)) + margin*max(range, 0.0_wp)
             level = values(i, q, so_far)
             if (q == demand .and. is_quotient(parts)) then
-               ! |H| departs from its ends by a part of its range, which the largest quotient times
-               ! the largest N exceeds
+               ! |H| departs from its ends by a part of its range, which is less than the largest
+               ! quotient times the largest N
                normal_a = -min(values(i, low_normal, at_begin), cap)
                normal_b = -min(values(i, low_normal, at_end), cap)
                level = min(level, cap)
@@ -285,7 +286,7 @@ contains
                   + margin*level*min(-values(i, low_normal, least_so_far), cap)
                level = level*(min(normal_a, normal_b) - margin*max(0.0_wp, &
                   values(i, low_normal, so_far) - values(i, low_normal, least_so_far)))
-               ! no demand is larger than that of a pivot that lifts
+               ! a pivot that lifts has the largest possible demand
                if (values(i, demand, so_far) >= cap) found = -huge(found)
             end if
             is_plain(i) = merge(is_plain(i), 0.0_wp, found < level .and. range >= 0)

@@ -1,4 +1,4 @@
-!> One step of the lanes by an explicit pair: stages, solution and the estimate of its error.
+!> One step of all lanes by an explicit pair, with stages, solution and error estimate.
 module rwmf_integrator_lane_step
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_pairs, only: most_stages, most_terms, pair_t, sum_t
@@ -12,7 +12,7 @@ module rwmf_integrator_lane_step
 
 contains
 
-   !> Advance every lane by a length of its own.
+   !> Advance every lane by its own step length.
    !>
    !> The local error is Hairer's combination of two estimators, or the root mean square of one.
    subroutine attempt_step(scene, pair, coef, ground, h, tolerance, y, has_rates, k, y_new, &
@@ -20,25 +20,25 @@ contains
       type(scene_t), intent(in) :: scene
       type(pair_t), intent(in) :: pair
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the loops, for the current side and branches
       real(wp), intent(in) :: ground(lane_count, most_stages, 2)
       !! acceleration of the ground at the nodes, horizontal and vertical [m/s2]
       real(wp), intent(in) :: h(lane_count)
       !! [s]
       real(wp), intent(in) :: tolerance(lane_count, 0:scene%n)
-      !! relative, and absolute of each state
+      !! relative tolerance, and absolute tolerance of each state
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! (states)
       logical, intent(in) :: has_rates
-      !! those at the beginning are known; no work is then asked for
+      !! the rates at the beginning are known; requires `work` to be absent
       real(wp), intent(inout) :: k(lane_count, scene%n, most_stages)
       !! rates of the states at the nodes; the first ones are those at the beginning
       real(wp), intent(out) :: y_new(lane_count, scene%n)
-      !! states at the end, and before that at each node
+      !! states at the end; during the step, those at each node
       real(wp), intent(out) :: error(lane_count)
-      !! norm of the local error over the tolerance [-]
+      !! square of the norm of the local error over the tolerance [-]
       real(wp), intent(out), optional :: work(lane_count, power_count)
-      !! of the ground motion, dampers and smooth plastic flow, to the order of the pair [J/kg]
+      !! work of the ground motion, dampers and smooth plastic flow, to the order of the pair [J/kg]
       type(lane_motion_t) :: motion
       integer :: s
 
@@ -65,7 +65,7 @@ contains
       call estimate_error(scene%n, pair, h, tolerance, y, y_new, k, error)
    end subroutine attempt_step
 
-   !> From the mean of the powers over a step to work.
+   !> Convert the mean powers over a step to work.
    subroutine scale_work(scene, coef, h, work)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
@@ -83,7 +83,7 @@ contains
       end do
    end subroutine scale_work
 
-   !> y + h times a weighted sum of stages.
+   !> Compute y + h times a weighted sum of stages.
    pure subroutine advance(n, weights, h, y, k, y_new)
       integer, intent(in) :: n
       type(sum_t), intent(in) :: weights
@@ -92,7 +92,7 @@ contains
       real(wp), intent(in) :: k(lane_count, n, most_stages)
       real(wp), intent(out) :: y_new(lane_count, n)
 
-      ! with a number of terms that the compiler knows, a sum stays in registers
+      ! with a constant number of terms the compiler keeps a sum in registers
       select case (weights%terms)
       case (1)
          call add_stages(1, n, weights, h, y, k, y_new)
@@ -115,7 +115,7 @@ contains
       end select
    end subroutine advance
 
-   !> The same with a given number of terms.
+   !> Compute y + h times a weighted sum of a given number of stages.
    pure subroutine add_stages(terms, n, weights, h, y, k, y_new)
       integer, intent(in) :: terms
       integer, intent(in) :: n
@@ -188,16 +188,19 @@ contains
                + total_low(i, m)*total(i, m)*(total_low(i, m)*total(i, m))
          end do
       end do
-      !$omp simd
-      do i = 1, lane_count
-         error(i) = square(i)/sqrt(n*(square(i) + 0.01_wp*square_low(i)) + tiny(1.0_wp))
-      end do
-      if (pair%error_order == 8) return
-      ! as if it shrank with nearly the eighth power of h
-      !$omp simd
-      do i = 1, lane_count
-         error(i) = error(i)*sqrt(error(i))
-      end do
+      if (pair%e_low%terms > 0) then
+         !$omp simd
+         do i = 1, lane_count
+            error(i) = square(i)*square(i)/(n*(square(i) + 0.01_wp*square_low(i)) + tiny(1.0_wp))
+         end do
+      else
+         ! scale the norm as if it decreased with nearly the eighth power of h
+         !$omp simd
+         do i = 1, lane_count
+            square(i) = square(i)*(1/real(n, wp))
+            error(i) = square(i)*sqrt(square(i))
+         end do
+      end if
    end subroutine estimate_error
 
 end module rwmf_integrator_lane_step

@@ -1,7 +1,7 @@
-!> Step-size control that our own one-step methods share.
+!> Step-size control of this project's own one-step methods.
 !>
-!> A method brings `attempt`: the solution after a step of given length and the norm of its local
-!> error. States inside the last step come from repeating the step with a smaller length, so that
+!> A method provides `attempt`: the solution after a step of given length and the norm of its local
+!> error. States inside the last step come from repeating the step with a smaller length. Therefore
 !> an event is located on the method's own solution and not on an interpolant.
 module rwmf_integrator_one_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -15,12 +15,12 @@ module rwmf_integrator_one_step
 
    public :: one_step_t, begin_at, error_norm
 
-   !> A one-step method with error estimate.
+   !> One-step method with error estimate.
    type, abstract, extends(integrator_t) :: one_step_t
       type(equation_t), pointer :: equation => null()
       type(tolerance_t) :: tolerance
       integer :: error_order = 1
-      !! the estimated local error shrinks as h**error_order
+      !! the estimated local error is proportional to h**error_order
       real(wp), allocatable :: f0(:)
       !! (states) derivative at t0
       real(wp), allocatable :: f1(:)
@@ -47,7 +47,7 @@ module rwmf_integrator_one_step
          real(wp), intent(in), contiguous :: y(:)
          !! (states)
          real(wp), intent(in), contiguous :: f(:)
-         !! (states) derivative there
+         !! (states) derivative at t
          real(wp), intent(in) :: h
          !! [s]
          real(wp), intent(out), contiguous :: y_new(:)
@@ -78,7 +78,7 @@ contains
       if (status /= 0) call fail(error, err_numerical, 'out of memory for the integrator')
    end subroutine create_one_step
 
-   !> Begin at (t, y). The step length survives: a one-step method has no history to rebuild.
+   !> Start at (t, y). The step length is kept: a one-step method has no history to rebuild.
    subroutine start_one_step(self, t, y, span, error)
       class(one_step_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -89,7 +89,7 @@ contains
       call begin_at(self, t, y, span, error)
    end subroutine start_one_step
 
-   !> The same for one who takes the steps himself and lets the integrator look into them.
+   !> Start at (t, y), for callers that take the steps themselves and query the integrator.
    subroutine begin_at(self, t, y, span, error)
       class(one_step_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -110,7 +110,7 @@ contains
          call report(self, 'the right-hand side is not finite', error)
       end if
       if (self%h <= 0) then
-         ! a hundredth of the time in which the state changes by its own size
+         ! a hundredth of the time for a change of the state by its own size
          scale = self%tolerance%atol + self%tolerance%rtol*abs(self%y1)
          rate = sqrt(sum((self%f1/scale)**2)/size(scale))*self%tolerance%rtol
          self%h = 0.01_wp/max(rate, 1.0_wp)
@@ -151,7 +151,8 @@ contains
       call accept(self, t_limit, h, y_new, local_error, was_rejected)
    end subroutine step_one_step
 
-   !> The remaining time in equal parts not longer than h: no sliver is left before a knot [s].
+   !> Divide the remaining time into equal parts not longer than h, so that no sliver remains before
+   !> a knot [s].
    pure real(wp) function even_share(remaining, h) result(share)
       real(wp), intent(in) :: remaining
       !! [s]
@@ -175,7 +176,7 @@ contains
 
       longer = h*min(6.0_wp, 0.9_wp*max(local_error, tiny(h))**(-1.0_wp/self%error_order))
       if (was_rejected) longer = min(longer, h)
-      ! A step cut short by a knot or an event says nothing against the length that was allowed.
+      ! A step cut short by a knot or an event is no reason to reduce the allowed length.
       if (.not. was_rejected .and. h < self%h) longer = max(longer, self%h)
       self%h = longer
       self%t1 = self%t0 + h
@@ -202,7 +203,7 @@ contains
       if (.not. all(ieee_is_finite(y))) call report(self, 'the state is not finite', error)
    end subroutine state_at_one_step
 
-   !> Root mean square of the local errors over what is tolerated [-].
+   !> Root mean square of the local errors over the tolerances [-].
    pure real(wp) function error_norm(self, y, y_new, difference) result(norm)
       class(one_step_t), intent(in) :: self
       real(wp), intent(in) :: y(:)

@@ -1,4 +1,4 @@
-!> Explicit Runge-Kutta pairs: their coefficients.
+!> Explicit Runge-Kutta pairs and their coefficients.
 module rwmf_integrator_pairs
    use rwmf_core_kinds, only: wp
    implicit none
@@ -9,58 +9,59 @@ module rwmf_integrator_pairs
 
    integer, parameter :: most_stages = 12
    integer, parameter :: most_terms = 9
-   !! of a sum
+   !! largest number of terms of a sum
 
-   !> A weighted sum of stages without those that do not count.
+   !> Weighted sum of stages without the terms of zero weight.
    type :: sum_t
       integer :: terms = 0
       integer :: stage(most_terms) = 1
       real(wp) :: weight(most_terms) = 0
-      !! (terms) factor of each of these stages [-]
+      !! (terms) weight of each stage [-]
    end type sum_t
 
-   !> A method with one or two embedded ones that estimate its error.
+   !> Method with one or two embedded solutions that estimate its error.
    type :: pair_t
       integer :: stages = 1
       integer :: order = 1
-      !! of the solution
+      !! order of the solution
       integer :: error_order = 1
-      !! the estimated local error shrinks as h**error_order
+      !! the estimated local error is proportional to h**error_order
       real(wp) :: c(most_stages) = 0
-      !! nodes, in parts of the step [-]
+      !! nodes, as fractions of the step [-]
       type(sum_t) :: a(2:most_stages)
-      !! weights of the stages before in each stage
+      !! weights of the preceding stages in each stage
       type(sum_t) :: b
       !! weights of the solution
       real(wp) :: weight(most_stages) = 0
       !! weights of the solution stage by stage [-]
       type(sum_t) :: e
-      !! difference of an embedded solution from it
+      !! difference of the embedded solution from the solution
       type(sum_t) :: e_low
-      !! the same of a second one of lower order, by which Hairer divides; 0: there is none
+      !! difference of a second embedded solution of lower order, for Hairer's estimator; 0 terms if
+      !! absent
    end type pair_t
 
 contains
 
-   !> Tolerance for the estimated error of a step, so that its true error is about rtol: a solution
-   !> of a higher order is more accurate than its estimate [-].
+   !> Tolerance for the estimated error of a step that keeps its true error at about rtol [-]. A
+   !> solution of a higher order is more accurate than its estimate.
    pure real(wp) function step_tolerance(pair, rtol) result(tolerance)
       type(pair_t), intent(in) :: pair
       real(wp), intent(in) :: rtol
       !! [-]
 
       real(wp), parameter :: share = 0.3_wp
-      !! of rtol for one step: errors of several add up [-]
+      !! share of rtol for one step, because the errors of several steps add up [-]
 
       tolerance = rtol
       if (pair%order > pair%error_order) tolerance = (share*rtol)**(real(pair%error_order, wp) &
          /(pair%order + 1))
    end function step_tolerance
 
-   !> The sum with given weights.
+   !> Build a sum from weights.
    pure type(sum_t) function sum_of(weights) result(total)
       real(wp), intent(in) :: weights(:)
-      !! (stages) factors, of which zeros are left out [-]
+      !! (stages) factors; zeros are dropped [-]
       integer :: j, n
 
       n = 0
@@ -73,7 +74,7 @@ contains
       total%terms = n
    end function sum_of
 
-   !> Dormand and Prince's method of order 8 with error estimators of orders 5 and 3 (Hairer,
+   !> Dormand and Prince's method of order 8, with error estimators of orders 5 and 3 (Hairer,
    !> Norsett, Wanner, Solving Ordinary Differential Equations I, II.5).
    pure type(pair_t) function dormand_prince_853() result(pair)
       integer, parameter :: s = 12
@@ -103,7 +104,7 @@ contains
          2.273310147516538_wp, 0.0_wp, 0.0_wp, -10.53449546673725_wp, -2.0008720582248625_wp, &
          -17.9589318631188_wp, 27.94888452941996_wp, -2.8589982771350235_wp, -8.87285693353063_wp, &
          12.360567175794303_wp, 0.6433927460157636_wp]
-      !! weights of the stages before, stage by stage from the second on
+      !! weights of the preceding stages, stage by stage from the second on
       real(wp), parameter :: b(s) = [0.054293734116568765_wp, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, &
          4.450312892752409_wp, 1.8915178993145003_wp, -5.801203960010585_wp, &
          0.3111643669578199_wp, &
@@ -157,7 +158,7 @@ contains
          691202281/1789061040.0_wp, -1275547648/10565208225.0_wp, 0.4_wp, 1891/25200.0_wp])
    end function tsitouras_papakostas_64
 
-   !> Their pair 7(5) of nine stages.
+   !> Tsitouras and Papakostas' pair 7(5) of nine stages.
    pure type(pair_t) function tsitouras_papakostas_75() result(pair)
       integer, parameter :: s = 9
       !! stages

@@ -12,13 +12,14 @@
 !> exponentials are written from the tip, so that no mode loses digits.
 module rwmf_math_cantilever
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_math_gauss, only: gauss_node
    implicit none
    private
 
    public :: cantilever_mode_t, find_cantilever_mode
-   public :: deflection, force_above, moment_above
+   public :: deflection, slope_of, force_above, moment_above
 
-   !> One mode, with unit deflection at the tip.
+   !> Mode with unit deflection at the tip.
    type :: cantilever_mode_t
       real(wp) :: c = 0
       !! wave number [-]
@@ -38,10 +39,10 @@ module rwmf_math_cantilever
 
 contains
 
-   !> Find a mode by its number; each has one wave number between (number - 1) pi and number pi.
+   !> Find a mode by its number. Its wave number lies between (number - 1) pi and number pi.
    pure type(cantilever_mode_t) function find_cantilever_mode(number, epsilon) result(mode)
       integer, intent(in) :: number
-      !! 1 for the slowest
+      !! number of the mode, 1 for the slowest
       real(wp), intent(in) :: epsilon
       !! flexibility in shear EI/(kappa G A L**2), 0 for none [-]
       real(wp) :: low, high
@@ -77,7 +78,7 @@ contains
       mode%norm = norm_of(mode, number)
    end function find_cantilever_mode
 
-   !> The frequency equation times exp(-a): zero at the wave number of a mode.
+   !> Left side of the frequency equation times exp(-a), zero at the wave number of a mode.
    pure real(wp) function frequency_function(c, epsilon) result(f)
       real(wp), intent(in) :: c
       real(wp), intent(in) :: epsilon
@@ -94,33 +95,43 @@ contains
    pure real(wp) function deflection(mode, x) result(phi)
       type(cantilever_mode_t), intent(in) :: mode
       real(wp), intent(in) :: x
-      !! over the length [-]
+      !! height over the length [-]
 
       phi = mode%growing*exp(mode%a*(x - 1)) + mode%decaying*exp(-mode%a*x) &
          + mode%cosine*cos(mode%c*x) + mode%sine*sin(mode%c*x)
    end function deflection
 
-   !> Integral of phi from a height to the tip: the shear -psi'' over Lambda [-].
+   !> Slope of the deflection at a height, dphi/dx [-].
+   pure real(wp) function slope_of(mode, x) result(slope)
+      type(cantilever_mode_t), intent(in) :: mode
+      real(wp), intent(in) :: x
+      !! height over the length [-]
+
+      slope = mode%a*(mode%growing*exp(mode%a*(x - 1)) - mode%decaying*exp(-mode%a*x)) &
+         + mode%c*(mode%sine*cos(mode%c*x) - mode%cosine*sin(mode%c*x))
+   end function slope_of
+
+   !> Integral of phi from a height to the tip, the shear -psi'' over Lambda [-].
    pure real(wp) function force_above(mode, x) result(force)
       type(cantilever_mode_t), intent(in) :: mode
       real(wp), intent(in) :: x
-      !! over the length [-]
+      !! height over the length [-]
 
       force = (mode%decaying*exp(-mode%a*x) - mode%growing*exp(mode%a*(x - 1)))/mode%a &
          + (mode%sine*cos(mode%c*x) - mode%cosine*sin(mode%c*x))/mode%c
    end function force_above
 
-   !> Integral of (s - x) phi(s) from a height x to the tip: the moment psi' over Lambda [-].
+   !> Integral of (s - x) phi(s) from a height x to the tip, the moment psi' over Lambda [-].
    pure real(wp) function moment_above(mode, x) result(moment)
       type(cantilever_mode_t), intent(in) :: mode
       real(wp), intent(in) :: x
-      !! over the length [-]
+      !! height over the length [-]
 
       moment = (mode%decaying*exp(-mode%a*x) + mode%growing*exp(mode%a*(x - 1)))/mode%a**2 &
          - (mode%cosine*cos(mode%c*x) + mode%sine*sin(mode%c*x))/mode%c**2
    end function moment_above
 
-   !> Integral of phi**2 over the height, by Gauss' rule on each half wave.
+   !> Integral of phi**2 over the height, by Gauss's rule on each quarter wave.
    pure real(wp) function norm_of(mode, number) result(norm)
       type(cantilever_mode_t), intent(in) :: mode
       integer, intent(in) :: number
@@ -136,34 +147,5 @@ contains
          end do
       end do
    end function norm_of
-
-   !> A node of the Gauss-Legendre rule and its weight.
-   pure subroutine gauss_node(n, j, node, weight)
-      integer, intent(in) :: n
-      !! number of nodes
-      integer, intent(in) :: j
-      real(wp), intent(out) :: node
-      !! between -1 and 1
-      real(wp), intent(out) :: weight
-      integer, parameter :: most_steps = 20
-      !! far more than Newton's iteration needs, in quadruple precision too
-      real(wp) :: before, present, next, slope
-      integer :: i, k
-
-      node = cos(pi*(j - 0.25_wp)/(n + 0.5_wp))
-      do k = 1, most_steps
-         before = 1
-         present = node
-         do i = 2, n
-            next = ((2*i - 1)*node*present - (i - 1)*before)/i
-            before = present
-            present = next
-         end do
-         slope = n*(node*present - before)/(node**2 - 1)
-         node = node - present/slope
-         if (abs(present/slope) <= 2*epsilon(node)) exit
-      end do
-      weight = 2/((1 - node**2)*slope**2)
-   end subroutine gauss_node
 
 end module rwmf_math_cantilever

@@ -1,4 +1,4 @@
-!> Order of numbers.
+!> Sorting of numbers.
 module rwmf_math_ordering
    use rwmf_core_kinds, only: wp
    implicit none
@@ -8,7 +8,7 @@ module rwmf_math_ordering
 
 contains
 
-   !> Indices of a list in rising order, by merging sorted runs; equal numbers keep theirs.
+   !> Indices that sort a list in rising order, by a stable merge sort.
    pure function rising_order(x) result(order)
       real(wp), intent(in) :: x(:)
       !! of any unit
@@ -31,7 +31,7 @@ contains
    pure function merged(x, left, right) result(order)
       real(wp), intent(in) :: x(:)
       integer, intent(in) :: left(:), right(:)
-      !! indices in the order of x
+      !! indices of rising x
       integer :: order(size(left) + size(right))
       integer :: i, j, k
       logical :: takes_left

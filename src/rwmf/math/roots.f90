@@ -1,7 +1,8 @@
-!> Searches in one dimension by reverse communication: a search says where it wants to know the
-!> function, the caller evaluates it there and hands the value back. So all procedures are pure, and
-!> what a function needs, and how it fails, is the caller's affair. Numbers are in the caller's
-!> units.
+!> Root and maximum searches in one dimension by reverse communication.
+!>
+!> A search returns the next point; the caller evaluates the function there and passes the value
+!> back. All procedures are therefore pure, and the caller handles the arguments and the failures of
+!> the function. Numbers are in the caller's units.
 module rwmf_math_roots
    use rwmf_core_kinds, only: wp
    implicit none
@@ -12,59 +13,60 @@ module rwmf_math_roots
    public :: maximum_t, maximum_between, climb, vertex_of_parabola
    public :: stationary_point
 
-   !> An interval in which a function passes a level. Bisection:
+   !> Interval in which a function passes a level. Bisection:
    !>
    !>    bracket = bracket_between(low, high)
    !>    do while (bracket%is_open)
    !>       call narrow(bracket, is_beyond=f(bracket%middle) > level)
    !>    end do
    !>
-   !> Newton's method narrows it at its own points, `narrow(bracket, is_beyond, x)`, and asks
-   !> `keep_inside` for the next one.
+   !> Newton's method narrows the bracket at its own points, `narrow(bracket, is_beyond, x)`, and
+   !> calls `keep_inside` for the next one.
    type :: bracket_t
       real(wp) :: low, high
-      !! before the passage and beyond it
+      !! ends before and beyond the passage
       real(wp) :: middle
       logical :: is_open
-      !! numbers lie between the ends
+      !! at least one number lies between the ends
    end type bracket_t
 
-   !> An interval at whose ends a function has different signs, for regula falsi: while it is open,
+   !> Interval at whose ends a function has different signs, for regula falsi. While it is open,
    !> `close_in` takes the value at `next`.
    type :: secant_t
       real(wp) :: x(2)
       !! ends
       real(wp) :: next
-      !! where the function is wanted
+      !! next point to evaluate
       logical :: is_open
-      !! the ends are farther apart than wanted
+      !! the distance of the ends exceeds the resolution
       real(wp), private :: f(2), resolution
-      !! values at the ends, of which one that stays counts half; distance of the ends that suffices
+      !! values at the ends, halved for an end that is kept; resolution: sufficient distance of the
+      !! ends
       integer, private :: last = 0, count = 0
-      !! end that was replaced last, number of points so far
+      !! end that was replaced last; number of points so far
    end type secant_t
 
    !> Search for a maximum by Brent's method: while it is open, `climb` takes the value at `next`.
    type :: maximum_t
       real(wp) :: next
-      !! where the function is wanted
+      !! next point to evaluate
       real(wp) :: x(3)
       !! the best three points, best first
       logical :: is_open = .true.
-      !! x(1) is not yet known to a part sqrt(epsilon) of the interval
+      !! x(1) is not yet known to within sqrt(epsilon) times the interval
       real(wp), private :: f(3), low, high, step, before_last
       !! values at x; bracket; the last two steps
       real(wp), private :: smallest
-      !! distance that matters
+      !! smallest distance between two points
       real(wp), private :: start, near = 0
-      !! first point, and the distance of the next two from it where they lie beside it
+      !! first point; distance of the next two points from it if they lie close to it
       integer, private :: count = 0
-      !! of the points so far
+      !! number of points so far
    end type maximum_t
 
 contains
 
-   !> Begin to narrow an interval.
+   !> Bracket between two ends, to be narrowed.
    pure type(bracket_t) function bracket_between(low, high) result(bracket)
       real(wp), intent(in) :: low, high
 
@@ -72,7 +74,7 @@ contains
       call find_middle(bracket)
    end function bracket_between
 
-   !> A point inside a bracket becomes one of its ends.
+   !> Replace one end of a bracket by a point inside it.
    pure subroutine narrow(bracket, is_beyond, x)
       type(bracket_t), intent(inout) :: bracket
       logical, intent(in) :: is_beyond
@@ -96,26 +98,26 @@ contains
       bracket%is_open = bracket%middle > bracket%low .and. bracket%middle < bracket%high
    end subroutine find_middle
 
-   !> Are the ends, which need not become neighbours, still more than so many spacings apart?
+   !> True if the ends of an open bracket are more than the given number of spacings apart.
    pure logical function is_wider(bracket, spacings)
       type(bracket_t), intent(in) :: bracket
       integer, intent(in) :: spacings
-      !! of the numbers at `high`
+      !! in units of the spacing of numbers at `high`
 
       is_wider = bracket%is_open
-      ! a spacing is at most that, and costs two calls
+      ! This bound is at least one spacing and saves two calls.
       if (.not. bracket%high - bracket%low > spacings*max(epsilon(1.0_wp)*abs(bracket%high), &
           tiny(1.0_wp))) is_wider = is_wider .and. bracket%high - bracket%low &
          > spacings*spacing(bracket%high)
    end function is_wider
 
-   !> The point itself where it lies inside a bracket, else the middle.
+   !> Point `x` if it lies inside the bracket, otherwise the middle.
    pure real(wp) function keep_inside(bracket, x, may_be_end) result(inside)
       type(bracket_t), intent(in) :: bracket
       real(wp), intent(in) :: x
-      !! wanted next, by Newton's method
+      !! next point proposed by Newton's method
       logical, intent(in), optional :: may_be_end
-      !! a point on an end is inside; absent: it is not
+      !! accept a point on an end; absent: reject it
 
       inside = bracket%middle
       if (x > bracket%low .and. x < bracket%high) inside = x
@@ -123,12 +125,12 @@ contains
       if (may_be_end .and. x >= bracket%low .and. x <= bracket%high) inside = x
    end function keep_inside
 
-   !> Begin with regula falsi.
+   !> Interval for regula falsi with its first point.
    pure type(secant_t) function secant_between(x, f, resolution) result(secant)
       real(wp), intent(in) :: x(2), f(2)
-      !! ends, and values of different sign there
+      !! ends, and function values of different sign there
       real(wp), intent(in), optional :: resolution
-      !! distance of the ends that suffices, where it is more than two spacings of the numbers
+      !! sufficient distance of the ends, if larger than two spacings of the numbers
 
       secant%x = x
       secant%f = f
@@ -137,8 +139,8 @@ contains
       call find_next(secant)
    end function secant_between
 
-   !> The point that was wanted becomes an end of the interval. The other end, when it stays for the
-   !> second time, counts half (Illinois), so that both close in.
+   !> Replace an end of the interval by the evaluated point. If the other end is kept for the second
+   !> time, its value is halved (Illinois method), so that both ends converge.
    pure subroutine close_in(secant, value)
       type(secant_t), intent(inout) :: secant
       real(wp), intent(in) :: value
@@ -153,14 +155,16 @@ contains
       call find_next(secant)
    end subroutine close_in
 
-   !> Where the secant is zero, half the resolution or a spacing away from the ends at least, so
-   !> that a root that is known from one side is enclosed; the middle where that is no place inside,
-   !> and every eighth time.
+   !> Find the next point: the zero of the secant, at least half the resolution or one spacing away
+   !> from the ends.
+   !>
+   !> The margin encloses a root that is approached from one side only. The middle of the interval
+   !> is used if the secant gives no point inside, and at every eighth point.
    pure subroutine find_next(secant)
       type(secant_t), intent(inout) :: secant
       real(wp) :: width
       real(wp) :: x
-      !! where the secant is zero
+      !! zero of the secant
 
       width = secant%x(2) - secant%x(1)
       secant%count = secant%count + 1
@@ -173,14 +177,14 @@ contains
       if (x > secant%x(1) .and. x < secant%x(2)) secant%next = x
    end subroutine find_next
 
-   !> Begin to search for a maximum.
+   !> Search for a maximum with its first point.
    pure type(maximum_t) function maximum_between(low, high, start, is_near) result(search)
       real(wp), intent(in) :: low, high
       real(wp), intent(in) :: start
       !! inside
       logical, intent(in), optional :: is_near
-      !! it is near a maximum of a smooth function: points beside it say where that is, and the
-      !! search ends when the parabola through them promises nothing but round-off
+      !! `start` is near a maximum of a smooth function. The search first evaluates points close to
+      !! it, and ends when the parabola through the best points promises a gain below round-off.
       real(wp), parameter :: part = 1.0_wp/256
 
       search%low = low
@@ -194,8 +198,10 @@ contains
       if (is_near) search%near = min(part*search%step, (start - low)/2, (high - start)/2)
    end function maximum_between
 
-   !> Take the value at the point that was wanted and want the next one: by the parabola through the
-   !> best three, by a golden section where that fails. Nothing is above `huge`.
+   !> Take the value at the evaluated point and choose the next one.
+   !>
+   !> The next point is the vertex of the parabola through the best three points, or a golden
+   !> section if that fails. No value may exceed `huge`.
    pure subroutine climb(search, value)
       type(maximum_t), intent(inout) :: search
       real(wp), intent(in) :: value
@@ -231,11 +237,11 @@ contains
       end associate
    end subroutine climb
 
-   !> Does the parabola through the best three points rise above the best of them by more than
-   !> round-off?
+   !> True if the parabola through the best three points rises above the best of them by more than
+   !> round-off.
    pure logical function promises_more(search)
       type(maximum_t), intent(in) :: search
-      !! whose next point is its vertex
+      !! search whose next point is the vertex of the parabola
       real(wp) :: bend
 
       promises_more = .true.
@@ -247,7 +253,7 @@ contains
       end associate
    end function promises_more
 
-   !> Let a new point take its rank among the best three, and tighten the bracket.
+   !> Insert a new point into the best three by rank, and tighten the bracket.
    pure subroutine rank(search, value)
       type(maximum_t), intent(inout) :: search
       real(wp), intent(in) :: value
@@ -271,7 +277,7 @@ contains
       end associate
    end subroutine rank
 
-   !> Where the parabola through three points is stationary; `huge` for a straight line.
+   !> Stationary point of the parabola through three points; `huge` for a straight line.
    pure real(wp) function vertex_of_parabola(x, f) result(vertex)
       real(wp), intent(in) :: x(3), f(3)
       real(wp) :: p, q
@@ -282,7 +288,7 @@ contains
       if (abs(p) < abs(q)*sqrt(huge(p))) vertex = x(2) - p/q
    end function vertex_of_parabola
 
-   !> Where the cubic with values v and slopes s at 0 and 1 (slopes of opposite sign) is stationary.
+   !> Stationary point of the cubic with values v and slopes s of opposite sign at 0 and 1.
    pure real(wp) function stationary_point(v_0, s_0, v_1, s_1) result(x)
       real(wp), intent(in) :: v_0, s_0, v_1, s_1
       real(wp) :: a, b, root

@@ -1,10 +1,12 @@
 !> Sign changes of a smooth function in a span, from its value and derivatives at both ends.
 !>
-!> The Hermite polynomial through both ends is written in Bernstein form, one degree higher than it
-!> needs. A polynomial changes its sign at most as often as these coefficients do (Descartes): no
-!> change means no root, one means exactly one. The interpolation error vanishes at the ends with
-!> all known derivatives, so it moves only the middle coefficients. Where one of these lies within
-!> that error, nothing is decided and the caller halves the span.
+!> The Hermite polynomial through both ends is written in Bernstein form, with its degree raised by
+!> one. A polynomial has at most as many sign changes as its coefficients (Descartes): no change
+!> means no root, one change means exactly one root.
+!>
+!> The interpolation error and all its known derivatives vanish at the ends, so the error affects
+!> only the middle coefficients. If one of these lies within that error, the result is undecided and
+!> the caller halves the span.
 !>
 !> All numbers are in the caller's units.
 module rwmf_math_sign_changes
@@ -20,25 +22,25 @@ module rwmf_math_sign_changes
    integer, parameter :: one_change = 1
    !! from positive to negative
    integer, parameter :: change_at_begin = 2
-   !! the function is negative from the beginning on
+   !! the function is negative at the beginning of the span
    integer, parameter :: unclear = 3
 
    integer, parameter :: highest = 6
 
-   !> A function over a span, positive where nothing has happened.
+   !> Bernstein polygon of a function over a span; the function is positive before the event.
    type :: polygon_t
       integer :: n = 0
       !! degree
       real(wp) :: c(0:highest) = 0
       !! Bernstein coefficients
       real(wp) :: margin(0:highest) = 0
-      !! interpolation error of each
+      !! interpolation error of each coefficient
    end type polygon_t
 
 contains
 
    !> Bernstein coefficients of the quintic through values, rates and second derivatives at both
-   !> ends; of the cubic through values and rates where no second derivative is known.
+   !> ends. If no second derivative is known, the cubic through values and rates is used.
    pure function points_of(h, a, b) result(p)
       real(wp), intent(in) :: h
       !! length of the span
@@ -56,12 +58,13 @@ contains
 
    !> Bound of the first unknown derivative, times the power of the length over the factorial.
    !>
-   !> A motion of the frequency w has derivatives that grow by w with each order. The last one of
-   !> the polynomial may vanish where the next is largest, so that the one before counts as well.
+   !> Each derivative of a motion of frequency w is larger by the factor w. The last known
+   !> derivative may vanish where the next one is largest, so the bound includes the one before as
+   !> well.
    pure real(wp) function roughness(angle, h, a, b)
       real(wp), intent(in) :: angle
-      !! of the fastest vibration in the span, 1 at least: the length of the integrator's steps
-      !! limits all others [rad]
+      !! phase of the fastest vibration over the span, at least 1; the integrator's step length
+      !! limits the phases of the others [rad]
       real(wp), intent(in) :: h
       !! length of the span
       real(wp), intent(in) :: a(0:), b(0:)
@@ -77,14 +80,14 @@ contains
       roughness = angle*abs(before(2) - before(1)) + angle**2*maxval(abs(before))
    end function roughness
 
-   !> A function as a polygon, with the error of the interpolation.
+   !> Polygon of a function, with its interpolation error.
    pure type(polygon_t) function value_polygon(h, a, b, rough) result(polygon)
       real(wp), intent(in) :: h
       !! length of the span
       real(wp), intent(in) :: a(0:), b(0:)
       !! value, rate and second derivative at the ends
       real(wp), intent(in) :: rough
-      !! `roughness` of the function, or of the largest of its kind
+      !! `roughness` of the function, or the largest one among similar functions
       real(wp) :: p(0:2*size(a) - 1)
       integer :: k, n
 
@@ -99,14 +102,14 @@ contains
       polygon%margin(n/2) = merge(rough/24, rough/120, n == 4)
    end function value_polygon
 
-   !> The rate of a function as a polygon, with the error of the interpolation.
+   !> Polygon of the rate of a function, with its interpolation error.
    pure type(polygon_t) function rate_polygon(h, a, b, rough) result(polygon)
       real(wp), intent(in) :: h
       !! length of the span
       real(wp), intent(in) :: a(0:), b(0:)
       !! value, rate and second derivative at the ends
       real(wp), intent(in) :: rough
-      !! `roughness` of the function, or of the largest of its kind
+      !! `roughness` of the function, or the largest one among similar functions
       real(wp) :: p(0:2*size(a) - 1)
       real(wp) :: r(0:2*size(a) - 2)
       integer :: k, n
@@ -127,15 +130,15 @@ contains
       polygon%margin(n/2:n/2 + 1) = merge(rough/(6*h), rough/(20*h), n == 3)
    end function rate_polygon
 
-   !> How often the function of a polygon becomes negative: one of the numbers above.
+   !> Sign changes of the function of a polygon, as one of the constants above.
    !>
-   !> Coefficients within round-off have no sign. Those within their margin may have either.
+   !> Coefficients within round-off have no sign; those within their margin may have either sign.
    pure integer function changes_of(polygon, noise) result(changes)
       type(polygon_t), intent(in) :: polygon
       real(wp), intent(in) :: noise
       !! round-off of the function
       integer :: fewest, most, sign_now, k, open
-      !! changes; last sign met; number of open coefficients since
+      !! numbers of changes; last sign found; number of undecided coefficients since
       logical :: begins_open
 
       fewest = 0
@@ -161,7 +164,7 @@ contains
       changes = unclear
       if (begins_open .or. open > 0) return
       if (most == 0) changes = no_change
-      ! a root of a function that begins at zero has no bracket
+      ! The root of a function that begins at zero has no bracket.
       if (fewest == 1 .and. most == 1) then
          if (polygon%c(0) > noise .and. polygon%c(polygon%n) < -noise) changes = one_change
       end if
@@ -171,20 +174,20 @@ contains
    pure subroutine count_changes(sign_next, open, sign_now, fewest, most)
       integer, intent(in) :: sign_next
       integer, intent(in) :: open
-      !! coefficients between them that may have either sign
+      !! number of coefficients between them that may have either sign
       integer, intent(inout) :: sign_now
-      !! that of the last coefficient with a sign, 0 for none
+      !! sign of the last coefficient with a sign, 0 for none
       integer, intent(inout) :: fewest, most
       integer :: change
 
       change = merge(1, 0, sign_now*sign_next < 0)
       fewest = fewest + change
-      ! both ends fix whether the number is odd
+      ! The signs at both ends determine whether the number is odd or even.
       most = most + change + 2*((open + 1 - change)/2)
       sign_now = sign_next
    end subroutine count_changes
 
-   !> Position of the root of a polygon with one change, nearly, from 0 to 1.
+   !> Approximate position of the root of a polygon with one change, from 0 to 1.
    pure real(wp) function root_of(polygon) result(x)
       type(polygon_t), intent(in) :: polygon
       real(wp), parameter :: resolution = 1.0e-9_wp

@@ -1,7 +1,7 @@
 !> Modes of undamped vibration: K v = omega**2 M v with symmetric K and positive definite M.
 !>
-!> LAPACK's DSYGV solves it in double precision. In quadruple precision each pair is then improved
-!> by inverse iteration with Rayleigh's quotient, which triples the number of right digits a time.
+!> LAPACK's DSYGV solves the problem in double precision. In quadruple precision, Rayleigh quotient
+!> iteration then improves each pair: every iteration triples the number of correct digits.
 module rwmf_math_symmetric_eigen
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: dp, wp
@@ -26,7 +26,7 @@ module rwmf_math_symmetric_eigen
 
 contains
 
-   !> All modes, in the order of their frequencies. Fails with `err_numerical`.
+   !> Find all modes in the order of their frequencies. Fails with `err_numerical`.
    subroutine solve_modes(stiffness, mass, omega, shape, error)
       real(wp), intent(in) :: stiffness(:, :)
       !! (n, n) symmetric [1/s2 times the unit of mass]
@@ -35,13 +35,13 @@ contains
       real(wp), intent(out) :: omega(:)
       !! (n) [rad/s]
       real(wp), intent(out) :: shape(:, :)
-      !! (n, n) a mode in each column, with unit modal mass
+      !! (n, n) one mode in each column, with unit modal mass
       type(error_t), allocatable, intent(out) :: error
       real(dp) :: a(size(omega), size(omega))
       real(dp) :: b(size(omega), size(omega))
       real(dp) :: w(size(omega))
       real(dp) :: work(34*size(omega))
-      !! (NB + 2) n with a usual block size
+      !! (NB + 2) n for a usual block size
       integer :: info
       integer :: i
 
@@ -63,7 +63,7 @@ contains
       end do
    end subroutine solve_modes
 
-   !> Inverse iteration with Rayleigh's quotient; its convergence is cubic.
+   !> Improve an eigenpair by Rayleigh quotient iteration; its convergence is cubic.
    pure subroutine improve(stiffness, mass, omega, mode)
       real(wp), intent(in) :: stiffness(:, :)
       real(wp), intent(in) :: mass(:, :)
@@ -80,7 +80,8 @@ contains
       end do
    end subroutine improve
 
-   !> Gauss' elimination with pivots; the matrix may be singular to round-off.
+   !> Solution of a linear system by Gaussian elimination with pivoting; the matrix may be singular
+   !> to round-off.
    pure function solution(matrix, right) result(x)
       real(wp), intent(in) :: matrix(:, :)
       real(wp), intent(in) :: right(:)

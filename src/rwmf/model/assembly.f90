@@ -1,4 +1,4 @@
-!> Right-hand side of the equation of motion, put together once per run from the effects of a case.
+!> Right-hand side of the equation of motion, assembled once per run from the effects of a case.
 !>
 !> Per unit m_w R**2, with phi = |theta|, f = sigma u_g'' and the kinematics u, j, k of the side:
 !>
@@ -15,7 +15,7 @@ module rwmf_model_assembly
    use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
       frame_displacement, ground, has_further_effects, interval_of, kinematics_at, &
-      lift_off_drive, renew_coefficients, vertical_ground
+      uplift_demand, renew_coefficients, vertical_ground
    use rwmf_model_hysteresis_laws, only: new_branch, new_spring
    use rwmf_model_kinematics, only: geometry_of
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
@@ -31,16 +31,16 @@ module rwmf_model_assembly
 
    public :: equation_t, build_equation, enter_interval, enter_side, interval_of
    public :: rhs, rates_at, ground_at, moment_at_rest, second_derivative, kinematics_at, cable_at
-   public :: lift_off_drive, frame_displacement
+   public :: uplift_demand, frame_displacement
 
 contains
 
-   !> Choose the terms that the case calls for.
+   !> Assemble the terms of the equation of motion that a case requires.
    subroutine build_equation(case, motion, equation)
       type(case_t), intent(in) :: case
-      !! valid, with the frame's T_s given
+      !! a valid case whose frame has T_s
       type(motion_t), intent(in), target :: motion
-      !! outlives the equation
+      !! must outlive the equation, which points to it
       type(equation_t), intent(out) :: equation
 
       equation%has_wall = allocated(case%wall)
@@ -76,8 +76,8 @@ contains
          .and. (has_further_effects(equation) .or. equation%has_bilinear_springs)
    end subroutine build_equation
 
-   !> Moment of the ground's acceleration on a bent wall over that on a rigid one: the modes follow
-   !> the ground and take most of it.
+   !> Moment of the ground acceleration on a bending wall over that on a rigid wall: the modes follow
+   !> the ground and carry most of it.
    subroutine find_push_gain(equation)
       type(equation_t), intent(inout) :: equation
       type(lane_motion_t) :: motion
@@ -97,13 +97,14 @@ contains
       end associate
    end subroutine find_push_gain
 
-   !> The wall, on its corners or hinged in the middle of its base: m_w (4/3 h**2 + b**2/3) about
-   !> the hinge, one smooth equation for both signs of theta.
+   !> Set up the wall: rocking on its corners, or hinged in the middle of its base. About the hinge
+   !> its inertia is m_w (4/3 h**2 + b**2/3). One smooth equation then holds for both signs of
+   !> theta.
    subroutine add_wall(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       real(wp) :: link
-      !! length over R, 0: infinite
+      !! length of the link over R [-]; 0 means infinitely long
 
       equation%has_impacts = case%wall%base == 'rocking'
       link = 0
@@ -116,7 +117,7 @@ contains
       equation%scene%n_coef = first_wall + wall_coefficients - 1
    end subroutine add_wall
 
-   !> Parameters of Eq. (15); zero where the effect is absent, which is Eqs (11) and (12).
+   !> Parameters of Eq. (15). Those of absent effects are zero, which gives Eqs (11) and (12).
    pure type(parameters_t) function parameters_of(case) result(p)
       type(case_t), intent(in) :: case
 
@@ -173,7 +174,7 @@ contains
          equation%cable%is_straight), n_coef=cable_coefficients, acts=in_cable))
    end subroutine choose_cable
 
-   !> Tendon with the elastic stiffness that eta_0 and eta_alpha say.
+   !> Set up a tendon whose elastic stiffness follows from eta_0 and eta_alpha.
    subroutine choose_tendon(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -181,7 +182,7 @@ contains
       !! over m_w g [1/m]
       real(wp) :: yield
       real(wp) :: length
-      !! that is strained [m]
+      !! strained length of the tendon [m]
       real(wp) :: rupture
       !! elongation since theta = 0 [m]
 
@@ -202,7 +203,7 @@ contains
       equation%cable_law => spring_cable
    end subroutine choose_tendon
 
-   !> First-order form: y' = (theta', theta'', rates of further states).
+   !> Compute the rates of the first-order form, y' = (theta', theta'', rates of further states).
    subroutine rhs(equation, t, y, y_dot)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
@@ -216,7 +217,8 @@ contains
       call rates_at(equation, t, y, y_dot)
    end subroutine rhs
 
-   !> The same without counting an evaluation: for events, outputs and the Jacobian.
+   !> Compute the rates like `rhs`, without counting an evaluation. Events, outputs and the Jacobian
+   !> use it.
    subroutine rates_at(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -232,7 +234,7 @@ contains
       call lane_rates(equation%scene, equation%state%coef, y, motion, y_dot)
    end subroutine rates_at
 
-   !> Motion of the ground alone, for the loops of one lane.
+   !> Evaluate the ground motion for the loops of one lane.
    subroutine ground_at(equation, t, motion)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -244,14 +246,14 @@ contains
       if (equation%has_vertical) motion%vertical = vertical_ground(equation, t)
    end subroutine ground_at
 
-   !> Moment away from the base and inertia of the wall at theta = 0 without velocity and without
-   !> motion of the ground, over m_w R**2.
+   !> Compute the moment away from the base and the inertia of the wall, over m_w R**2. They hold at
+   !> theta = 0 without velocity and without ground motion.
    subroutine moment_at_rest(scene, coef, at_rest, moment, inertia)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(1, scene%n_coef)
-      !! coefficients of the loops, on the side to which the moment is asked for
+      !! coefficients of the loops, on the side towards which the moment acts
       real(wp), intent(in) :: at_rest(scene%n)
-      !! states, of which the first two are zero
+      !! (states) the first two are zero
       real(wp), intent(out) :: moment
       !! [1/s2]
       real(wp), intent(out) :: inertia
@@ -266,7 +268,7 @@ contains
       inertia = motion%inertia(1)
    end subroutine moment_at_rest
 
-   !> theta'' alone [rad/s2].
+   !> Angular acceleration theta'' [rad/s2].
    real(wp) function second_derivative(equation, t, y)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t

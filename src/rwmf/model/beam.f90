@@ -1,5 +1,5 @@
-!> The wall as a beam: modes of the uniform cantilever that bends in the frame turning with the
-!> base, and the floors that are linked to it all.
+!> Modes of the uniform cantilever, in the frame that turns with the base of the wall, and the floors
+!> that are linked to it.
 module rwmf_model_beam
    use rwmf_core_kinds, only: wp
    use rwmf_math_cantilever, only: cantilever_mode_t, deflection, find_cantilever_mode, &
@@ -9,34 +9,34 @@ module rwmf_model_beam
 
    public :: beam_t, linked_floors_t, create_beam, link_floors, tip_deflection, tip_rate
 
-   !> Floors that follow a bent wall, each linked to it; values over m_w.
+   !> Floors that are linked to a bending wall one by one. All values are over m_w.
    type :: linked_floors_t
       real(wp), allocatable :: share(:)
-      !! (floors) height over that of the wall [-]
+      !! (floors) height over the height of the wall [-]
       real(wp), allocatable :: m(:)
       !! (floors) mass [-]
       real(wp), allocatable :: k(:)
       !! (floors) stiffness of the storey below [1/s2]
       real(wp), allocatable :: load(:)
-      !! (floors) push of the weights that lean on that storey per displacement [1/s2]
+      !! (floors) P-Delta force of the leaning loads per storey displacement [1/s2]
       real(wp) :: viscous_time = 0
-      !! damping over stiffness [s]
+      !! damping over stiffness of the storeys [s]
       real(wp), allocatable :: phi(:, :)
-      !! (floors, modes) deflection of each mode [-]
+      !! (floors, modes) deflection of each mode at each floor [-]
    end type linked_floors_t
 
-   !> Modes of a wall; without `&bending` there are none. Masses are over m_w.
+   !> Modes of a wall, none without `&bending`. Masses are over m_w.
    type :: beam_t
       integer :: n = 0
       !! number of modes
       integer :: first = 0
-      !! place of q_1 among the states; the velocities follow the displacements
+      !! index of q_1 in the states; the velocities follow the displacements
       real(wp) :: length = 0
-      !! 2h [m]
+      !! height of the wall 2h [m]
       real(wp) :: half_width = 0
-      !! b [m]
+      !! half width of the wall b [m]
       type(cantilever_mode_t), allocatable :: modes(:)
-      !! (modes)
+      !! (modes) shapes
       real(wp), allocatable :: area(:)
       !! (modes) A_i: integral of phi_i over the height, over it [-]
       real(wp), allocatable :: arm(:)
@@ -44,32 +44,32 @@ module rwmf_model_beam
       real(wp), allocatable :: mass(:)
       !! (modes) integral of phi_i**2 over the height, over it [-]
       real(wp), allocatable :: omega(:)
-      !! (modes) frequency of the wall on a fixed base [rad/s]
+      !! (modes) natural frequency of the wall on a fixed base [rad/s]
       real(wp), allocatable :: damping(:)
-      !! (modes) damper over modal mass [1/s]
+      !! (modes) damping coefficient over modal mass [1/s]
       real(wp), allocatable :: linked_mass(:, :)
-      !! (modes, modes) of frame or floors at theta = 0 [-]
+      !! (modes, modes) mass matrix of frame or floors at theta = 0 [-]
       type(linked_floors_t), allocatable :: floors
-      !! only where every floor is linked
+      !! allocated only if every floor is linked
    end type beam_t
 
 contains
 
-   !> Modes of a wall on a fixed base.
+   !> Compute the modes of a wall on a fixed base.
    pure subroutine create_beam(beam, n, h, b, stiffness, shear_flexibility, xi, in_proportion)
       type(beam_t), intent(out) :: beam
       integer, intent(in) :: n
       !! number of modes
       real(wp), intent(in) :: h, b
-      !! half height and half width [m]
+      !! half height and half width of the wall [m]
       real(wp), intent(in) :: stiffness
-      !! EI/m_w [m3/s2]
+      !! bending stiffness EI over m_w [m3/s2]
       real(wp), intent(in) :: shear_flexibility
-      !! EI/(kappa G A (2h)**2), 0 for none [-]
+      !! flexibility in shear EI/(kappa G A (2h)**2), 0 without shear [-]
       real(wp), intent(in) :: xi
       !! damping ratio [-]
       logical, intent(in) :: in_proportion
-      !! to the stiffness, with that ratio in the first mode; else with it in each mode
+      !! damping in proportion to the stiffness, with xi in the first mode; otherwise xi in each
       integer :: i
 
       beam%n = n
@@ -85,11 +85,11 @@ contains
       allocate (beam%linked_mass(n, n), source=0.0_wp)
    end subroutine create_beam
 
-   !> Link floors to the beam, all of them.
+   !> Link all floors to the beam.
    pure subroutine link_floors(beam, floors)
       type(beam_t), intent(inout) :: beam
       type(linked_floors_t), intent(in) :: floors
-      !! without the deflections of the modes
+      !! floors without the deflections of the modes
       integer :: i, j, k
 
       beam%floors = floors
@@ -105,7 +105,7 @@ contains
       end do
    end subroutine link_floors
 
-   !> Deflection of the top relative to the straight axis, positive as theta [m].
+   !> Deflection of the top from the straight axis, positive as theta [m].
    pure real(wp) function tip_deflection(beam, y) result(w)
       type(beam_t), intent(in) :: beam
       real(wp), intent(in) :: y(:)
@@ -114,7 +114,7 @@ contains
       w = sum(y(beam%first:beam%first + beam%n - 1))
    end function tip_deflection
 
-   !> Its rate [m/s].
+   !> Rate of the deflection of the top [m/s].
    pure real(wp) function tip_rate(beam, y) result(w_dot)
       type(beam_t), intent(in) :: beam
       real(wp), intent(in) :: y(:)

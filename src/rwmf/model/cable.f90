@@ -1,4 +1,4 @@
-!> Force of the unbonded cable, over the weight of the wall, and its arm.
+!> Force of the unbonded cable over the weight of the wall, and its lever arm.
 module rwmf_model_cable
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bilinear, only: bilinear_energy, bilinear_force, bilinear_tangent
@@ -15,8 +15,8 @@ module rwmf_model_cable
       real(wp) :: eta_0 = 0
       !! P(0)/(m_w g) [-]
       real(wp) :: rate = 0
-      !! by the linear law (eta_alpha - eta_0)/alpha [1/rad]; truss: the same rise over the
-      !! elongation at alpha [1/m]
+      !! linear law, (eta_alpha - eta_0)/alpha [1/rad]; truss law, the same increase of force over
+      !! the elongation at alpha [1/m]
       real(wp) :: R = 0
       !! half diagonal [m]
       real(wp) :: h = 0
@@ -24,13 +24,13 @@ module rwmf_model_cable
       real(wp) :: b = 0
       !! half width [m]
       logical :: is_signed = .false.
-      !! Eq. (1) as printed, whose force falls with rocking for theta < 0
+      !! Eq. (1) as printed: the force falls with rocking for theta < 0
       logical :: is_straight = .false.
       !! 'truss', else 'linear'
       logical :: is_tendon = .false.
-      !! it can yield or break
+      !! the cable can yield or break
       type(spring_t) :: tendon
-      !! and else the straight cable: its force over m_w g, its elongation in m
+      !! spring of the tendon, or of the straight elastic cable; force over m_w g, elongation in m
    end type cable_law_t
 
    !> Force, moment and stored energy at one rotation, over m_w g R.
@@ -40,21 +40,21 @@ module rwmf_model_cable
       real(wp) :: moment
       !! q times the arm over R [-]
       real(wp) :: moment_1
-      !! its derivative by phi [1/rad]
+      !! derivative of the moment with respect to phi [1/rad]
       real(wp) :: energy
       !! work stored since phi = 0 over m_w g R [-]
    end type cable_state_t
 
    abstract interface
-      !> State of the cable at |theta| = phi on the side sigma.
+      !> Compute the state of the cable at |theta| = phi on the side sigma.
       pure subroutine cable_law_i(law, branch, sin_alpha, phi, side, cable)
          import :: branch_t, cable_law_t, cable_state_t, wp
          implicit none
          type(cable_law_t), intent(in) :: law
          type(branch_t), intent(in) :: branch
-         !! of the tendon
+         !! branch of the tendon
          real(wp), intent(in) :: sin_alpha
-         !! of the slenderness [-]
+         !! sine of the slenderness [-]
          real(wp), intent(in) :: phi
          !! [rad]
          integer, intent(in) :: side
@@ -69,7 +69,7 @@ module rwmf_model_cable
       real(wp) :: elongation
       !! [m]
       real(wp) :: arm
-      !! its derivative by phi [m]
+      !! derivative of the elongation with respect to phi [m]
       real(wp) :: length
       !! [m]
       real(wp) :: sine
@@ -79,16 +79,16 @@ module rwmf_model_cable
 
 contains
 
-   !> A scene without a cable.
+   !> Return zero force, moment and energy, for a scene without a cable.
    pure subroutine no_cable(law, branch, sin_alpha, phi, side, cable)
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
-      !! of the slenderness [-]
+      !! sine of the slenderness [-]
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, the side in force
+      !! +1 or -1, the current side
       type(cable_state_t), intent(out) :: cable
 
       cable%force = 0
@@ -97,31 +97,32 @@ contains
       cable%energy = 0
    end subroutine no_cable
 
-   !> Eq. (1) with |theta|: the force rises with rocking on both sides.
+   !> Evaluate Eq. (1) with |theta|: the force rises with rocking on both sides.
    pure subroutine linear_cable(law, branch, sin_alpha, phi, side, cable)
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
-      !! of the slenderness [-]
+      !! sine of the slenderness [-]
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, the side in force
+      !! +1 or -1, the current side
       type(cable_state_t), intent(out) :: cable
 
       call signed_linear_cable(law, branch, sin_alpha, phi, abs(side), cable)
    end subroutine linear_cable
 
-   !> Eq. (1) as printed: for theta < 0 the force falls with rocking (kept for `published`).
+   !> Evaluate Eq. (1) as printed: for theta < 0 the force falls with rocking (kept for
+   !> `published`).
    pure subroutine signed_linear_cable(law, branch, sin_alpha, phi, side, cable)
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
-      !! of the slenderness [-]
+      !! sine of the slenderness [-]
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, the side in force
+      !! +1 or -1, the current side
       type(cable_state_t), intent(out) :: cable
 
       cable%force = law%eta_0 + side*law%rate*phi
@@ -130,8 +131,8 @@ contains
       cable%energy = sin_alpha*phi*(law%eta_0 + side*law%rate*phi/2)
    end subroutine signed_linear_cable
 
-   !> Straight cable, from the middle of the base to the middle of the top, by the sine of half the
-   !> angle: l = sqrt(4h^2 + 2b^2 (1 - cos(phi)) + 4hb sin(phi)).
+   !> Straight cable from the middle of the base to the middle of the top. Its length is l =
+   !> sqrt(4h^2 + 2b^2 (1 - cos(phi)) + 4hb sin(phi)), computed from the sine of half the angle.
    pure type(straight_t) function stretched(law, half_sine) result(straight)
       type(cable_law_t), intent(in) :: law
       real(wp), intent(in) :: half_sine
@@ -146,12 +147,12 @@ contains
       straight%arm = law%b*(law%b*straight%sine + 2*law%h*straight%cosine)/straight%length
    end function stretched
 
-   !> Coefficients of the loop over lanes, `add_linear_cable` or `add_straight_cable`, on the branch
-   !> in force.
+   !> Coefficients of the lane loop `add_linear_cable` or `add_straight_cable`, on the active
+   !> branch.
    pure function cable_row(law, branch, side, g_over_R) result(row)
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
-      !! of a straight cable or a tendon
+      !! branch of a straight cable or a tendon
       integer, intent(in) :: side
       !! +1 or -1
       real(wp), intent(in) :: g_over_R
@@ -169,16 +170,17 @@ contains
       end if
    end function cable_row
 
-   !> Elongation and its arm, the derivative by phi [m], of a straight cable or of a tendon on the
-   !> linear law, where the arm of Eq. (1) is R sin(alpha) = b.
+   !> Compute the elongation and the lever arm, its derivative with respect to phi [m]. They hold
+   !> for a straight cable or for a tendon with the linear law. With that law the arm of Eq. (1) is
+   !> R sin(alpha) = b.
    pure subroutine cable_elongation(law, phi, elongation, arm, arm_1)
       type(cable_law_t), intent(in) :: law
       real(wp), intent(in) :: phi
       !! [rad]
       real(wp), intent(out) :: elongation
-      !! beyond the length at rest [m]
+      !! increase of the length over that at rest [m]
       real(wp), intent(out) :: arm
-      !! derivative of the elongation by phi [m]
+      !! derivative of the elongation with respect to phi [m]
       real(wp), intent(out), optional :: arm_1
       !! derivative of the arm [m]
       type(straight_t) :: straight
@@ -196,17 +198,17 @@ contains
       end if
    end subroutine cable_elongation
 
-   !> Cable as a spring on its elongation: a straight one, or a tendon on either law that yields,
-   !> goes slack or breaks.
+   !> Evaluate the cable as a spring on its elongation. It is a straight cable, or a tendon with
+   !> either law that yields, goes slack or breaks.
    pure subroutine spring_cable(law, branch, sin_alpha, phi, side, cable)
       type(cable_law_t), intent(in) :: law
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: sin_alpha
-      !! of the slenderness [-]
+      !! sine of the slenderness [-]
       real(wp), intent(in) :: phi
       !! [rad]
       integer, intent(in) :: side
-      !! +1 or -1, the side in force
+      !! +1 or -1, the current side
       type(cable_state_t), intent(out) :: cable
       real(wp) :: elongation
       real(wp) :: arm

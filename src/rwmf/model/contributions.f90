@@ -1,5 +1,4 @@
-!> Effects beyond wall, frame and cable: which of them a case calls for, and what they have in
-!> common.
+!> Effects beyond wall, frame and cable: selection for a case, and sums over all of them.
 module rwmf_model_contributions
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_list, only: prepare_effect
@@ -16,7 +15,8 @@ module rwmf_model_contributions
 
 contains
 
-   !> Put the further effects of a case on the list. Scenes without any have no list.
+   !> Add the further effects of a case to the list of effects. A scene without further effects has
+   !> no list.
    subroutine choose_contributions(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -34,7 +34,7 @@ contains
    end subroutine choose_contributions
 
    !> Put the loops that act on the frame before that of the modes, which reads their force, and all
-   !> others behind it. Floors that are linked one by one belong to the loop of the modes.
+   !> others after it. Floors linked one by one belong to the loop of the modes.
    subroutine order_terms(equation)
       type(equation_t), intent(inout) :: equation
       logical, allocatable :: is_before(:), is_left(:)
@@ -48,7 +48,8 @@ contains
       end associate
    end subroutine order_terms
 
-   !> Does the frame, all of it together, yield by branches?
+   !> True if the frame as a whole yields with a law of linear branches. Coupling 'full', with laws
+   !> for the single storeys, is excluded.
    pure logical function frame_yields(case)
       type(case_t), intent(in) :: case
 
@@ -57,14 +58,14 @@ contains
       if (frame_yields) frame_yields = has_branches(case%yielding)
    end function frame_yields
 
-   !> Append an effect; its coefficients and states come after those that are there.
+   !> Append an effect. Its coefficients and states follow the existing ones.
    subroutine append_contribution(equation, number, effect)
       type(equation_t), intent(inout) :: equation
       integer, intent(in) :: number
-      !! in the list of effects
+      !! number of the effect in the list of all effects
       type(contribution_t), intent(in) :: effect
       real(wp), parameter :: slow = 1.0e-9_wp
-      !! creep in the time unit of the wall over its slenderness [-]
+      !! creep velocity in the time unit of the wall, over its slenderness [-]
       type(contribution_t), allocatable :: effects(:)
       integer :: n
 
@@ -90,15 +91,15 @@ contains
             term%n_states = effect%reads
          end associate
       end if
-      ! before the loops that read the kinematics
+      ! kinematic effects run before the loops that read the kinematics
       if (effect%is_kinematic) equation%scene%terms = cshift(equation%scene%terms, -1)
    end subroutine append_contribution
 
-   !> Expected sizes of all states from those of the first two, for absolute tolerances.
+   !> Expected magnitudes of all states, derived from the first two, for absolute tolerances.
    function state_sizes(equation, size_guess) result(sizes)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
-      !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
+      !! sizes of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
       real(wp) :: sizes(equation%n)
       integer :: i
 
@@ -113,8 +114,8 @@ contains
       end do
    end function state_sizes
 
-   !> Kinetic and strain energy of the frame beyond those of a single mass on an elastic spring
-   !> [J/kg].
+   !> Kinetic and strain energy of the frame, in addition to those of a single mass on an elastic
+   !> spring [J/kg].
    function effects_frame_energy(equation, y) result(energy)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -130,7 +131,7 @@ contains
       end do
    end function effects_frame_energy
 
-   !> Energy that further effects store [J/kg].
+   !> Energy stored by the further effects [J/kg].
    real(wp) function effects_energy(equation, y) result(energy)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -146,8 +147,8 @@ contains
       end do
    end function effects_energy
 
-   !> Forces with which further effects resist the displaced frame: that the links to the wall pull
-   !> against; on floors that have states, together [m/s2].
+   !> Forces with which further effects resist the displaced frame [m/s2]. The first acts against
+   !> the links to the wall; the second is the total on floors with states.
    function effects_frame_force(equation, y) result(force)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)

@@ -1,12 +1,16 @@
-!> What engineers design a building for, at one instant: drifts and accelerations of its floors,
-!> shears of its storeys, the moment that overturns it, and the forces inside the wall.
+!> Design demands of a building at one instant: floor drifts and accelerations, storey shears,
+!> overturning moment, and section forces of the wall.
 !>
-!> A frame with all modes says what each floor does. One mode, or the straight line that links to
-!> every floor enforce, say it by their shape: floor i has the share phi_i/phi_n of the roof's
-!> displacement, and its absolute acceleration is that share of the roof's and the ground's own. A
-!> single degree of freedom is one floor without a storey.
+!> A frame with all modes has states for each floor. A frame with one mode, or with links to every
+!> floor, follows its shape instead. Floor i then has the share phi_i/phi_n of the roof's
+!> displacement. Its absolute acceleration is the ground acceleration plus that share of the roof's
+!> relative acceleration. A single degree of freedom is one floor without a storey.
 module rwmf_model_demands
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_model_beam, only: tip_deflection
+   use rwmf_model_bent_sections, only: bent_sections_t, create_bent_sections, find_bent_extremes
+   use rwmf_model_bent_wall, only: bent_overturning, forces_of_linked_floors, &
+      linked_floor_accelerations, linked_floor_motion
    use rwmf_model_effects_p_delta, only: leaning_height, leaning_loads
    use rwmf_model_effects_storeys_shear_building, only: column_shears
    use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_motion, &
@@ -24,57 +28,60 @@ module rwmf_model_demands
 
    public :: building_t, demands_t, building_of, demands_at, links_of
 
-   !> What the demands need to know of a building beyond its equation of motion.
+   !> Building data for the demands, in addition to the equation of motion.
    type :: building_t
       integer :: floors = 0
-      !! number of them, 0 without a frame
+      !! number of floors, 0 without a frame
       integer :: drifts = 0
-      !! number of storeys, each with its drift; 0 of a single degree of freedom
+      !! number of storeys, each with one drift; 0 for a single degree of freedom
       real(wp) :: roof_height = 0
-      !! of the wall, else of the frame; 0: unknown [m]
+      !! height of the wall, or of the frame without a wall; 0 if unknown [m]
       real(wp) :: unit = 1
-      !! mass that those of floors that move by themselves are over, in that of m [-]
+      !! reference mass of the floors with states, over the unit of m [-]
       real(wp) :: weight = 0
-      !! of wall and floors over the unit of m [m/s2]
+      !! weight of wall and floors over the unit of m [m/s2]
       real(wp) :: viscous_time = 0
-      !! 2 xi_s/omega_s: damping over stiffness of storeys that follow the roof [s]
+      !! 2 xi_s/omega_s, damping over stiffness of storeys that follow the roof [s]
       logical :: is_linear = .true.
       !! storeys do not yield
       real(wp), allocatable :: m(:)
-      !! (floors) over m_w; without wall in the unit of the case [-]
+      !! (floors) mass over m_w; without a wall in the mass unit of the case [-]
       real(wp), allocatable :: z(:)
-      !! (floors) height above the ground [m]; not allocated where it is unknown
+      !! (floors) height above the ground [m]; not allocated if unknown
       real(wp), allocatable :: share(:)
-      !! (floors) of the roof's displacement where floors follow the roof [-]
+      !! (floors) share of the roof's displacement, where floors follow the roof [-]
       real(wp), allocatable :: height(:)
       !! (storeys) [m]
       real(wp), allocatable :: bend(:)
-      !! (storeys) share of the roof's displacement in that of the storey [-]
+      !! (storeys) storey displacement over the roof's displacement [-]
       real(wp), allocatable :: k(:)
       !! (storeys) stiffness over the unit of m [1/s2]
       real(wp), allocatable :: load(:)
-      !! (storeys) push of the weights that lean on each over its displacement, over the same [1/s2]
+      !! (storeys) P-Delta force of the leaning loads per storey displacement, over the same unit
+      !! [1/s2]
+      type(bent_sections_t), allocatable :: sections
+      !! sections of a bending wall
    end type building_t
 
-   !> The demands of one instant, with their signs.
+   !> Demands at one instant, with their signs.
    type :: demands_t
       real(wp), allocatable :: drift(:)
-      !! (storeys) over their heights [-]
+      !! (storeys) storey displacement over its height [-]
       real(wp), allocatable :: acceleration(:)
-      !! (floors) absolute [m/s2]
+      !! (floors) absolute acceleration [m/s2]
       real(wp), allocatable :: shear(:)
-      !! (storeys) of columns without dampers, over the unit of m [m/s2]
+      !! (storeys) shear of the columns without dampers, over the unit of m [m/s2]
       real(wp) :: overturning = 0
-      !! moment of the horizontal forces of inertia about the ground over the weight [m]
+      !! moment of the horizontal inertia forces about the ground, over the weight [m]
       type(section_extremes_t) :: wall
-      !! the largest forces inside it
+      !! largest section forces of the wall
       type(links_t) :: links
-      !! what they come from
+      !! link forces that cause the section forces
    end type demands_t
 
 contains
 
-   !> The building of a case.
+   !> Collect the building data of a case.
    subroutine building_of(case, equation, building)
       type(case_t), intent(in) :: case
       !! with the frame's T_s
@@ -87,7 +94,13 @@ contains
          building%roof_height = 2*case%wall%h
       end if
       allocate (building%height(0), building%bend(0), building%k(0), building%load(0))
-      if (.not. equation%has_frame) return
+      if (.not. equation%has_frame) then
+         if (equation%beam%n > 0) then
+            allocate (building%sections)
+            call create_bent_sections(building%sections, equation%beam, [real(wp) ::])
+         end if
+         return
+      end if
       if (allocated(case%storeys)) then
          call describe_storeys(case, equation, building)
       else
@@ -98,9 +111,12 @@ contains
          if (building%roof_height > 0) building%z = [building%roof_height]
       end if
       building%weight = building%weight + equation%p%g*sum(building%m)
+      if (equation%beam%n == 0) return
+      allocate (building%sections)
+      call create_bent_sections(building%sections, equation%beam, building%z)
    end subroutine building_of
 
-   !> A frame of storeys. In a spectrum all stiffnesses follow the period.
+   !> Describe a frame of storeys. In a spectrum all stiffnesses follow the period.
    subroutine describe_storeys(case, equation, building)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -125,16 +141,17 @@ contains
       end associate
    end subroutine describe_storeys
 
-   !> Demands at a state of motion; of a wall at rest with zeros for its motion.
+   !> Compute the demands at a state of motion. For a wall at rest, pass zeros for its motion.
    subroutine demands_at(building, equation, t, y, y_dot, demands)
-      type(building_t), intent(in) :: building
+      type(building_t), intent(inout) :: building
+      !! its section forces change
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: y_dot(:)
-      !! (states) their rates
+      !! (states) rates of the states
       type(demands_t), intent(inout) :: demands
       type(kinematics_t) :: kin
       real(wp) :: u_ddot(building%floors)
@@ -149,25 +166,32 @@ contains
       if (allocated(building%z)) demands%overturning = sum(building%m*building%z &
          *demands%acceleration)
       if (equation%has_wall) then
-         demands%overturning = demands%overturning + wall_overturning(equation, a, y, y_dot(2))
-         call links_of(building, equation, kin, t, y, y_dot(2), demands%links)
-         call find_section_extremes(equation, t, y, y_dot(2), demands%links, demands%wall)
+         call links_of(building, equation, kin, t, y, y_dot, demands%links)
+         if (equation%beam%n > 0) then
+            demands%overturning = demands%overturning + bent_overturning(equation, a, y, y_dot)
+            call find_bent_extremes(building%sections, equation, t, y, y_dot, demands%links, &
+               demands%wall)
+         else
+            demands%overturning = demands%overturning + wall_overturning(equation, a, y, y_dot(2))
+            call find_section_extremes(equation, t, y, y_dot(2), demands%links, demands%wall)
+         end if
       end if
       demands%overturning = demands%overturning/building%weight
    end subroutine demands_at
 
-   !> Accelerations of the floors relative to the ground, drifts and shears of the storeys.
+   !> Compute the relative accelerations of the floors, and the drifts and shears of the storeys.
    subroutine follow_floors(building, equation, kin, y, y_dot, demands, u_ddot)
       type(building_t), intent(in) :: building
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
-      !! of a wall
+      !! kinematics of the wall; unused without a wall
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_dot(:)
       type(demands_t), intent(inout) :: demands
       real(wp), intent(out) :: u_ddot(:)
       !! (floors) [m/s2]
       real(wp) :: u(0:building%floors), v(building%floors)
+      real(wp), allocatable :: u_linked(:), v_linked(:)
 
       if (.not. equation%has_frame) then
          demands%drift = u_ddot
@@ -176,11 +200,16 @@ contains
       end if
       associate (n => building%floors, first => equation%floors%first)
          u_ddot(n) = y_dot(2)
-         if (equation%has_wall) u_ddot(n) = roof_acceleration(equation, kin, y, y_dot(2))
+         if (equation%has_wall) u_ddot(n) = roof_acceleration(equation, kin, y, y_dot)
          if (equation%floors%n > 0) then
             u_ddot(:n - 1) = y_dot(first + n - 1:first + 2*n - 3)
             call floor_motion(equation, equation%state%side, y, u, v)
             demands%shear = equation%floors%unit*column_shears(equation, y)
+         else if (allocated(equation%beam%floors)) then
+            u_ddot = linked_floor_accelerations(equation, y, y_dot)
+            call linked_floor_motion(equation, y, u_linked, v_linked)
+            u = [0.0_wp, u_linked]
+            demands%shear = equation%beam%floors%k*(u(1:) - u(:n - 1))
          else
             u_ddot = building%share*u_ddot(n)
             u(0) = 0
@@ -192,8 +221,8 @@ contains
       end associate
    end subroutine follow_floors
 
-   !> Displacement of the roof that an elastic storey would need for the force that each has: all
-   !> the same where they yield together [m].
+   !> Roof displacement at which elastic storeys would carry the present force of each storey [m].
+   !> All values are equal where the storeys yield together.
    function resisting_displacements(building, equation, y) result(u)
       type(building_t), intent(in) :: building
       type(equation_t), intent(in) :: equation
@@ -218,11 +247,12 @@ contains
       end if
    end function resisting_displacements
 
-   !> Forces of the links on the wall.
+   !> Compute the forces of the links on the wall.
    !>
-   !> Where every floor is linked, its link pulls with the floor's inertia and the difference of the
-   !> forces above and below: shears, dampers that lie in the storeys, less what leans on them.
-   subroutine links_of(building, equation, kin, t, y, y_ddot, links)
+   !> With links at every floor, each link force balances the inertia of its floor and the
+   !> difference of the storey forces above and below. The storey forces include shears and storey
+   !> dampers, less the P-Delta force of leaning loads.
+   subroutine links_of(building, equation, kin, t, y, y_dot, links)
       type(building_t), intent(in) :: building
       type(equation_t), intent(in) :: equation
       !! with a wall
@@ -232,10 +262,10 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
       type(links_t), intent(inout) :: links
-      !! whose room may be used again
+      !! arrays that are already allocated are reused
       real(wp), dimension(building%drifts) :: shear, a
       real(wp) :: u, v
       integer :: i, n
@@ -245,21 +275,32 @@ contains
       if (.not. allocated(links%place)) allocate (links%place(2, n), links%force(2, n))
       if (.not. equation%floors%are_linked) then
          links%place(:, :) = link_places(equation, [(1.0_wp, i=1, n)])
-         if (building%floors > 0) links%force(:, 1) = link_force(equation, kin, t, y, y_ddot)
+         if (equation%beam%n > 0) links%place(1, :) = links%place(1, :) &
+            + tip_deflection(equation%beam, y)
+         if (building%floors > 0) links%force(:, 1) = link_force(equation, kin, t, y, y_dot)
+         return
+      else if (allocated(equation%beam%floors)) then
+         associate (beam => equation%beam)
+            links%place(:, :) = link_places(equation, beam%floors%share)
+            links%place(1, :) = links%place(1, :) + matmul(beam%floors%phi, y(beam%first: &
+               beam%first + beam%n - 1))
+         end associate
+         links%force(1, :) = forces_of_linked_floors(equation, t, y, y_dot)
+         links%force(2, :) = 0
          return
       end if
       call frame_motion(equation, equation%state%side, y, u, v)
       shear = building%bend*(building%k*(resisting_displacements(building, equation, y) &
          + building%viscous_time*v) - building%load*u)
-      a = building%share*roof_acceleration(equation, kin, y, y_ddot) + ground(equation, t)
+      a = building%share*roof_acceleration(equation, kin, y, y_dot) + ground(equation, t)
       links%place(:, :) = link_places(equation, building%share)
       links%force(1, :) = -building%m*a - shear
       links%force(1, :n - 1) = links%force(1, :n - 1) + shear(2:)
       links%force(2, :) = link_tilt(equation, kin)*links%force(1, :)
    end subroutine links_of
 
-   !> Moment of the wall's horizontal inertia about the ground over m_w: of its centroid, and of
-   !> what moves about that [m2/s2].
+   !> Moment of the wall's horizontal inertia about the ground over m_w [m2/s2]. It has a part from
+   !> the acceleration of the centroid and one from the rotation about it.
    pure real(wp) function wall_overturning(equation, ground_acceleration, y, y_ddot) result(moment)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: ground_acceleration
@@ -272,7 +313,7 @@ contains
 
       h = equation%p%R*equation%p%cos_alpha
       b = equation%p%R*equation%p%sin_alpha
-      ! from the axis to the pivot
+      ! distance from the axis to the pivot
       arm = equation%state%side*equation%p%R*equation%geometry%sine_wall
       sine = sin(y(1))
       cosine = cos(y(1))

@@ -1,4 +1,5 @@
-!> Loop over lanes of the demands of a building, as `rwmf_model_demands` finds them for one state.
+!> Loop over lanes that computes the demands of a building, as `rwmf_model_demands` does for one
+!> state.
 module rwmf_model_demands_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_numbers, only: storeys_effect
@@ -13,45 +14,46 @@ module rwmf_model_demands_loop
    public :: lane_demands, demand_constants
 
    integer, parameter :: of_unit = 1
-   !! columns of the constants: the mass that those of the floors are over [-]
+   !! column in `building` of the reference mass of the floors [-]
    integer, parameter :: of_weight = 2
-   !! one over the weight of wall and floors [s2/m]
+   !! column in `building` of the inverse weight of wall and floors [s2/m]
    integer, parameter :: of_floors = 2
-   !! before mass times height of each floor over that weight [s2]
-   ! then one over the height of each storey [1/m]
+   !! number of columns before those of the floors; each of these holds mass times height over that
+   !! weight [s2]
+   ! the columns of the inverse storey heights follow [1/m]
 
 contains
 
-   !> Number of constants of a building.
+   !> Number of constants of one building.
    pure integer function demand_constants(floors, storeys) result(n)
       integer, intent(in) :: floors, storeys
-      !! number of them
+      !! numbers of floors and storeys
 
       n = of_floors + floors + storeys
    end function demand_constants
 
-   !> Reactions, and behind them the magnitudes of the demands: drifts [-] and shears [m/s2] of the
-   !> storeys, accelerations of the floors [m/s2], overturning moment [m], largest shear [m/s2] and
-   !> moment [m2/s2] inside the wall, -1 without a wall.
+   !> Compute the reactions, followed by the magnitudes of the demands. The demands are storey
+   !> drifts [-], storey shears [m/s2], floor accelerations [m/s2] and overturning moment [m]. The
+   !> largest shear [m/s2] and moment [m2/s2] of the wall follow, each -1 without a wall.
    subroutine lane_demands(parts, floors, storeys, building, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       !! complete
       integer, intent(in) :: floors, storeys
-      !! number of them; storeys move by themselves
+      !! numbers of floors and storeys; the storeys have states
       real(wp), intent(in) :: building(lane_count, demand_constants(floors, storeys))
       !! constants of the buildings
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the loops, on the current side and the active branches
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
-      !! acceleration of the ground, horizontal and vertical [m/s2]
+      !! horizontal and vertical ground acceleration [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count + 2*storeys + floors + 3)
-      !! reactions as of `lane_reactions` and demands, each in its unit
+      !! reactions as in `lane_reactions`, then demands, each in its unit
       type(lane_forces_t) :: forces
       real(wp) :: rates(lane_count, parts%through_link%n)
       real(wp), dimension(lane_count) :: roof, length
-      !! displacement, and what a rotation is over [m]
+      !! displacement of the roof, and length that converts a rotation to a displacement [m]
       real(wp) :: R
       integer :: i, j, last
       type(term_t) :: term
@@ -96,15 +98,15 @@ contains
       end do
    end subroutine lane_demands
 
-   !> Drifts and shears of storeys that move by themselves.
+   !> Compute drifts and shears of storeys with states.
    pure subroutine follow_storeys(n, law, building, coef, y, roof, found)
       integer, intent(in) :: n
       !! number of storeys and floors
       integer, intent(in) :: law
-      !! of the storeys
+      !! hysteresis law of the storeys
       real(wp), intent(in) :: building(lane_count, demand_constants(n, n))
       real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
-      !! of `add_floors`
+      !! coefficients of `add_floors`
       real(wp), intent(in) :: y(lane_count, floor_states(n, law))
       !! states of the floors
       real(wp), intent(in) :: roof(lane_count)
@@ -130,7 +132,7 @@ contains
       end do
    end subroutine follow_storeys
 
-   !> Moment of the wall's horizontal inertia about the ground, over the weight.
+   !> Add the moment of the wall's horizontal inertia about the ground, over the weight.
    pure subroutine overturn_wall(coef, ground, forces, over_weight, moment)
       real(wp), intent(in) :: coef(lane_count, first_wall + 7)
       real(wp), intent(in) :: ground(lane_count)
@@ -159,7 +161,7 @@ contains
       end do
    end subroutine overturn_wall
 
-   !> The largest shear and the largest moment along the wall, which the link holds at its top.
+   !> Find the largest shear and the largest moment along the wall, with the link at its top.
    pure subroutine find_sections(coef, ground, forces, found)
       real(wp), intent(in) :: coef(lane_count, first_wall + 7)
       real(wp), intent(in) :: ground(lane_count, 2)
@@ -168,10 +170,10 @@ contains
       real(wp), intent(inout) :: found(lane_count, 2)
       !! shear [m/s2] and moment [m2/s2]
       real(wp), parameter :: least = 1.0e-100_wp
-      !! denominator
+      !! smallest denominator, against division by zero
       real(wp), dimension(lane_count) :: h, b, turn, push, across, about
       real(wp) :: s(lane_count, 4)
-      !! where shear or moment may be largest, below the top [m]
+      !! distances below the top at which shear or moment may be largest [m]
       real(wp) :: sine, cosine, of_link, slope, rest, root, at
       integer :: i, j
 

@@ -1,5 +1,4 @@
-!> Drifts that end a run when they pass their limits: what the effects of a scene that bring such
-!> limits say of them, one after the other.
+!> Drifts with limits that end a run: values that the effects of a scene provide, in their order.
 module rwmf_model_drift_limits
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t
@@ -10,7 +9,7 @@ module rwmf_model_drift_limits
 
 contains
 
-   !> How many drifts the effects of the scene limit; 0: the scene cannot collapse.
+   !> Number of drifts with limits; 0 means the scene cannot collapse.
    pure integer function count_drifts(equation) result(n)
       type(equation_t), intent(in) :: equation
 
@@ -18,7 +17,7 @@ contains
       if (allocated(equation%effects)) n = sum(equation%effects%drifts)
    end function count_drifts
 
-   !> All of them over their limits, and how fast these ratios change.
+   !> Compute the ratios of all drifts to their limits, and the rates of these ratios.
    subroutine drift_ratios(equation, y, ratio, rate)
       type(equation_t), intent(in) :: equation
       !! with effects that limit a drift

@@ -1,7 +1,8 @@
-!> Energies and powers of wall, frame and cable per unit m_w (bare frame: per unit m_s).
+!> Energies and powers of wall, frame and cable per unit m_w (bare frame: m_s).
 !>
-!> They belong to the virtual work of the kinematics u, j. The `published` formulation violates it
-!> for theta < 0; its ledger therefore does not close, and the residual shows by how much.
+!> The energies follow the virtual work of the kinematics u, j. The `published` formulation violates
+!> it for theta < 0. Its energy balance therefore does not close, and the residual measures the
+!> error.
 module rwmf_model_energy
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: cable_at, equation_t, ground_at, kinematics_at
@@ -20,24 +21,25 @@ module rwmf_model_energy
    public :: stored_energy_t, stored_energy, mechanical_energy, impact_loss
    public :: powers_at, yielding_loss, dissipates_hysteretically
 
-   !> What a state holds [J/kg].
+   !> Energy of a state by part [J/kg].
    type :: stored_energy_t
       real(wp) :: kinetic = 0
       real(wp) :: strain = 0
-      !! of the frame
+      !! strain energy of the frame
       real(wp) :: gravity = 0
-      !! of the wall, zero at rest
+      !! potential energy of the wall, zero at rest
       real(wp) :: cable = 0
-      !! beyond that of the resting wall
+      !! energy of the cable relative to the resting wall
       real(wp) :: effects = 0
-      !! of further effects
+      !! energy of further effects
       real(wp) :: bending = 0
-      !! strain of a wall that bends
+      !! strain energy of a bending wall
    end type stored_energy_t
 
 contains
 
-   !> Kinetic energy, strain energy of the frame, work stored in cable and gravity [J/kg].
+   !> Sum of kinetic energy, strain energy of the frame, and work stored in cable and gravity
+   !> [J/kg].
    real(wp) function mechanical_energy(equation, y) result(energy)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -49,7 +51,7 @@ contains
          + stored%bending
    end function mechanical_energy
 
-   !> The same part by part.
+   !> Compute the stored energy part by part.
    type(stored_energy_t) function stored_energy(equation, y) result(stored)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -57,7 +59,8 @@ contains
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
       real(wp) :: beyond(2)
-      !! the elastic frame of a single mass: kinetic and strain energy [J/kg]
+      !! kinetic and strain energy in addition to those of an elastic frame with a single mass
+      !! [J/kg]
       real(wp) :: phi
       !! [rad]
 
@@ -78,7 +81,7 @@ contains
          if (equation%has_impacts) then
             stored%gravity = p%g*p%R*(2*sin(phi/2)*sin(p%alpha - phi/2))
          else
-            ! the centroid of a hinged wall only sinks
+            ! the centroid of a hinged wall can only move down
             stored%gravity = p%g*p%R*(-2*equation%p%cos_alpha*sin(phi/2)**2)
          end if
          stored%cable = p%g*p%R*cable%energy
@@ -90,7 +93,7 @@ contains
       end associate
    end function stored_energy
 
-   !> Powers of the ground motion, of dampers, and of smooth plastic flow [W/kg].
+   !> Compute the powers of the ground motion, of dampers and of smooth plastic flow [W/kg].
    subroutine powers_at(equation, t, y, power)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -98,7 +101,7 @@ contains
       real(wp), intent(in) :: y(equation%n)
       !! (states)
       real(wp), intent(out) :: power(power_count)
-      !! put in by the ground motion, taken by dampers and by smooth plastic flow [W/kg]
+      !! input by the ground motion, then dissipation by dampers and by smooth plastic flow [W/kg]
       type(lane_motion_t) :: motion
       real(wp) :: y_dot(equation%n), unit(1)
 
@@ -112,7 +115,7 @@ contains
       power = unit(1)*power
    end subroutine powers_at
 
-   !> Energy that yielding on straight lines has taken since t = 0 [J/kg].
+   !> Energy dissipated since t = 0 by yielding with piecewise linear laws [J/kg].
    real(wp) function yielding_loss(equation, y) result(loss)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -123,7 +126,7 @@ contains
       if (equation%floors%yields) loss = loss + storeys_loss(equation, y)
    end function yielding_loss
 
-   !> Has the scene effects that yield?
+   !> True if the scene has effects that yield.
    pure logical function dissipates_hysteretically(equation) result(does)
       type(equation_t), intent(in) :: equation
 
@@ -131,13 +134,13 @@ contains
          .or. equation%floors%yields
    end function dissipates_hysteretically
 
-   !> Kinetic energy that an impact takes [J/kg].
+   !> Kinetic energy lost in an impact [J/kg].
    real(wp) function impact_loss(equation, before, after) result(loss)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: before
-      !! angular velocity before [rad/s]
+      !! angular velocity before the impact [rad/s]
       real(wp), intent(in) :: after
-      !! and after [rad/s]
+      !! angular velocity after the impact [rad/s]
 
       loss = equation%p%R**2*equation%state%inertia_at_rest*(before**2 - after**2)/2
    end function impact_loss

@@ -1,5 +1,5 @@
-!> The scene that an equation of motion is written for: the model, which is fixed once it has been
-!> put together, the discrete state, and what follows from both at a given rotation.
+!> Scene of an equation of motion: the model, which is fixed once assembled, and the discrete state.
+!> The functions evaluate quantities that follow from both at a given rotation.
 module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_beam, only: beam_t, tip_deflection, tip_rate
@@ -21,58 +21,59 @@ module rwmf_model_equation
    public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of, enter_side, renew_coefficients, renew_effects
    public :: vertical_ground, has_further_effects
-   public :: ground, kinematics_at, cable_at, lift_off_drive, lift_off_drives
+   public :: ground, kinematics_at, cable_at, uplift_demand, uplift_demands
    public :: frame_displacement, straight_displacement
+   public :: tip_displacement, tip_velocity, tip_acceleration
    public :: frame_acceleration, frame_motion, frame_travel, frame_mass, corner_share
 
-   !> An effect beyond wall, frame and cable: its loop over lanes, and the states, energy, power and
-   !> force on the wall that belong to it (developer/adding-an-effect.md).
+   !> Effect beyond wall, frame and cable: its lane loop, states, energy, power and force on the
+   !> wall (developer/adding-an-effect.md).
    type :: contribution_t
       logical :: is_present = .false.
-      !! the case calls for it
+      !! the case contains the effect
       real(wp), allocatable :: constants(:)
-      !! what its procedures need of the case, each constant in a unit of its own
+      !! case data for its procedures, each constant in its unit
       procedure(coefficients_i), pointer, nopass :: coefficients => null()
-      !! that its loop reads; not associated: it has no loop
+      !! computes the coefficients of its loop; null if it has no loop
       integer :: n_coef = 0
       !! number of coefficients
       integer :: coef = 1
-      !! column of the first among all
+      !! column of its first coefficient
       integer :: n = 0
-      !! how many parts it has (floors)
+      !! number of its parts (floors)
       integer :: law = 0
-      !! which law its loop follows
+      !! law of its loop
       logical :: has_sides = .false.
-      !! its coefficients follow the side of the motion
+      !! its coefficients depend on the side of the motion
       logical :: is_kinematic = .false.
-      !! it changes the kinematics that the loops of others read
+      !! it changes the kinematics that other loops read
       logical :: has_corner_at_turn = .false.
-      !! its law has a corner where theta' is zero: the integrator begins anew there
+      !! its law has a corner at theta' = 0, where the integrator restarts
       procedure(energy_i), pointer, nopass :: energy => null()
-      !! of its own; not associated: stores nothing
+      !! energy that it stores; null if it stores none
       procedure(frame_energy_i), pointer, nopass :: frame_energy => null()
-      !! not associated: the frame holds what an elastic one of a single mass does
+      !! energy that it adds to that of an elastic frame with a single mass; null if none
       integer :: acts = elsewhere
       !! path of its force to the wall (constants of rwmf_model_scene)
       procedure(frame_force_i), pointer, nopass :: frame_force => null()
-      !! asked only for reactions; not associated: no force on the frame
+      !! force on the frame, called only for reactions; null if there is none
       integer :: states = 0
-      !! number of states of its own, whose rates `add` puts in their places
+      !! number of its states; `add` sets their rates
       procedure(sizes_i), pointer, nopass :: sizes => null()
-      !! that its states are expected to have
+      !! expected sizes of its states
       integer :: first = 0
-      !! place of its first state among all, or of the first that it reads
+      !! index of its first state, or of the first state that it reads
       integer :: reads = 0
-      !! number of states of another effect that its loop reads, and whose rates it adds to
+      !! number of states of another effect that its loop reads and whose rates it changes
       integer :: drifts = 0
-      !! number of drifts that end the run when they pass their limits
+      !! number of drifts with limits that end the run
       procedure(drifts_i), pointer, nopass :: put_drifts => null()
-      !! those drifts
+      !! computes these drifts
       procedure(land_i), pointer, nopass :: land => null()
-      !! changes its states at an impact; not associated: they go on
+      !! changes its states at an impact; null if they are continuous
    end type contribution_t
 
-   !> Smooth hysteresis of the frame after Bouc and Wen.
+   !> Smooth Bouc-Wen hysteresis of the frame.
    type :: hysteresis_t
       real(wp) :: u_y = 1
       !! displacement at yield [m]
@@ -83,57 +84,57 @@ module rwmf_model_equation
       real(wp) :: beta = 0.5_wp
       !! [-]
       integer :: place = 3
-      !! of z among the states
+      !! index of z in the states
       real(wp) :: force_at_z1 = 0
-      !! force of z = 1 over m_s [m/s2]
+      !! force at z = 1 over m_s [m/s2]
       integer :: factors = 0
-      !! n where it is a small natural number, so that |z|**n is a product; else 0
+      !! exponent n if it is a small natural number, so that |z|**n is a product; else 0
    end type hysteresis_t
 
-   !> Signs in the piece of motion in force, and what they mean for smooth hysteresis.
+   !> Signs in the current phase of motion, and their effect on smooth hysteresis.
    type :: motion_signs_t
       integer :: loading_direction = 1
-      !! sign of the velocity: of theta', of a storey u_i' - u_(i-1)'; 0: it has not moved yet
+      !! sign of theta', or of u_i' - u_(i-1)' for a storey; 0 before the first motion
       integer :: sense = 1
       !! sign of z
       real(wp) :: lost = 1
-      !! part of |z|**n that is lost in it: 1 while |z| grows, 1 - 2 beta while it falls; with the
-      !! sign of z where z**n takes the place of |z|**n and n is odd [-]
+      !! coefficient of |z|**n [-]. It is 1 while |z| grows and 1 - 2 beta while |z| falls. It takes
+      !! the sign of z where z**n replaces |z|**n and n is odd.
    end type motion_signs_t
 
-   !> The floors of a frame, from the ground to the roof: with all its modes, or what one mode makes
-   !> of them.
+   !> Floors of a frame from the ground to the roof, with all modes or condensed to one mode.
    type :: floors_t
       real(wp) :: excited_mass_ratio = 1
-      !! mass of the frame that the ground motion pushes over the mass that moves [-]
+      !! mass of the frame excited by the ground motion, over the moving mass [-]
       real(wp) :: mass = 0
-      !! mass of floors that does not move with the roof, over m_w; without wall over the roof's [-]
+      !! part of the floor mass that does not move with the roof, over m_w; without a wall over the
+      !! roof mass [-]
       logical :: are_linked = .false.
-      !! every floor is linked to the wall, not the roof alone
+      !! every floor is linked to the wall, not only the roof
       real(wp) :: base_shear_ratio = 1
-      !! shear of the lowest storey over the force that resists the roof [-]
+      !! shear of the lowest storey over the resisting force at the roof [-]
       real(wp) :: max_frequency = 0
-      !! largest frequency of floors that move by themselves [rad/s]
+      !! largest frequency of floors with states [rad/s]
       integer :: n = 0
-      !! number of floors that move by themselves; 0: the following are not there
+      !! number of floors with states; if 0 the following components are not allocated
       real(wp), allocatable :: m(:)
-      !! (n) mass of each over m_w; without wall over that of the roof [-]
+      !! (n) mass of each floor over m_w; without a wall over that of the roof [-]
       real(wp), allocatable :: k(:)
       !! (n) stiffness of the storey below over the same mass [1/s2]
       real(wp), allocatable :: c(:, :)
       !! (n, n) damping over the same mass [1/s]
       real(wp), allocatable :: height(:)
-      !! (n) of each storey [m]
+      !! (n) height of each storey [m]
       integer :: first = 3
-      !! place of their first state among all
+      !! index of their first state
       logical :: yields = .false.
-      !! the storeys do; without, the following are not there
+      !! the storeys yield; if not, the following components are not allocated
       type(spring_t), allocatable :: springs(:)
-      !! (n) of each storey; forces over the same mass
+      !! (n) spring of each storey; forces over the same mass
       type(hysteresis_t), allocatable :: laws(:)
-      !! (n) of each storey where they are smooth; forces over the same mass
+      !! (n) law of each storey with smooth hysteresis; forces over the same mass
       real(wp) :: unit = 1
-      !! the mass that m is over, in that of the case [-]
+      !! reference mass of m, in the mass unit of the case [-]
    end type floors_t
 
    integer, parameter :: place_frame = 0
@@ -141,109 +142,109 @@ module rwmf_model_equation
    integer, parameter :: place_left = 1
    !! under the corner that lifts for theta > 0
    integer, parameter :: place_right = -1
-   !! under the other one
+   !! under the other corner
 
-   !> A spring with memory and its place.
+   !> Spring with memory, and its place in the scene.
    type :: sprung_t
       type(spring_t) :: spring
       !! its force per unit m_w (frame: m_s) [m/s2], its elongation in m
       integer :: place
       !! one of the `place_` numbers
       real(wp) :: share = 0
-      !! of the frame's stiffness [-]
+      !! share of the frame's stiffness [-]
    end type sprung_t
 
-   !> Rotations between which the branches in force hold on a side.
+   !> Range of rotations in which the active branches are valid on a side.
    type :: window_t
       logical :: is_known = .false.
       real(wp) :: low = -huge(1.0_wp)
-      !! [rad]; bare frame: displacement [m]
+      !! lower limit [rad]; bare frame, displacement [m]
       real(wp) :: high = huge(1.0_wp)
-      !! [rad] or [m]
+      !! upper limit [rad] or [m]
       logical :: ends_at_peak = .false.
-      !! a spring yields, and unloads when the motion turns back
+      !! a spring is yielding and unloads when the motion reverses
    end type window_t
 
-   !> The interval, side and branches in force, and what follows from them. Plain values: an
-   !> assignment saves or restores it.
+   !> Current interval, side and branches, and the values derived from them. The components are
+   !> plain values, so an assignment saves or restores the state.
    type :: discrete_state_t
       integer, private :: interval = 0
-      !! of the motion: `interval_of`, set by `enter_interval`
+      !! interval of the motion; `interval_of` returns it, `enter_interval` sets it
       type(line_t) :: line
-      !! of the motion in that interval
+      !! line of the horizontal motion in that interval
       type(line_t) :: vertical_line
-      !! of the vertical motion in it
+      !! line of the vertical motion in that interval
       integer :: side = 1
-      !! sign of theta in this flight
+      !! sign of theta in the current flight
       type(motion_signs_t) :: signs
-      !! of the frame until the next peak
+      !! signs of the frame until the next peak
       type(branch_t) :: tendon
-      !! of the cable
+      !! branch of the cable
       type(branch_t), allocatable :: springs(:)
-      !! (springs) of the yielding frame and the fuses
+      !! (springs) branches of the yielding frame and the fuses
       type(branch_t), allocatable :: storeys(:)
-      !! (floors) of each storey
+      !! (floors) branch of each storey
       type(motion_signs_t), allocatable :: storey_signs(:)
-      !! (floors) of each storey where their laws are smooth
+      !! (floors) signs of each storey with smooth hysteresis
       real(wp) :: frame_offset = 0
-      !! force of the yielding frame over m_s: on the branch in force at zero displacement [m/s2]
+      !! force of the yielding frame over m_s, on the active branch at zero displacement [m/s2]
       real(wp) :: frame_slope = 0
-      !! and its stiffness [1/s2]
+      !! stiffness of the active branch over m_s [1/s2]
       real(wp) :: low = -huge(1.0_wp)
-      !! rotation (bare frame: displacement) down to which the branches in force hold [rad]
+      !! smallest rotation (bare frame: displacement) at which the active branches hold [rad]
       real(wp) :: high = huge(1.0_wp)
-      !! and up to which they do [rad]
+      !! largest rotation at which the active branches hold [rad]
       logical :: ends_at_peak = .false.
-      !! a spring yields, and unloads when the motion turns back
+      !! a spring is yielding and unloads when the motion reverses
       type(window_t) :: windows(-1:1)
-      !! the last three by side, as long as no branch changes
+      !! low, high and ends_at_peak by side, valid until a branch changes
       logical :: uplift_is_known = .false.
-      !! what follows holds until a branch changes
+      !! the next two components are valid until a branch changes
       real(wp) :: uplift_acceleration(-1:1) = 0
-      !! ground acceleration at which the resting wall lifts off, by side (+1: theta > 0), see
+      !! ground acceleration at uplift of the resting wall by side (+1: theta > 0), see
       !! `rwmf_model_lift_off` [m/s2]
       real(wp) :: lean = 0
       !! how far a bent wall's weight leans to the right, over b [-]
       real(wp) :: inertia_at_rest = 1
-      !! of all that moves with the wall, at theta = 0 over m_w R**2 [-]
-      logical :: bearing_is_known = .false.
-      !! what follows holds until a branch changes
-      real(wp), allocatable :: bearing(:, :)
-      !! (2, 2:states) uplift_acceleration to the right and to the left: where all further states
-      !! are zero, and by how much it grows with each of them
+      !! inertia of the wall and all coupled masses at theta = 0, over m_w R**2 [-]
+      logical :: capacity_is_known = .false.
+      !! the following component is valid until a branch changes
+      real(wp), allocatable :: uplift_capacity(:, :)
+      !! (2, 2:states) uplift acceleration to the right and to the left. Column 2 holds the value
+      !! with all further states zero; the other columns hold its increase per unit of each state.
       real(wp), allocatable :: coef(:, :)
-      !! (1, coefficients) that the loops over lanes read, see `renew_coefficients`
+      !! (1, coefficients) coefficients of the lane loops, see `renew_coefficients`
    end type discrete_state_t
 
-   !> One scene and its ground motion, as they are put together once.
+   !> One scene and its ground motion, as assembled once.
    type :: model_t
       type(parameters_t) :: p
-      !! parameters in the paper's letters; those of absent effects are zero
+      !! parameters with the symbols of the paper; those of absent effects are zero
       real(wp) :: threshold
-      !! ground acceleration at which the resting wall of the plain scene lifts off [m/s2]
+      !! ground acceleration at uplift of the resting wall without further effects [m/s2]
       real(wp) :: weight_share = 0
-      !! of it per vertical ground acceleration [-]
+      !! change of the threshold per vertical ground acceleration [-]
       logical :: effects_act_at_rest = .false.
       !! further effects act on the resting wall
       type(geometry_t) :: geometry
       real(wp) :: inertia = 4.0_wp/3
-      !! of the wall about its pivot over m_w R**2 [-]
+      !! inertia of the wall about its pivot over m_w R**2 [-]
       type(floors_t) :: floors
-      !! of `&storeys`
+      !! floors of `&storeys`
       type(beam_t) :: beam
-      !! of `&bending`
+      !! modes of `&bending`
       real(wp) :: push_gain = 1
-      !! moment that the ground's acceleration exerts on the wall on its base over that on a rigid
-      !! wall [-]
+      !! moment of the ground acceleration on the wall on its base over that on a rigid wall [-]
       type(hysteresis_t) :: hysteresis
-      !! of the frame
+      !! hysteresis law of the frame
       logical :: has_loading_direction = .false.
       !! rates depend on the sign of theta'
       real(wp) :: creep = 0
-      !! velocity below which a wall on its base counts as resting; 0 unless an effect has a law
-      !! with a corner at theta' = 0, which may hold it up to that velocity [rad/s]
+      !! velocity below which a wall on its base counts as resting [rad/s]. It is 0 unless the law
+      !! of an effect has a corner at theta' = 0. Such an effect may hold the wall up to that
+      !! velocity.
       logical :: moves_at_rest = .false.
-      !! further states move while the wall rests
+      !! further states change while the wall rests
       logical :: has_wall
       logical :: has_impacts
       !! the wall rocks on its corners
@@ -253,36 +254,36 @@ module rwmf_model_equation
       !! number of states
       type(cable_law_t) :: cable
       type(contribution_t), allocatable :: effects(:)
-      !! the further effects that the case calls for; not allocated without any
+      !! further effects of the case; not allocated if there are none
       logical :: has_bilinear_springs = .false.
-      !! there are springs that yield or break
+      !! the scene has springs that yield or break
       logical :: has_fuses = .false.
-      !! under the corners of a rocking wall
+      !! the scene has fuses under the corners of a rocking wall
       type(sprung_t), allocatable :: springs(:)
-      !! yielding frame, then fuses; the tendon's is in `cable`
+      !! springs of the yielding frame, then of the fuses; `cable` holds that of the tendon
       real(wp) :: angle_limit = 0
-      !! largest |theta| at which the springs are asked for their elongation [rad]
+      !! largest |theta| at which elongations of the springs are evaluated [rad]
       real(wp), allocatable :: reach(:, :, :)
-      !! (2, side, spring) their elongations from the least |theta| up to it; spring 0 is the tendon
-      !! [m]
+      !! (2, side, spring) elongations of the springs at the smallest and at that |theta|; spring 0
+      !! is the tendon [m]
       logical :: has_vertical = .false.
-      !! the ground moves vertically as well
+      !! the ground motion has a vertical component
       type(motion_t), pointer :: motion => null()
       procedure(cable_law_i), pointer, nopass :: cable_law => null()
       type(scene_t) :: scene
-      !! the loops over lanes
+      !! lane loops of the scene
       type(force_parts_t) :: parts
-      !! the same by the way of their forces
+      !! lane loops grouped by the path of their forces
    end type model_t
 
-   !> The equation of motion of one scene in the piece of motion in force.
+   !> Equation of motion of one scene in the current phase of motion.
    type, extends(model_t) :: equation_t
       type(discrete_state_t) :: state
       integer(i8) :: rhs_evaluations = 0
    end type equation_t
 
    abstract interface
-      !> Coefficients of the loop of an effect, on the side and the branches in force.
+      !> Compute the coefficients of an effect's loop on the current side and the active branches.
       pure subroutine coefficients_i(effect, model, state, coef)
          import :: contribution_t, discrete_state_t, model_t, wp
          implicit none
@@ -293,7 +294,7 @@ module rwmf_model_equation
          !! (n_coef)
       end subroutine coefficients_i
 
-      !> Energy that an effect stores [J/kg].
+      !> Energy stored by an effect [J/kg].
       real(wp) function energy_i(effect, equation, y)
          import :: contribution_t, equation_t, wp
          implicit none
@@ -303,8 +304,8 @@ module rwmf_model_equation
          !! (states)
       end function energy_i
 
-      !> Kinetic and strain energy of the frame beyond those of a single mass on an elastic spring
-      !> [J/kg].
+      !> Kinetic and strain energy of the frame, in addition to those of a single mass on an elastic
+      !> spring [J/kg].
       function frame_energy_i(effect, equation, y) result(energy)
          import :: contribution_t, equation_t, wp
          implicit none
@@ -315,7 +316,7 @@ module rwmf_model_equation
          real(wp) :: energy(2)
       end function frame_energy_i
 
-      !> Drifts over their limits, and how fast these ratios change.
+      !> Compute the ratios of drifts to their limits, and the rates of these ratios.
       subroutine drifts_i(effect, equation, y, ratio, rate)
          import :: contribution_t, equation_t, wp
          implicit none
@@ -324,40 +325,40 @@ module rwmf_model_equation
          real(wp), intent(in) :: y(:)
          !! (states)
          real(wp), intent(out) :: ratio(:)
-         !! (drifts of the effect) with sign; the run ends at -1 and 1 [-]
+         !! (drifts of the effect) signed ratio; the run ends at -1 and 1 [-]
          real(wp), intent(out) :: rate(:)
          !! (drifts of the effect) [1/s]
       end subroutine drifts_i
 
-      !> Change the velocities of an effect's states at an impact by its own balance of momentum.
+      !> Change the velocities of an effect's states at an impact, by its balance of momentum.
       subroutine land_i(effect, equation, y, after, stays)
          import :: contribution_t, equation_t, wp
          implicit none
          type(contribution_t), intent(in) :: effect
          type(equation_t), intent(in) :: equation
-         !! on the side that the wall comes from
+         !! on the side before the impact
          real(wp), intent(inout) :: y(:)
-         !! (states) at theta = 0; theta' keeps its value before the impact
+         !! (states) at theta = 0, with theta' before the impact
          real(wp), intent(inout) :: after
-         !! theta' after the impact, so far by the velocity factor [rad/s]
+         !! theta' after the impact; on input from the velocity factor [rad/s]
          logical, intent(inout) :: stays
          !! both corners stay on the base: theta' after the impact is 0; on entry: whatever the
          !! momentum
       end subroutine land_i
 
-      !> Sizes that the states of an effect are expected to have, for absolute tolerances.
+      !> Expected sizes of an effect's states, for absolute tolerances.
       subroutine sizes_i(effect, equation, size_guess, sizes)
          import :: contribution_t, equation_t, wp
          implicit none
          type(contribution_t), intent(in) :: effect
          type(equation_t), intent(in) :: equation
          real(wp), intent(in) :: size_guess(2)
-         !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
+         !! sizes of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
          real(wp), intent(out) :: sizes(:)
          !! (states of the effect)
       end subroutine sizes_i
 
-      !> Forces with which an effect resists the displaced frame, or pushes on it where negative.
+      !> Forces with which an effect resists the displaced frame; negative forces push it.
       function frame_force_i(effect, equation, y) result(force)
          import :: contribution_t, equation_t, wp
          implicit none
@@ -366,21 +367,21 @@ module rwmf_model_equation
          real(wp), intent(in) :: y(:)
          !! (states)
          real(wp) :: force(2)
-         !! over m_w: that the links to the wall pull against; on floors that have states, together
-         !! [m/s2]
+         !! forces over m_w [m/s2]. The first acts against the links to the wall; the second is the
+         !! total on floors with states.
       end function frame_force_i
    end interface
 
 contains
 
-   !> An interval of the motion comes into force, or the motion has changed within it.
+   !> Enter an interval of the motion, or update the current one after the motion has changed.
    !>
-   !> The only way to set it, so that nobody can forget what depends on it.
+   !> Only this procedure sets the private interval, which keeps its derived values consistent.
    pure subroutine enter_interval(model, state, interval)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as in `interval_at`
 
       state%interval = interval
       state%line = line_of(model%motion, interval)
@@ -388,14 +389,14 @@ contains
          state%line)
    end subroutine enter_interval
 
-   !> Interval of the motion that is in force.
+   !> Current interval of the motion.
    pure integer function interval_of(equation) result(interval)
       type(equation_t), intent(in) :: equation
 
       interval = equation%state%interval
    end function interval_of
 
-   !> A side of the motion comes into force.
+   !> Enter a side of the motion and update the coefficients that depend on it.
    pure subroutine enter_side(model, state, side)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -409,14 +410,14 @@ contains
       call renew_effects(model, state, is_side_alone=.true.)
    end subroutine enter_side
 
-   !> Let the loops over lanes follow the side and the branches in force; to be called when a branch
-   !> has changed. What followed from the others is forgotten.
+   !> Update the coefficients of the lane loops for the current side and branches. Call it after a
+   !> change of a branch. Values derived from the previous branches become invalid.
    pure subroutine renew_coefficients(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
 
       state%uplift_is_known = .false.
-      state%bearing_is_known = .false.
+      state%capacity_is_known = .false.
       if (.not. allocated(state%coef)) return
       if (model%has_wall) call put_row(wall_coefficients, wall_row(model%geometry, state%side, &
          model%p%R, model%inertia, model%p%g), state%coef(1, first_wall))
@@ -424,7 +425,7 @@ contains
       call renew_effects(model, state)
    end subroutine renew_coefficients
 
-   !> Coefficients of frame and cable.
+   !> Update the coefficients of frame and cable.
    pure subroutine renew_terms(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -441,18 +442,18 @@ contains
                call put_row(cable_coefficients, cable_row(model%cable, state%tendon, &
                   state%side, model%p%g_over_R), state%coef(1, term%coef))
             case default
-               ! an effect, below
+               ! `renew_effects` updates the effects
             end select
          end associate
       end do
    end subroutine renew_terms
 
-   !> Coefficients of further effects.
+   !> Update the coefficients of further effects.
    pure subroutine renew_effects(model, state, is_side_alone)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       logical, intent(in), optional :: is_side_alone
-      !! nothing else has changed
+      !! only the side has changed
       logical :: has_sides_alone
       integer :: i
 
@@ -468,7 +469,7 @@ contains
       end do
    end subroutine renew_effects
 
-   !> Coefficients of one loop into their columns.
+   !> Copy the coefficients of one loop to their columns.
    pure subroutine put_row(n, row, coef)
       integer, intent(in) :: n
       real(wp), intent(in) :: row(n)
@@ -477,7 +478,7 @@ contains
       coef = row
    end subroutine put_row
 
-   !> Does anything act beyond wall, frame, cable and their kinematics?
+   !> True if the scene has effects beyond wall, frame, cable and their kinematics.
    pure logical function has_further_effects(equation)
       type(equation_t), intent(in) :: equation
 
@@ -485,7 +486,7 @@ contains
       if (has_further_effects) has_further_effects = .not. all(equation%effects%is_kinematic)
    end function has_further_effects
 
-   !> Ground acceleration of the interval in force [m/s2].
+   !> Ground acceleration in the current interval [m/s2].
    real(wp) function ground(equation, t)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -500,7 +501,7 @@ contains
       end associate
    end function ground
 
-   !> Vertical ground acceleration of the interval in force, positive upward [m/s2].
+   !> Vertical ground acceleration in the current interval, positive upward [m/s2].
    real(wp) function vertical_ground(equation, t)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -521,7 +522,7 @@ contains
       real(wp), intent(in) :: theta
       !! [rad]
       integer, intent(in), optional :: side
-      !! +1 or -1; the one in force
+      !! +1 or -1; by default the current side
       integer :: which
 
       which = equation%state%side
@@ -529,13 +530,13 @@ contains
       kin = kinematics_of(equation%geometry, which, which*theta)
    end function kinematics_at
 
-   !> Cable on a side.
+   !> State of the cable on a side.
    type(cable_state_t) function cable_at(equation, theta, side) result(cable)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad]
       integer, intent(in), optional :: side
-      !! +1 or -1; the one in force
+      !! +1 or -1; by default the current side
       integer :: which
 
       which = equation%state%side
@@ -544,10 +545,10 @@ contains
          which*theta, which, cable)
    end function cable_at
 
-   !> How far the ground acceleration exceeds what the resting wall bears on one side [m/s2]:
-   !> positive means lift-off, negative that the wall is pressed down (paper's Eq. (8) at
-   !> theta = 0).
-   pure real(wp) function lift_off_drive(equation, side, interval, t) result(drive)
+   !> Uplift demand on one side: ground acceleration beyond the uplift acceleration of the resting
+   !> wall [m/s2]. A positive value means lift-off, a negative one contact (paper's Eq. (8) at theta
+   !> = 0).
+   pure real(wp) function uplift_demand(equation, side, interval, t) result(drive)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: side
       !! +1 or -1
@@ -562,17 +563,17 @@ contains
          drive = drive - equation%weight_share*(1 - side*equation%state%lean) &
             *vertical_acceleration(equation%motion, interval, t)
       end if
-   end function lift_off_drive
+   end function uplift_demand
 
-   !> The same on both sides.
-   pure function lift_off_drives(equation, interval, t) result(drive)
+   !> Uplift demand on both sides.
+   pure function uplift_demands(equation, interval, t) result(drive)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
       !! of the motion
       real(wp), intent(in) :: t
       !! [s]
       real(wp) :: drive(2)
-      !! on the negative and on the positive side [m/s2]
+      !! demand on the negative and on the positive side [m/s2]
       real(wp) :: push
 
       push = equation%push_gain*acceleration(equation%motion, interval, t)
@@ -580,7 +581,7 @@ contains
       drive(2) = -push - equation%state%uplift_acceleration(1)
       if (equation%has_vertical) drive = drive - equation%weight_share*(1 - equation%state%lean &
          *[-1, 1])*vertical_acceleration(equation%motion, interval, t)
-   end function lift_off_drives
+   end function uplift_demands
 
    !> Displacement of the frame u_s on a side [m].
    pure real(wp) function frame_displacement(model, side, y) result(u_s)
@@ -591,7 +592,7 @@ contains
       !! (states)
 
       u_s = straight_displacement(model, side, y(1))
-      if (model%beam%n > 0) u_s = u_s + cos(y(1))*tip_deflection(model%beam, y)
+      if (model%beam%n > 0) u_s = u_s + tip_displacement(model, y)
    end function frame_displacement
 
    !> Displacement of the frame u_s beside a wall that does not bend [m].
@@ -600,7 +601,7 @@ contains
       integer, intent(in) :: side
       !! +1 or -1
       real(wp), intent(in) :: theta
-      !! [rad]; bare frame: the displacement itself [m]
+      !! [rad]; bare frame, the displacement itself [m]
 
       if (model%has_wall) then
          u_s = side*model%p%R*displacement_of(model%geometry, side, side*theta)
@@ -609,7 +610,7 @@ contains
       end if
    end function straight_displacement
 
-   !> Displacement and velocity of the frame on a side.
+   !> Compute displacement and velocity of the frame on a side.
    pure subroutine frame_motion(model, side, y, u_s, u_s_dot)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
@@ -629,10 +630,8 @@ contains
       u_s = side*model%p%R*kin%u
       u_s_dot = model%p%R*kin%j*y(2)
       if (model%beam%n == 0) return
-      associate (w => tip_deflection(model%beam, y))
-         u_s = u_s + cos(y(1))*w
-         u_s_dot = u_s_dot + cos(y(1))*tip_rate(model%beam, y) - sin(y(1))*w*y(2)
-      end associate
+      u_s = u_s + tip_displacement(model, y)
+      u_s_dot = u_s_dot + tip_velocity(model, y)
    end subroutine frame_motion
 
    !> Acceleration of the frame relative to the ground [m/s2].
@@ -648,13 +647,41 @@ contains
       if (.not. model%has_wall) return
       kin = kinematics_of(model%geometry, side, side*y(1))
       u_s_ddot = model%p%R*(kin%j*y_dot(2) + side*kin%k*y(2)**2)
-      if (model%beam%n == 0) return
+      if (model%beam%n > 0) u_s_ddot = u_s_ddot + tip_acceleration(model, y, y_dot)
+   end function frame_acceleration
+
+   !> Horizontal displacement of the wall's top due to its deflection [m].
+   pure real(wp) function tip_displacement(model, y) result(u)
+      class(model_t), intent(in) :: model
+      !! with `&bending`
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      u = cos(y(1))*tip_deflection(model%beam, y)
+   end function tip_displacement
+
+   !> Rate of `tip_displacement` [m/s].
+   pure real(wp) function tip_velocity(model, y) result(v)
+      class(model_t), intent(in) :: model
+      !! with `&bending`
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      v = cos(y(1))*tip_rate(model%beam, y) - sin(y(1))*tip_deflection(model%beam, y)*y(2)
+   end function tip_velocity
+
+   !> Second rate of `tip_displacement` [m/s2].
+   pure real(wp) function tip_acceleration(model, y, y_dot) result(a)
+      class(model_t), intent(in) :: model
+      !! with `&bending`
+      real(wp), intent(in) :: y(:), y_dot(:)
+      !! (states) and their rates
+
       associate (w => tip_deflection(model%beam, y), w_dot => tip_rate(model%beam, y), &
          sine => sin(y(1)), cosine => cos(y(1)))
-         u_s_ddot = u_s_ddot + cosine*(tip_rate(model%beam, y_dot) - w*y(2)**2) &
-            - sine*(2*w_dot*y(2) + w*y_dot(2))
+         a = cosine*(tip_rate(model%beam, y_dot) - w*y(2)**2) - sine*(2*w_dot*y(2) + w*y_dot(2))
       end associate
-   end function frame_acceleration
+   end function tip_acceleration
 
    !> Displacement of the frame per small rotation [m/rad]; 1 for the bare frame.
    pure real(wp) function frame_travel(model) result(travel)
@@ -664,8 +691,8 @@ contains
       if (model%has_wall) travel = 2*model%p%R*model%p%cos_alpha
    end function frame_travel
 
-   !> A rocking wall has one corner that moves, at the arm 2b; a hinged one two with half the arm
-   !> and so half the moment [-].
+   !> Factor of corner devices for rocking or hinged walls [-]. A rocking wall has one moving corner
+   !> at the arm 2b. A hinged wall has two with half the arm, and so half the moment.
    pure real(wp) function corner_share(model)
       class(model_t), intent(in) :: model
 

@@ -1,5 +1,4 @@
-!> Where the floors are of a frame whose floors move by themselves, and what its storeys are
-!> displaced by.
+!> Motion of the floors and storeys of a frame whose floors have states.
 module rwmf_model_floor_motion
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: frame_acceleration, frame_motion, model_t
@@ -10,11 +9,11 @@ module rwmf_model_floor_motion
 
 contains
 
-   !> Displacements and velocities of ground, floors and roof relative to the ground.
+   !> Compute displacements and velocities of ground, floors and roof relative to the ground.
    pure subroutine floor_motion(model, side, y, u, v)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! in force, +1 or -1
+      !! current side, +1 or -1
       real(wp), intent(in) :: y(:)
       !! states
       real(wp), intent(out) :: u(0:)
@@ -32,11 +31,11 @@ contains
       call frame_motion(model, side, y, u(n), v(n))
    end subroutine floor_motion
 
-   !> What the storeys are displaced by, and how fast.
+   !> Compute the displacements of the storeys and their rates.
    pure subroutine storey_motion(model, side, y, d, d_dot)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! in force, +1 or -1
+      !! current side, +1 or -1
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(out) :: d(:)
@@ -58,9 +57,9 @@ contains
    pure function storey_accelerations(model, side, y, y_dot) result(d_ddot)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! in force, +1 or -1
+      !! current side, +1 or -1
       real(wp), intent(in) :: y(:), y_dot(:)
-      !! (states) and their rates
+      !! (states) states and their rates
       real(wp) :: d_ddot(model%floors%n)
       !! [m/s2]
 

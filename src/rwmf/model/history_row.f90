@@ -1,5 +1,5 @@
-!> A row of the history: columns are put by their numbers in the table of quantities. A first row
-!> gathers numbers and names of the columns, the later ones take the values alone.
+!> Row of the history whose columns are identified by their numbers in the table of quantities. The
+!> first row collects numbers and names of the columns; later rows contain only values.
 module rwmf_model_history_row
    use rwmf_core_kinds, only: wp
    use rwmf_problem_quantity_table, only: key_of
@@ -11,18 +11,19 @@ module rwmf_model_history_row
    !> Values of the columns at one instant.
    type :: history_row_t
       integer :: n
-      !! columns that have been put into this row; not counted while names are gathered
+      !! columns written to this row so far; not counted while names are collected
       real(wp), allocatable :: values(:)
       !! (columns) in the units of their keys
       character(32), allocatable :: names(:)
-      !! (columns); allocated only while they are gathered
+      !! (columns) names, allocated only while they are collected
       integer, allocatable :: numbers(:)
-      !! (columns) likewise
+      !! (columns) numbers of the quantities, allocated like the names
       integer, allocatable :: below(:)
-      !! (columns) storeys without a column below those of the same quantity; likewise
+      !! (columns) number of lower storeys that have no column of this quantity, allocated like the
+      !! names
    end type history_row_t
 
-   !> Put one column, or one for each storey from the ground up, into the row.
+   !> Append one column, or one for each storey from the ground up, to the row.
    interface put
       module procedure :: put_value
       module procedure :: put_values
@@ -30,7 +31,7 @@ module rwmf_model_history_row
 
 contains
 
-   !> A row without columns, which gathers their names.
+   !> Create a row without columns that collects their names.
    pure subroutine create_row(row)
       type(history_row_t), intent(out) :: row
 
@@ -40,7 +41,7 @@ contains
    pure subroutine put_value(row, number, value)
       type(history_row_t), intent(inout) :: row
       integer, intent(in) :: number
-      !! of the quantity
+      !! number of the quantity
       real(wp), intent(in) :: value
       !! in the unit of its key
 
@@ -53,7 +54,7 @@ contains
       real(wp), intent(in) :: values(:)
       !! (storeys) in the unit of the key
       integer, intent(in), optional :: below
-      !! storeys without a value, the lowest ones; absent: none
+      !! number of lower storeys without a value; 0 if absent
       integer :: n
 
       n = size(values)
@@ -89,12 +90,12 @@ contains
       row%below = [row%below, spread(first, 1, size(values))]
    end subroutine add_columns
 
-   !> A key with a number in the place of '{i}'; another key is left as it is.
+   !> Key with a number in place of '{i}'; any other key is unchanged.
    pure character(40) function numbered(pattern, number) result(key)
       character(*), intent(in) :: pattern
       !! key of the table of quantities, with or without '{i}'
       integer, intent(in) :: number
-      !! which takes the place of '{i}'
+      !! number that replaces '{i}'
       integer :: place
 
       key = pattern

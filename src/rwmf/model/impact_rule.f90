@@ -1,4 +1,4 @@
-!> Which loss at impact a case asks for, `&impact rule`, and which one the momentum balance wants.
+!> Velocity factor of impacts: by the rule of `&impact rule`, and by the momentum balance.
 module rwmf_model_impact_rule
    use rwmf_core_kinds, only: wp
    use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
@@ -10,7 +10,7 @@ module rwmf_model_impact_rule
 
 contains
 
-   !> What an impact leaves of the velocity by the case's rule.
+   !> Restitution law of the case's impact rule.
    pure type(restitution_t) function impact_law(case, alpha) result(law)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: alpha
@@ -23,7 +23,7 @@ contains
       law%factor = case%impact%table_e
    end function impact_law
 
-   !> Velocity factor of the case's rule, of a table the largest one; 1 without `&impact` [-].
+   !> Velocity factor of the case's rule, the largest one of a table; 1 without `&impact` [-].
    pure real(wp) function restitution(case, alpha) result(e)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: alpha
@@ -43,8 +43,8 @@ contains
       end select
    end function restitution
 
-   !> Velocity factor e_max of the momentum balance of all that the scene has, whatever its rule;
-   !> Housner's for a wall that stands alone [-].
+   !> Velocity factor e_max from the momentum balance of the whole scene, for any rule. For a
+   !> free-standing wall it is Housner's factor [-].
    pure real(wp) function balanced_restitution(case, alpha) result(e)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: alpha
@@ -57,7 +57,7 @@ contains
       e = restitution_momentum(alpha, mass_ratio(case), beta)
    end function balanced_restitution
 
-   !> Mass of the frame over that of the wall, 0 without a frame [-].
+   !> Mass ratio of frame and wall, 0 without a frame [-].
    pure real(wp) function mass_ratio(case) result(gamma)
       type(case_t), intent(in) :: case
 

@@ -1,4 +1,4 @@
-!> Derivatives of the right-hand side, for implicit methods.
+!> Derivatives of the right-hand side for implicit methods.
 module rwmf_model_jacobian
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: cable_at, equation_t, kinematics_at, rates_at, second_derivative
@@ -12,7 +12,7 @@ module rwmf_model_jacobian
 
 contains
 
-   !> Derivatives of all rates by all states.
+   !> Compute the derivatives of all rates with respect to all states.
    subroutine full_jacobian(equation, t, y, values)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -40,12 +40,12 @@ contains
          call rates_at(equation, t, y - step, backward)
          values(:, i) = (forward - backward)/(2*h)
       end do
-      ! A wall that is held (theta'' = 0 whatever happens) stays at zero to the last bit only if the
-      ! elimination finds nothing below its own two rows.
+      ! A held wall (theta'' = 0 in every case) must stay exactly at zero. For this, the elimination
+      ! must find only zeros below its two rows.
       if (all(abs(values(2, :)) <= 0)) values(3:, :2) = 0
    end subroutine full_jacobian
 
-   !> Derivatives of theta'' by theta [1/s2] and by theta' [1/s].
+   !> Compute the derivatives of theta'' with respect to theta [1/s2] and theta' [1/s].
    subroutine jacobian(equation, t, y, by_theta, by_theta_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -53,9 +53,9 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(out) :: by_theta
-      !! derivative of theta'' by theta [1/s2]
+      !! derivative of theta'' with respect to theta [1/s2]
       real(wp), intent(out) :: by_theta_dot
-      !! derivative of theta'' by theta' [1/s]
+      !! derivative of theta'' with respect to theta' [1/s]
       type(kinematics_t) :: kin
       type(cable_state_t) :: cable
       real(wp) :: phi_dot
@@ -89,8 +89,8 @@ contains
       end associate
    end subroutine jacobian
 
-   !> The same by central differences, for scenes with further effects: Newton's iteration needs no
-   !> more.
+   !> Compute the derivatives by central differences, for scenes with further effects. Their
+   !> accuracy is sufficient for Newton's iteration.
    subroutine difference_quotients(equation, t, y, by_theta, by_theta_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -98,7 +98,7 @@ contains
       real(wp), intent(out) :: by_theta
       real(wp), intent(out) :: by_theta_dot
       real(wp), parameter :: slowest = 1.0e-20_wp
-      !! velocity that a steep law has to tell from zero [rad/s]
+      !! smallest velocity that a steep law distinguishes from zero [rad/s]
       real(wp) :: step(size(y))
       real(wp) :: h
 

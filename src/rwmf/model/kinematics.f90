@@ -1,8 +1,8 @@
-!> Kinematics of one wall on one side of its motion, with the derivatives that tangents need: the
-!> loop of `rwmf_model_lanes` for a single lane.
+!> Kinematics of one wall on one side of its motion, with the derivatives for tangents. They come
+!> from the loop of `rwmf_model_lanes` with a single lane.
 module rwmf_model_kinematics
    use rwmf_core_kinds, only: wp
-   use rwmf_model_lanes, only: lane_motion_t, link_coefficients, move_wall, sine, &
+   use rwmf_model_lanes, only: cosine, lane_motion_t, link_coefficients, move_wall, sine, &
       tilt_link, wall_coefficients
    implicit none
    private
@@ -10,26 +10,27 @@ module rwmf_model_kinematics
    public :: geometry_t, kinematics_t
    public :: geometry_of, kinematics_of, displacement_of, wall_row, put_wall_side, link_row
 
-   !> Shape of the wall, and where the link holds it.
+   !> Shape of the wall and position of its link.
    type :: geometry_t
       real(wp) :: sin_alpha = 0
-      !! of the slenderness [-]
+      !! sine of the slenderness [-]
       real(wp) :: cos_alpha = 1
-      !! of the slenderness as well [-]
+      !! cosine of the slenderness [-]
       real(wp) :: link = 0
       !! length of the link over R [-]; 0: infinitely long
       real(wp) :: sine_wall = 0
-      !! sin(alpha) of a wall that rocks, 0 of a hinged one [-]
+      !! sin(alpha) for a rocking wall, 0 for a hinged one [-]
       real(wp) :: sine_link(-1:1) = 0
-      !! by the side of the motion: sin(alpha) where the link is at the top corner above the lifting
-      !! corner, 0 where it is above the pivot [-]
+      !! values by side for the link's displacement [-]. The value is sin(alpha) with the link at
+      !! the top corner above the lifting corner, and 0 with the link above the pivot.
       real(wp) :: sine_lever(-1:1) = 0
-      !! the same for the arm of the link's force [-]
+      !! values by side for the arm of the link's force [-]
       real(wp) :: tilt(-1:1) = 1
-      !! +1 where the tilt of the link pushes the frame on, -1 where it holds it back, by the side
+      !! values by side; +1 where the tilt of the link pushes the frame away, -1 where it pulls the
+      !! frame back
    end type geometry_t
 
-   !> Values at one rotation, all [-].
+   !> Kinematic values at one rotation, all [-].
    type :: kinematics_t
       real(wp) :: half_sine = 0
       !! sin(phi/2)
@@ -50,23 +51,24 @@ module rwmf_model_kinematics
       real(wp) :: lever = 1
       !! arm of the link's force over R
       real(wp) :: lever_1 = 0
-      !! its derivative by phi
+      !! derivative of the lever with respect to phi
       real(wp) :: rise = 0
-      !! how far the end of the link at the wall has risen, over R
+      !! rise of the link's end at the wall, over R
    end type kinematics_t
 
 contains
 
-   !> Geometry of a wall. `exact` keeps the link at the left top corner, u_s = 2h sin(theta) for
-   !> theta < 0; `symmetric` has it above the lifting corner on both sides; `published` has that
-   !> displacement, Eq. (4), and the arm of the left corner, Eq. (10).
+   !> Geometry of a wall in one of three formulations. `exact` keeps the link at the left top
+   !> corner; its displacement for theta < 0 is u_s = 2h sin(theta). `symmetric` has the link above
+   !> the lifting corner on both sides. `published` combines that displacement, Eq. (4), with the
+   !> arm of the left corner, Eq. (10).
    pure type(geometry_t) function geometry_of(alpha, formulation, is_rocking, link) result(geometry)
       real(wp), intent(in) :: alpha
       !! slenderness [rad]
       character(*), intent(in) :: formulation
       !! 'exact', 'symmetric' or 'published'
       logical, intent(in) :: is_rocking
-      !! on its corners; else hinged in the middle, with the link on its centre line
+      !! rocking on its corners; if false, hinged in the middle, with the link on its centre line
       real(wp), intent(in) :: link
       !! length of the link over R [-]; 0: infinitely long
 
@@ -91,7 +93,7 @@ contains
       real(wp), intent(in) :: R
       !! half diagonal [m]
       real(wp), intent(in) :: inertia
-      !! about the pivot over m_w R**2 [-]
+      !! inertia about the pivot over m_w R**2 [-]
       real(wp), intent(in) :: g
       !! [m/s2]
       real(wp) :: row(1, wall_coefficients)
@@ -100,13 +102,13 @@ contains
          geometry%sine_link(side), geometry%sine_lever(side), inertia, g/R]
    end function wall_row
 
-   !> The other side in those coefficients.
+   !> Set the coefficients of `move_wall` that depend on the side.
    pure subroutine put_wall_side(geometry, side, row)
       type(geometry_t), intent(in) :: geometry
       integer, intent(in) :: side
       !! +1 or -1
       real(wp), intent(inout) :: row(1, wall_coefficients)
-      !! coefficients of `move_wall`; those that depend on the side are set
+      !! coefficients of `move_wall`
 
       row(1, 1) = side
       row(1, 5) = geometry%sine_link(side)
@@ -134,7 +136,7 @@ contains
       !! [rad]
       type(lane_motion_t) :: motion
       real(wp) :: j, k
-      !! without the tilt of the link
+      !! values without the tilt of the link
       real(wp) :: root, tilt_1, tilt_2
 
       motion%ground = 0
@@ -156,7 +158,7 @@ contains
       kin%lever_1 = 2*geometry%sine_lever(side) - 4*kin%half_sine*(geometry%sine_lever(side) &
          *kin%half_sine + geometry%cos_alpha*kin%half_cosine)
       if (geometry%link <= 0) return
-      ! the derivative of root*tilt'' = k**2 - rise*j + tilt'**2
+      ! derivative of root*tilt'' = k**2 - rise*j + tilt'**2
       root = sqrt(geometry%link**2 - kin%rise**2)
       tilt_1 = geometry%tilt(side)*(kin%j - j)
       tilt_2 = geometry%tilt(side)*(kin%k - k)
@@ -164,8 +166,8 @@ contains
       kin%lever_1 = kin%k
    end function kinematics_of
 
-   !> Displacement of the frame over R there, to the same digits; where a link of finite length does
-   !> not tilt, without all the rest.
+   !> Displacement of the frame over R, with the same digits as `kinematics_of`. If no link of
+   !> finite length tilts, only the displacement is computed.
    pure real(wp) function displacement_of(geometry, side, phi) result(u)
       type(geometry_t), intent(in) :: geometry
       integer, intent(in) :: side
@@ -173,14 +175,15 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       type(kinematics_t) :: kin
-      real(wp) :: x
+      real(wp) :: x, y
 
       if (geometry%link > 0) then
          kin = kinematics_of(geometry, side, phi)
          u = kin%u
       else
          x = sine(0.5_wp*phi)
-         u = 4*x*(geometry%sine_link(side)*x + geometry%cos_alpha*sqrt(max(1 - x*x, 0.0_wp)))
+         y = cosine(0.5_wp*phi)
+         u = 2*(geometry%sine_link(side)*(2*x*x) + geometry%cos_alpha*(2*x*y))
       end if
    end function displacement_of
 

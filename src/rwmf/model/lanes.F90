@@ -1,12 +1,12 @@
-!> Lanes, runs of one scene that advance together, each at its own time, in the first index of every
-!> array; and the kinematics that all effects of a lane share.
+!> Lanes and the kinematics that all effects of a lane share. Lanes are runs of one scene that
+!> advance together, each with its own time. The first index of every array is the lane.
 !>
-!> Compiled for one lane, which is what single runs are, and for sixteen (`lane_count`). What a lane
-!> does depends on nothing in the others, so that its bits are the same in every company.
+!> The module is compiled for one lane, for single runs, and for sixteen (`lane_count`). A lane
+!> never depends on the others, so each result is bitwise identical to that of a single run.
 !>
-!> With phi = |theta| and the displacement |u_s| = R u(phi) of the frame away from the pivot,
-!> j = du/dphi and k = dj/dphi. `lever` is the arm of the link's force; virtual work says that it
-!> equals j, which Eq. (10) of the paper violates (docs/theory/theory.md).
+!> With phi = |theta| and the displacement |u_s| = R u(phi) of the frame away from the pivot, j =
+!> du/dphi and k = dj/dphi. `lever` is the arm of the link's force. By virtual work it equals j,
+!> which Eq. (10) of the paper violates (docs/theory/theory.md).
 module rwmf_model_lanes
    use rwmf_core_kinds, only: wp
    implicit none
@@ -15,7 +15,7 @@ module rwmf_model_lanes
    public :: lane_count, lane_motion_t
    public :: wall_coefficients, frame_coefficients, cable_coefficients, link_coefficients
    public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
-      add_straight_cable, sine
+      add_straight_cable, cosine, sine
    public :: add_wall_power, add_frame_power
    public :: power_count, of_input, of_viscous, of_plastic, of_bending
 
@@ -34,22 +34,22 @@ module rwmf_model_lanes
    integer, parameter :: of_input = 1
    !! power of the ground motion
    integer, parameter :: of_viscous = 2
-   !! that dampers take
+   !! power dissipated by dampers
    integer, parameter :: of_plastic = 3
-   !! that smooth hysteresis takes
+   !! power dissipated by smooth hysteresis
    integer, parameter :: of_bending = 4
-   !! that dampers of the wall's modes take
+   !! power dissipated by the dampers of the modes
 
-   !> Motion of the lanes at one instant, and the equation inertia*phi'' = moment that effects add
-   !> to, per m_w R**2. A bare frame is the same with u in place of phi, R = 1 and m_s in place of
+   !> Motion of the lanes at one instant. Effects add to inertia and moment of the equation
+   !> inertia*phi'' = moment, per m_w R**2. For a bare frame u replaces phi, R is 1 and m_s replaces
    !> m_w.
    type :: lane_motion_t
       real(wp) :: ground(lane_count)
       !! horizontal acceleration of the ground [m/s2]
       real(wp) :: vertical(lane_count)
-      !! vertical one, positive upward [m/s2]
+      !! vertical acceleration of the ground, positive upward [m/s2]
       real(wp) :: side(lane_count)
-      !! +1 or -1, the side in force: of a wall that rocks the sign of theta
+      !! +1 or -1, the current side; for a rocking wall the sign of theta
       real(wp) :: push(lane_count)
       !! horizontal acceleration of the ground towards that side, over R [1/s2]
       real(wp) :: phi(lane_count)
@@ -61,9 +61,9 @@ module rwmf_model_lanes
       real(wp) :: half_cosine(lane_count)
       !! cos(phi/2) [-]
       real(wp) :: s(lane_count)
-      !! arm of gravity over R; of a wall that rocks sin(alpha - phi) [-]
+      !! arm of gravity over R; sin(alpha - phi) for a rocking wall [-]
       real(wp) :: c(lane_count)
-      !! arm of the ground's inertia force over R; cos(alpha - phi) [-]
+      !! arm of the ground's inertia force over R; cos(alpha - phi) for a rocking wall [-]
       real(wp) :: u(lane_count)
       !! displacement of the frame away from the pivot, over R [-]
       real(wp) :: j(lane_count)
@@ -79,61 +79,69 @@ module rwmf_model_lanes
       real(wp) :: inertia(lane_count)
       !! [-]
       real(wp) :: moment(lane_count)
-      !! away from the base [1/s2]
+      !! moment away from the base [1/s2]
    end type lane_motion_t
 
 contains
 
-   !> Kinematics of a wall on a corner or on a hinge, its own inertia and weight.
+   !> Compute the kinematics of a wall on a corner or on a hinge, with its own inertia and weight.
    !>
-   !> The same formula holds at the top corner above the lifting base corner, u = 2 (sin(alpha) -
-   !> sin(alpha - phi)), and, with 0 in place of sin(alpha), at a point above the pivot: the other
-   !> top corner, or all of a hinged wall. It keeps all digits of a small rotation.
+   !> One formula covers all positions of the link and keeps all digits of a small rotation. At the
+   !> top corner above the lifting base corner, u = 2 (sin(alpha) - sin(alpha - phi)). At a point
+   !> above the pivot, 0 replaces sin(alpha). Such points are the other top corner, and all points
+   !> of a hinged wall.
    pure subroutine move_wall(coef, theta, theta_dot, motion)
       real(wp), intent(in) :: coef(lane_count, wall_coefficients)
-      !! side; 1/R [1/m]; cos(alpha); sin(alpha), or 0 above the pivot, for gravity, for the link's
-      !! displacement and for the arm of its force; inertia over m_w R**2; g/R [1/s2]
+      !! side; 1/R [1/m]; cos(alpha); three values of sin(alpha), each 0 above the pivot; inertia
+      !! over m_w R**2; g/R [1/s2]. The three values are for gravity, for the link's displacement
+      !! and for the arm of its force.
       real(wp), intent(in) :: theta(lane_count)
       !! [rad]
       real(wp), intent(in) :: theta_dot(lane_count)
       !! [rad/s]
       type(lane_motion_t), intent(inout) :: motion
-      !! with the ground's acceleration
-      real(wp) :: x, y, rise
+      !! on input with the acceleration of the ground
+      real(wp) :: x, y, sine_phi, fall, rise
       integer :: i
 
-      !$omp simd private(x, y, rise)
+      !$omp simd private(x, y, sine_phi, fall, rise)
       do i = 1, lane_count
          motion%side(i) = coef(i, 1)
          motion%phi(i) = coef(i, 1)*theta(i)
          motion%rate(i) = coef(i, 1)*theta_dot(i)
          motion%push(i) = coef(i, 1)*motion%ground(i)*coef(i, 2)
          x = sine(0.5_wp*motion%phi(i))
-         y = sqrt(max(1 - x*x, 0.0_wp))
+         y = cosine(0.5_wp*motion%phi(i))
          motion%half_sine(i) = x
          motion%half_cosine(i) = y
-         motion%s(i) = coef(i, 4) - 2*x*(coef(i, 4)*x + coef(i, 3)*y)
-         motion%c(i) = coef(i, 3) - 2*x*(coef(i, 3)*x - coef(i, 4)*y)
-         rise = 4*x*(coef(i, 5)*x + coef(i, 3)*y)
+         ! sin(phi), and cos(alpha) cos(phi)
+         sine_phi = 2*x*y
+         x = 2*x*x
+         fall = coef(i, 3)*sine_phi
+         y = coef(i, 3) - coef(i, 3)*x
+         motion%s(i) = coef(i, 4) - (coef(i, 4)*x + fall)
+         motion%c(i) = y + coef(i, 4)*sine_phi
+         rise = 2*(coef(i, 5)*x + fall)
          motion%u(i) = rise
-         motion%j(i) = 2*(coef(i, 3) - 2*x*(coef(i, 3)*x - coef(i, 5)*y))
+         motion%j(i) = 2*(y + coef(i, 5)*sine_phi)
          motion%k(i) = 2*coef(i, 5) - rise
          motion%u_rate(i) = motion%j(i)*motion%rate(i)
          motion%u_bias(i) = motion%k(i)*motion%rate(i)*motion%rate(i)
-         motion%lever(i) = 2*(coef(i, 3) - 2*x*(coef(i, 3)*x - coef(i, 6)*y))
+         motion%lever(i) = 2*(y + coef(i, 6)*sine_phi)
          motion%inertia(i) = coef(i, 7)
          motion%moment(i) = -(coef(i, 8)*motion%s(i) + motion%c(i)*motion%push(i))
       end do
    end subroutine move_wall
 
-   !> A frame without wall: its displacement is the rotation of an arm of one metre.
+   !> Compute the kinematics of a frame without a wall. Its displacement is the rotation of an arm
+   !> of one metre.
    pure subroutine move_bare_frame(u, u_dot, motion)
       real(wp), intent(in) :: u(lane_count)
       !! [m]
       real(wp), intent(in) :: u_dot(lane_count)
       !! [m/s]
       type(lane_motion_t), intent(inout) :: motion
-      !! with the ground's acceleration
+      !! on input with the acceleration of the ground
       integer :: i
 
       !$omp simd
@@ -157,13 +165,13 @@ contains
       end do
    end subroutine move_bare_frame
 
-   !> Link of finite length l, Eqs (2), (3): its end rises by v on a circle and tilts it, which adds
-   !> +-(l - sqrt(l**2 - v**2)) to the displacement.
+   !> Add the tilt of a link of finite length l, Eqs (2), (3). Its end rises by v on a circle, which
+   !> adds +-(l - sqrt(l**2 - v**2)) to the displacement.
    pure subroutine tilt_link(coef, motion)
       real(wp), intent(in) :: coef(lane_count, link_coefficients)
-      !! l over R [-]; +1 where the tilt pushes the frame on, -1 where it holds it back; 4
-      !! cos(alpha) [-]; 4 sin(alpha) where the link is above the lifting corner, 0 where it is
-      !! above the pivot [-]
+      !! l over R [-]; sign of the tilt; 4 cos(alpha) [-]; 4 sin(alpha) [-]. The sign is +1 where
+      !! the tilt pushes the frame away and -1 where it pulls the frame back. The last value is 0
+      !! with the link above the pivot.
       type(lane_motion_t), intent(inout) :: motion
       real(wp) :: v, root, tilt_1
       integer :: i
@@ -172,7 +180,7 @@ contains
       do i = 1, lane_count
          v = motion%half_sine(i)*(coef(i, 4)*motion%half_cosine(i) - coef(i, 3)*motion%half_sine(i))
          root = sqrt(max(coef(i, 1)*coef(i, 1) - v*v, 0.0_wp))
-         ! tilt = l - root has root*tilt' = v v', which is differentiated twice; v' = k, v'' = -j
+         ! tilt = l - root gives root*tilt' = v v', to be differentiated twice; v' = k, v'' = -j
          tilt_1 = v*motion%k(i)/root
          motion%u(i) = motion%u(i) + coef(i, 2)*(v*v/(coef(i, 1) + root))
          motion%k(i) = motion%k(i) + coef(i, 2)*((motion%k(i)*motion%k(i) - v*motion%j(i) &
@@ -184,7 +192,8 @@ contains
       end do
    end subroutine tilt_link
 
-   !> Mass, damper and spring of the frame, whose spring is on a straight line.
+   !> Add mass, damper and spring of the frame. The force of the spring is linear in the
+   !> displacement.
    pure subroutine add_frame(coef, motion)
       real(wp), intent(in) :: coef(lane_count, frame_coefficients)
       !! gamma; 2 xi_s omega_s [1/s]; slope of the spring's line over m_s [1/s2]; its force at zero
@@ -202,10 +211,10 @@ contains
       end do
    end subroutine add_frame
 
-   !> Power of the ground motion on the wall's own mass.
+   !> Add the power of the ground motion on the wall's mass.
    pure subroutine add_wall_power(weight, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum [-]
+      !! weight of the power in the sum [-]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
@@ -218,10 +227,10 @@ contains
       end do
    end subroutine add_wall_power
 
-   !> Powers of the ground motion on the frame's mass, and of its damper.
+   !> Add the powers of the ground motion on the frame's mass, and of its damper.
    pure subroutine add_frame_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
-      !! of the powers in the sum [-]
+      !! weight of the powers in the sum [-]
       real(wp), intent(in) :: coef(lane_count, frame_coefficients)
       !! coefficients of `add_frame`
       type(lane_motion_t), intent(in) :: motion
@@ -239,7 +248,7 @@ contains
       end do
    end subroutine add_frame_power
 
-   !> Cable of Eq. (1): force and moment are linear in the rotation.
+   !> Add the cable of Eq. (1), whose force and moment are linear in the rotation.
    pure subroutine add_linear_cable(coef, motion)
       real(wp), intent(in) :: coef(lane_count, cable_coefficients)
       !! moment at phi = 0 over m_w R**2 [1/s2]; its rate [1/(rad s2)]
@@ -252,11 +261,11 @@ contains
       end do
    end subroutine add_linear_cable
 
-   !> Straight cable from the middle of the base to the middle of the top, whose force is on a line
-   !> over its elongation: l**2 = 4h**2 + 2b**2 (1 - cos(phi)) + 4hb sin(phi).
+   !> Add a straight cable from the middle of the base to the middle of the top. Its force is linear
+   !> in its elongation, with l**2 = 4h**2 + 2b**2 (1 - cos(phi)) + 4hb sin(phi).
    pure subroutine add_straight_cable(coef, motion)
       real(wp), intent(in) :: coef(lane_count, cable_coefficients)
-      !! force at no elongation, over m_w R**2 [1/(m s2)]; its slope [1/(m2 s2)]; h [m]; b [m]
+      !! force at zero elongation, over m_w R**2 [1/(m s2)]; its slope [1/(m2 s2)]; h [m]; b [m]
       type(lane_motion_t), intent(inout) :: motion
       real(wp) :: sine_phi, rise, length, arm
       integer :: i
@@ -274,8 +283,8 @@ contains
       end do
    end subroutine add_straight_cable
 
-   !> sin(x) for |x| <= pi/4, where the next term is 1e-19 of it; a polynomial, because a call would
-   !> leave the vector. Quadruple precision asks the library.
+   !> sin(x) for |x| <= pi/4 from a polynomial, because a library call would prevent vectorisation.
+   !> The next term is 5e-17 of the result. Quadruple precision calls the library.
    elemental real(wp) function sine(x)
       real(wp), intent(in) :: x
       !! [rad]
@@ -289,9 +298,27 @@ contains
       s = x*x
       s_2 = s*s
       sine = x - x*s*((1/6.0_wp - s*(1/120.0_wp)) + s_2*((1/5040.0_wp - s*(1/362880.0_wp)) &
-         + s_2*((1/39916800.0_wp - s*(1/6227020800.0_wp)) + s_2*(1/1307674368000.0_wp &
-         - s*(1/355687428096000.0_wp)))))
+         + s_2*((1/39916800.0_wp - s*(1/6227020800.0_wp)) + s_2*(1/1307674368000.0_wp))))
 #endif
    end function sine
+
+   !> cos(x) for |x| <= pi/4 from a polynomial. It is faster than the root of 1 - sin(x)**2.
+   elemental real(wp) function cosine(x)
+      real(wp), intent(in) :: x
+      !! [rad]
+#ifdef RWMF_QUAD
+
+      cosine = cos(x)
+#else
+      real(wp) :: s
+      real(wp) :: s_2
+
+      s = x*x
+      s_2 = s*s
+      cosine = (1 - 0.5_wp*s) + s_2*((1/24.0_wp - s*(1/720.0_wp)) + s_2*((1/40320.0_wp &
+         - s*(1/3628800.0_wp)) + s_2*((1/479001600.0_wp - s*(1/87178291200.0_wp)) &
+         + s_2*(1/20922789888000.0_wp))))
+#endif
+   end function cosine
 
 end module rwmf_model_lanes

@@ -1,4 +1,4 @@
-!> The parameters of the equation of motion in the paper's letters.
+!> Parameters of the equation of motion, with the symbols of the paper.
 module rwmf_model_parameters
    use rwmf_core_kinds, only: wp
    implicit none

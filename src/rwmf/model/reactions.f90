@@ -1,11 +1,14 @@
-!> What foundation and wall exert on each other, from the balance of momentum (docs/theory,
-!> "Reactions"). All forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
+!> Forces between foundation and wall, from the balance of momentum (docs/theory, "Reactions"). All
+!> forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
 module rwmf_model_reactions
    use rwmf_core_kinds, only: wp
+   use rwmf_model_bent_wall, only: forces_of_linked_floors, linked_floor_accelerations, &
+      mean_acceleration
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
-   use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
+   use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, tip_acceleration, &
+      tip_displacement, tip_velocity, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: plastic_displacement, uneven_plastic_part
    use rwmf_model_kinematics, only: kinematics_t
@@ -16,61 +19,67 @@ module rwmf_model_reactions
    public :: reactions_t, reactions_at, friction_demand, link_force, cable_force, wall_drift
    public :: corner_force, plastic_part, roof_acceleration, link_tilt
 
-   !> Forces of the foundation at one instant.
+   !> Forces of the foundation on the structure at one instant.
    type :: reactions_t
       real(wp) :: normal
-      !! N, on the base of the wall [m/s2]
+      !! normal force N on the base of the wall [m/s2]
       real(wp) :: horizontal
-      !! H, on the base of the wall [m/s2]
+      !! horizontal force H on the base of the wall [m/s2]
       real(wp) :: base_shear
-      !! on wall and frame together, anchors of cable and dampers included [m/s2]
+      !! force on wall and frame together, including anchors of cable and dampers [m/s2]
    end type reactions_t
 
 contains
 
-   !> Reactions at a state of motion; at rest all of it is zero, and N and H are the resultants of
-   !> the pressed base.
-   type(reactions_t) function reactions_at(equation, t, y, y_ddot) result(reactions)
+   !> Compute the reactions at a state of motion. For a wall at rest, pass zeros for its motion; N
+   !> and H are then the resultants on the base in contact.
+   type(reactions_t) function reactions_at(equation, t, y, y_dot) result(reactions)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]; bare frame: u'' [m/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
       type(kinematics_t) :: kin
       real(wp) :: mean(2)
       !! acceleration of the wall's centroid [m/s2]
       real(wp) :: applied(2)
-      !! force on the wall beyond weight and foundation [m/s2]
+      !! force on the wall in addition to weight and foundation [m/s2]
       real(wp) :: on_frame(2)
-      !! forces of effects on the frame [m/s2]
+      !! forces of further effects on the frame [m/s2]
       real(wp) :: u_ddot
 
       on_frame = effects_frame_force(equation, y)
       if (.not. equation%has_wall) then
-         reactions = reactions_t(0, 0, y_ddot + ground(equation, t) &
-            + floor_inertia(equation, t, y, y_ddot) - on_frame(2))
+         reactions = reactions_t(0, 0, y_dot(2) + ground(equation, t) &
+            + floor_inertia(equation, t, y, y_dot(2)) - on_frame(2))
          return
       end if
       kin = kinematics_at(equation, y(1))
-      mean = equation%p%R*[kin%c*y_ddot + equation%state%side*kin%s*y(2)**2, &
-         equation%state%side*kin%s*y_ddot - kin%c*y(2)**2]
+      mean = equation%p%R*[kin%c*y_dot(2) + equation%state%side*kin%s*y(2)**2, &
+         equation%state%side*kin%s*y_dot(2) - kin%c*y(2)**2]
+      if (equation%beam%n > 0) mean = mean + mean_acceleration(equation, y, y_dot)
       mean(1) = mean(1) + ground(equation, t)
       if (equation%has_vertical) mean(2) = mean(2) + vertical_ground(equation, t)
-      applied = link_force(equation, kin, t, y, y_ddot) + cable_force(equation, y(1)) &
-         + corner_force(equation, y, y_ddot)
+      applied = link_force(equation, kin, t, y, y_dot) + cable_force(equation, y(1)) &
+         + corner_force(equation, y, y_dot(2))
       reactions%horizontal = mean(1) - applied(1)
       reactions%normal = mean(2) + equation%p%g - applied(2)
       reactions%base_shear = mean(1)
       if (.not. equation%has_frame) return
-      u_ddot = roof_acceleration(equation, kin, y, y_ddot)
+      if (allocated(equation%beam%floors)) then
+         reactions%base_shear = reactions%base_shear + dot_product(equation%beam%floors%m, &
+            linked_floor_accelerations(equation, y, y_dot) + ground(equation, t))
+         return
+      end if
+      u_ddot = roof_acceleration(equation, kin, y, y_dot)
       reactions%base_shear = reactions%base_shear + equation%p%gamma*(u_ddot &
          + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot) - on_frame(2)
    end function reactions_at
 
-   !> |H|/N, the coefficient of friction that keeps the pivot in its place; not finite where the
-   !> pivot is not pressed on [-].
+   !> Friction demand |H|/N, the coefficient of friction that prevents sliding of the pivot [-].
+   !> Without a compressive force on the pivot, it is the largest number.
    elemental real(wp) function friction_demand(reactions) result(demand)
       type(reactions_t), intent(in) :: reactions
 
@@ -80,30 +89,34 @@ contains
       end if
    end function friction_demand
 
-   !> Force of the link on the wall: what the mass of the frame needs beyond spring and damper. A
-   !> link of finite length is tilted by the rise of its corner.
-   function link_force(equation, kin, t, y, y_ddot) result(force)
+   !> Force of the link on the wall: the inertia force of the frame less the forces of its spring
+   !> and damper. The rise of its corner tilts a link of finite length.
+   function link_force(equation, kin, t, y, y_dot) result(force)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
-      !! at this rotation
+      !! kinematics at the current rotation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
-      !! states
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]; without wall u'' [m/s2]
+      !! (states)
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
       real(wp) :: force(2)
       !! [m/s2]
       real(wp) :: resisting(equation%floors%n)
       !! forces of the storeys [m/s2]
       real(wp) :: on_frame(2)
-      !! forces of effects on the frame [m/s2]
+      !! forces of further effects on the frame [m/s2]
       real(wp) :: u_ddot
 
       force = 0
       if (.not. equation%has_frame) return
+      if (allocated(equation%beam%floors)) then
+         force(1) = sum(forces_of_linked_floors(equation, t, y, y_dot))
+         return
+      end if
       associate (p => equation%p)
-         u_ddot = roof_acceleration(equation, kin, y, y_ddot)
+         u_ddot = roof_acceleration(equation, kin, y, y_dot)
          force(1) = -p%gamma*(u_ddot + equation%floors%excited_mass_ratio*ground(equation, t))
          if (allocated(equation%floors%m)) then
             resisting = resistance(equation, y)
@@ -111,6 +124,8 @@ contains
          else
             force(1) = force(1) - p%gamma*p%omega_s*p%R &
                *(p%omega_s*equation%state%side*kin%u + 2*p%xi_s*kin%j*y(2))
+            if (equation%beam%n > 0) force(1) = force(1) - p%gamma*p%omega_s*(p%omega_s &
+               *tip_displacement(equation, y) + 2*p%xi_s*tip_velocity(equation, y))
          end if
          if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
             force(1) = force(1) + p%gamma*p%omega_squared*plastic_part(equation, y)
@@ -122,23 +137,24 @@ contains
       force(2) = link_tilt(equation, kin)*force(1)
    end function link_force
 
-   !> Vertical over horizontal force of the links on the wall; all links have the tilt of the
-   !> roof's [-].
+   !> Ratio of vertical to horizontal force of the links on the wall [-]. All links have the tilt of
+   !> the roof link.
    pure real(wp) function link_tilt(equation, kin) result(tilt)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
-      !! at this rotation
+      !! kinematics at the current rotation
       real(wp) :: side_of_frame
-      !! 1, or -1 where the frame stands to the right of the wall
+      !! 1, or -1 with the frame to the right of the wall
 
       tilt = 0
       if (equation%geometry%link <= 0) return
-      ! `symmetric` is a wall whose frame changes its place with the side
+      ! with `symmetric` the frame changes its place with the side
       side_of_frame = equation%state%side*equation%geometry%tilt(equation%state%side)
       tilt = side_of_frame*kin%rise/sqrt(equation%geometry%link**2 - kin%rise**2)
    end function link_tilt
 
-   !> Displacement of the frame by which its force is smaller than that of an elastic one [m].
+   !> Plastic displacement of the frame: the reduction of its force from the elastic one, over its
+   !> elastic stiffness [m].
    real(wp) function plastic_part(equation, y)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -151,11 +167,12 @@ contains
       end if
    end function plastic_part
 
-   !> What the links of all floors do to the wall, from what a single one at the roof would do.
+   !> Sum of the link forces of all floors on the wall, from the force of a single link at the roof.
    !>
-   !> On the straight line the shears of the storeys are in the proportion of k_i h_i at every
-   !> instant, those of dampers and of yielding included unless storeys yield one by one; the lowest
-   !> one goes to the ground, and the links carry the rest of the floors' momentum.
+   !> With links at every floor the frame deflects in a straight line, and the storey shears are
+   !> proportional to k_i h_i. They include dampers and yielding, except in storeys that yield
+   !> separately. The lowest shear goes to the ground; the links carry the remaining momentum of the
+   !> floors.
    real(wp) function sum_of_links(equation, t, y, u_ddot, roof_alone) result(force)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -163,11 +180,11 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: u_ddot
-      !! of the roof relative to the ground [m/s2]
+      !! acceleration of the roof relative to the ground [m/s2]
       real(wp), intent(in) :: roof_alone
       !! force at the roof with the same moment about the base [m/s2]
       real(wp) :: resisting
-      !! of spring and damper at the roof [m/s2]
+      !! force of spring and damper at the roof [m/s2]
 
       associate (gamma => equation%p%gamma, a => ground(equation, t))
          resisting = -roof_alone - gamma*(u_ddot + equation%floors%excited_mass_ratio*a)
@@ -178,8 +195,9 @@ contains
       end associate
    end function sum_of_links
 
-   !> Force of the cable on the wall: along the straight cable of the law 'truss', else along the
-   !> wall's axis, the only line fixed to the wall whose arm about both corners is R sin(alpha).
+   !> Force of the cable on the wall. With the law 'truss' it acts along the straight cable,
+   !> otherwise along the wall's axis. The axis is the only line fixed to the wall with the arm R
+   !> sin(alpha) about both corners.
    function cable_force(equation, theta) result(force)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -188,7 +206,7 @@ contains
       !! [m/s2]
       type(cable_state_t) :: cable
       real(wp) :: run(2)
-      !! from the lower to the upper end of the cable, any length
+      !! vector of any length from the lower to the upper end of the cable
 
       force = 0
       if (.not. equation%has_cable) return
@@ -203,8 +221,8 @@ contains
       force = -equation%p%g*cable%force*run/norm2(run)
    end function cable_force
 
-   !> Force of what works under the corners on the wall. On a hinged wall the devices at both
-   !> corners are a couple.
+   !> Force of the devices under the corners on the wall. On a hinged wall the devices at both
+   !> corners form a couple without resultant.
    function corner_force(equation, y, y_ddot) result(force)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -222,7 +240,7 @@ contains
       force = found(1, :)
    end function corner_force
 
-   !> Displacement of the middle of the wall's top over its height; grows with |theta| [-].
+   !> Displacement of the middle of a rigid wall's top over its height [-]. It grows with |theta|.
    pure real(wp) function wall_drift(equation, theta) result(drift)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -234,17 +252,18 @@ contains
       end if
    end function wall_drift
 
-   !> Acceleration of the frame (of its roof) relative to the ground, u_s'' [m/s2].
-   pure real(wp) function roof_acceleration(equation, kin, y, y_ddot) result(u_ddot)
+   !> Acceleration u_s'' of the frame, at its roof, relative to the ground [m/s2].
+   pure real(wp) function roof_acceleration(equation, kin, y, y_dot) result(u_ddot)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
-      !! at this rotation
+      !! kinematics at the current rotation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
-      u_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
+      u_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_dot(2))
+      if (equation%beam%n > 0) u_ddot = u_ddot + tip_acceleration(equation, y, y_dot)
    end function roof_acceleration
 
 end module rwmf_model_reactions

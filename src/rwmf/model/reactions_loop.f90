@@ -1,8 +1,8 @@
-!> Loop over lanes of the reactions.
+!> Loop over lanes that computes the reactions.
 !>
-!> Each loop of a scene adds to the moment about the pivot, and the arms of these moments are known:
-!> what the loops through the link, under the corner and in the cable add says what forces they
-!> exert on the wall (docs/theory/theory.md, "Reactions").
+!> Each loop of a scene adds to the moment about the pivot, and the arms of these moments are known.
+!> The moments of the loops in `force_parts_t` thus give their forces on the wall
+!> (docs/theory/demands.md, "Reactions").
 module rwmf_model_reactions_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates
@@ -20,59 +20,60 @@ module rwmf_model_reactions_loop
    integer, parameter :: demand = 2
    integer, parameter :: shear = 3
    integer, parameter :: reaction_count = 3
-   !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2], each to be maximised
+   !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2]; the run keeps the maximum
+   !! of each
 
-   !> Motion of the lanes, and forces on their walls above the base, horizontal and upward over m_w
-   !> [m/s2].
+   !> Motion of the lanes, and the forces on their walls above the base, horizontal and upward, over
+   !> m_w [m/s2].
    type :: lane_forces_t
       type(lane_motion_t) :: motion
       real(wp) :: phi_ddot(lane_count)
-      !! [rad/s2]; without wall u'' [m/s2]
+      !! angular acceleration [rad/s2]; without a wall u'' [m/s2]
       real(wp) :: link(lane_count, 2)
       real(wp) :: cable(lane_count, 2)
    end type lane_forces_t
 
 contains
 
-   !> Reactions of moving lanes.
+   !> Compute the reactions of moving lanes.
    subroutine lane_reactions(parts, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       !! complete
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the loops, on the current side and the active branches
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
-      !! acceleration of the ground, horizontal and vertical [m/s2]
+      !! horizontal and vertical ground acceleration [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count)
-      !! as of `lane_forces` [m/s2], [-]
+      !! reactions as in `lane_forces` [m/s2], [-]
       type(lane_forces_t) :: forces
       real(wp) :: rates(lane_count, parts%through_link%n)
 
       call lane_forces(parts, coef, y, ground, found, forces, rates)
    end subroutine lane_reactions
 
-   !> The same with what they come from.
+   !> Compute the reactions, and the motion and forces that cause them.
    subroutine lane_forces(parts, coef, y, ground, found, forces, rates)
       type(force_parts_t), intent(in) :: parts
       !! complete
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the loops, on the current side and the active branches
       real(wp), intent(in) :: y(lane_count, parts%through_link%n)
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
-      !! acceleration of the ground, horizontal and vertical [m/s2]
+      !! horizontal and vertical ground acceleration [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count)
-      !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2] in the columns
-      !! `low_normal`, `demand` and `shear`;
-      !! without wall the shear alone, and the others below everything
+      !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2]. They are in the columns
+      !! `low_normal`, `demand` and `shear`. Without a wall only the shear is meaningful; the other
+      !! columns hold the smallest number.
       type(lane_forces_t), intent(out) :: forces
       real(wp), intent(out) :: rates(lane_count, parts%through_link%n)
-      !! of the states of floors [m/s], [m/s2]; the others are not set
+      !! rates of the floor states [m/s], [m/s2]; other rates are undefined
       real(wp), dimension(lane_count, 2) :: link, corner, cable
-      !! what the parts add to moment and inertia, over m_w R**2 [1/s2], [-]
+      !! moment and inertia of the parts, over m_w R**2 [1/s2], [-]
       real(wp) :: force(lane_count, 2)
-      !! of the foundation on the wall, horizontal and upward [m/s2]
+      !! force of the foundation on the wall, horizontal and upward [m/s2]
       integer :: i
 
       associate (motion => forces%motion, phi_ddot => forces%phi_ddot)
@@ -122,18 +123,19 @@ contains
       end do
    end subroutine lane_forces
 
-   !> Force on the wall of what works under its corners; a motion whose rotation grows with phi.
+   !> Compute the force of the corner devices on the wall. The angular acceleration is that of phi =
+   !> |theta|.
    subroutine push_corner(part, coef, y, phi_ddot, force)
       type(scene_t), intent(in) :: part
-      !! on corners
+      !! loops of the corner devices
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the loops, on the current side and the active branches
       real(wp), intent(in) :: y(lane_count, part%n)
       !! (states)
       real(wp), intent(in) :: phi_ddot(lane_count)
       !! [rad/s2]
       real(wp), intent(out) :: force(lane_count, 2)
-      !! over m_w, horizontal (positive as u_g'') and upward [m/s2]
+      !! force over m_w, horizontal (positive as u_g'') and upward [m/s2]
       type(lane_motion_t) :: motion
       real(wp) :: corner(lane_count, 2), rates(lane_count, part%n)
 
@@ -145,18 +147,18 @@ contains
       force = -force
    end subroutine push_corner
 
-   !> Moment and inertia that the loops of a part add to those of the wall.
+   !> Compute the moment and inertia that the loops of a part add to those of the wall.
    subroutine add_up(part, coef, y, motion, total, rates)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
       real(wp), intent(in) :: y(lane_count, part%n)
       !! (states)
       type(lane_motion_t), intent(inout) :: motion
-      !! with the accelerations of the ground; on return kinematics as well
+      !! on input the ground accelerations; on return also the kinematics
       real(wp), intent(out) :: total(lane_count, 2)
       !! moment [1/s2] and inertia [-] over m_w R**2
       real(wp), intent(inout) :: rates(lane_count, part%n)
-      !! of states that the loops of the part move
+      !! rates of states in the loops of the part
       integer :: i
 
       call lane_rates(part, coef, y, motion, rates)
@@ -175,13 +177,14 @@ contains
       end associate
    end subroutine add_up
 
-   !> Acceleration of the rotation, and what accelerates the centroid of the wall, less its weight.
+   !> Compute the angular acceleration, and the force in addition to the weight that accelerates the
+   !> wall's centroid.
    pure subroutine move_centroid(coef, ground, total, motion, phi_ddot, force)
       real(wp), intent(in) :: coef(lane_count, first_wall + 7)
       real(wp), intent(in) :: ground(lane_count, 2)
       !! [m/s2]
       real(wp), intent(in) :: total(lane_count, 2)
-      !! moment and inertia that all parts add
+      !! moment and inertia of all parts
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(out) :: phi_ddot(lane_count)
       !! [rad/s2]
@@ -195,7 +198,7 @@ contains
          R = 1/coef(i, first_wall + 1)
          g = R*coef(i, first_wall + 7) + ground(i, 2)
          square = motion%rate(i)*motion%rate(i)
-         ! a held wall does not turn
+         ! the angular acceleration of a held wall is zero
          phi_ddot(i) = coef(i, 1)*((total(i, 1) - (g/R*motion%s(i) + motion%c(i)*motion%push(i))) &
             /(total(i, 2) + coef(i, first_wall + 6)))
          force(i, 1) = R*motion%side(i)*(motion%c(i)*phi_ddot(i) + motion%s(i)*square) &
@@ -204,8 +207,9 @@ contains
       end do
    end subroutine move_centroid
 
-   !> What works along the chord of the corner that lifts, with the arm 2b cos(phi/2), and the fuse
-   !> under the other one.
+   !> Subtract the forces of the corner devices from the force of the foundation. The devices act
+   !> along the chord of the lifting corner, with the arm 2b cos(phi/2). The fuse under the other
+   !> corner adds its force.
    pure subroutine press_corner(part, coef, corner, motion, phi_ddot, force)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
@@ -215,7 +219,7 @@ contains
       real(wp), intent(in) :: phi_ddot(lane_count)
       !! [rad/s2]
       real(wp), intent(inout) :: force(lane_count, 2)
-      !! of the foundation [m/s2]
+      !! force of the foundation [m/s2]
       real(wp) :: along
       !! force on the wall [m/s2]
       integer :: i, j
@@ -239,7 +243,8 @@ contains
       end do
    end subroutine press_corner
 
-   !> The cable, along itself where it is straight, else along the axis of the wall.
+   !> Compute the cable force on the wall and subtract it from the force of the foundation. It acts
+   !> along a straight cable, otherwise along the axis of the wall.
    pure subroutine pull_cable(part, coef, cable, motion, force, on_wall)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
@@ -247,9 +252,9 @@ contains
       !! moment of that part
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: force(lane_count, 2)
-      !! of the foundation [m/s2]
+      !! force of the foundation [m/s2]
       real(wp), intent(inout) :: on_wall(lane_count, 2)
-      !! of the cable [m/s2]
+      !! force of the cable [m/s2]
       real(wp) :: s, c, pull, sine, cosine, rise
       integer :: i
 
@@ -283,7 +288,8 @@ contains
       end do
    end subroutine pull_cable
 
-   !> The frame on the wall, through a link that may be tilted, and on the ground.
+   !> Compute the force of the frame on the wall, through a link that may be tilted, and its part of
+   !> the base shear.
    pure subroutine push_frame(part, coef, link, motion, phi_ddot, base, force, along)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
@@ -295,7 +301,8 @@ contains
       real(wp), intent(out) :: base(lane_count)
       !! shear of wall and frame together [m/s2]
       real(wp), intent(inout) :: force(lane_count, 2)
-      !! of the foundation; in: with the horizontal one that accelerates the wall [m/s2]
+      !! force of the foundation; on input with the horizontal force that accelerates the wall
+      !! [m/s2]
       real(wp), intent(inout) :: along(lane_count, 2)
       !! force of the link on the wall [m/s2]
       real(wp) :: R, v
@@ -331,12 +338,12 @@ contains
       end do
    end subroutine push_frame
 
-   !> Floors below the roof on the ground.
+   !> Add the floors below the roof to the base shear.
    pure subroutine push_floors(part, coef, rates, ground, base)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
       real(wp), intent(in) :: rates(lane_count, part%n)
-      !! of the states
+      !! rates of the states
       real(wp), intent(in) :: ground(lane_count)
       !! [m/s2]
       real(wp), intent(inout) :: base(lane_count)

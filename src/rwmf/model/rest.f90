@@ -1,43 +1,44 @@
-!> When chatter ends and the wall rests: a question about the ground motion alone, unless further
-!> states move while the wall stays on its base.
+!> Transition from chatter to rest. The condition depends only on the ground motion, unless further
+!> states change while the wall is on its base.
 module rwmf_model_rest
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: enter_side, rhs, second_derivative
-   use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, lift_off_drives
-   use rwmf_model_lift_off, only: drive_turns, find_uplift_acceleration
+   use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, uplift_demands
+   use rwmf_model_lift_off, only: demand_turns, find_uplift_acceleration
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until
    implicit none
    private
 
    real(wp), parameter :: most_varied = 4
-   !! variation of the drives over the least pressure for which chatter is said to settle [-]
+   !! largest variation of the uplift demands over the smallest contact pressure at which chatter
+   !! counts as settling [-]
    real(wp), parameter :: elastic_loss = 1.0_wp/640
-   !! part of the velocity lost at an impact up to which bounces may have no end [-]
+   !! relative velocity loss at an impact up to which bouncing may never end [-]
 
    public :: elastic_loss, hold_wall, release_wall, may_rest, will_settle, inverse_inertia
 
 contains
 
-   !> Hold theta at 0 while further states move.
+   !> Hold theta at 0 while further states change.
    pure subroutine hold_wall(state)
       type(discrete_state_t), intent(inout) :: state
 
       state%coef(1, 1) = 0
    end subroutine hold_wall
 
-   !> Let theta follow its equation of motion.
+   !> Release theta to follow its equation of motion.
    pure subroutine release_wall(state)
       type(discrete_state_t), intent(inout) :: state
 
       state%coef(1, 1) = 1
    end subroutine release_wall
 
-   !> Smallest ground acceleration that presses the wall down on both sides over a span [m/s2];
-   !> not positive when one side lets go.
+   !> Smallest ground acceleration that presses the wall down on both sides over a span [m/s2]. It
+   !> is not positive if one side lifts off.
    pure real(wp) function pressing_acceleration(equation, t_begin, t_end) result(press)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_begin
-      !! in the interval that is in force [s]
+      !! a time in the current interval [s]
       real(wp), intent(in) :: t_end
       !! [s]
       integer :: interval
@@ -47,7 +48,7 @@ contains
       t = t_begin
       press = pressing_at(equation, interval, t)
       do while (t < t_end .and. press > 0)
-         t = min(drive_turns(equation, interval, t), t_end)
+         t = min(demand_turns(equation, interval, t), t_end)
          press = min(press, pressing_at(equation, interval, t))
          if (t >= interval_end(equation%motion, interval)) then
             interval = interval + 1
@@ -62,15 +63,15 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      associate (drive => lift_off_drives(equation, interval, t))
+      associate (drive => uplift_demands(equation, interval, t))
          press = -max(drive(1), drive(2))
       end associate
    end function pressing_at
 
-   !> May the wall be put to rest after an impact that leaves it the velocity v?
+   !> True if the wall may be put to rest after an impact that leaves it the velocity v.
    logical function may_rest(equation, t, y, v, e, small_angle, small_velocity)
       type(equation_t), intent(inout) :: equation
-      !! returns as it was
+      !! unchanged on return
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
@@ -91,13 +92,13 @@ contains
       end if
    end function may_rest
 
-   !> May it where nothing but the ground moves meanwhile?
+   !> Return true if the wall may rest while only the ground moves.
    !>
-   !> Impacts with e < 1 accumulate: flights of duration 2 v e**n/a end after 2 v/(a (1 - e)).
-   !> If the wall is pressed down throughout that time, the true motion has ended by then and stays
-   !> below v**2/(2a) meanwhile: when that is negligible, resting at once changes nothing else. The
-   !> same holds when the ground has come to rest for good, whatever e.
-   !> Otherwise only a velocity that is itself negligible may be dropped.
+   !> Impacts with e < 1 accumulate: flights of duration 2 v e**n/a end after 2 v/(a (1 - e)). If
+   !> the wall is pressed down throughout that time, the true motion has ended by then. Until then
+   !> it stays below v**2/(2a). If that is negligible, immediate rest changes nothing else. This
+   !> also holds for any e after the ground has stopped permanently. In all other cases only a
+   !> velocity that is itself negligible may be dropped.
    pure logical function may_rest_still(equation, t, v, e, small_angle, small_velocity) &
       result(may_rest)
       type(equation_t), intent(in) :: equation
@@ -119,31 +120,32 @@ contains
       may_rest = .false.
       press = pressing_at(equation, interval_of(equation), t)
       if (press <= 0) return
-      ! A flight of a few spacings of the time cannot be followed.
+      ! Flights of a few spacings of the time cannot be resolved.
       gain = inverse_inertia(equation)
       may_rest = v <= small_velocity
-      ! a spacing is at most epsilon*t, and costs a call
+      ! a spacing is at most epsilon*t; the cheap test avoids most calls of `spacing`
       if (v <= press*gain*64*epsilon(t)*t) may_rest = may_rest .or. v <= press*gain*64*spacing(t)
       if (may_rest .or. v**2 > 2*press*gain*small_angle) return
-      ! With e = 1 the chatter has no end, but nothing can come of it after the last knot.
+      ! With e = 1 the chatter has no end, but it is harmless after the last knot.
       may_rest = interval_of(equation) >= interval_last(equation%motion)
       if (may_rest .or. e >= 1) return
-      ! Twice the time that the present pressure allows leaves room for a smaller one meanwhile.
+      ! Twice the time under the present pressure allows for a smaller pressure later.
       chatter = 4*v/(press*gain*(1 - e))
       if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
       press = pressing_acceleration(equation, t, t + chatter)
       may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
    end function may_rest_still
 
-   !> May it where further states move meanwhile?
+   !> Return true if the wall may rest while further states change.
    !>
-   !> As `may_rest_still`, but the pressure changes with the other states. So the chatter
-   !> must end within a tenth of their shortest period, and the pressure is reduced by twice what
-   !> their present rates make of it in that time, and by a bound on their acceleration.
+   !> The test is that of `may_rest_still`, but the pressure changes with the other states. The
+   !> chatter must therefore end within a tenth of their shortest period. The pressure is reduced by
+   !> twice its change at their present rates in that time. It is also reduced by a bound on the
+   !> effect of their acceleration.
    !>
-   !> Bounces that hardly lose energy would go on below the resolution; the wall rests when many of
-   !> them are sure to follow within the shortest period over 2 pi. What is dropped is less than
-   !> the tolerance of the energy.
+   !> Bounces with little loss of energy would continue below the resolution. The wall then rests if
+   !> many bounces are certain to follow within the shortest period over 2 pi. The dropped energy is
+   !> less than the energy tolerance.
    logical function may_rest_moving(equation, t, y, v, e, small_angle, small_velocity) &
       result(may_rest)
       type(equation_t), intent(inout) :: equation
@@ -163,13 +165,13 @@ contains
       real(wp) :: press
       real(wp) :: gain
       real(wp) :: loss
-      !! of velocity at an impact, or over half the number of flights [-]
+      !! relative velocity loss at an impact, or over half the number of flights [-]
       real(wp) :: chatter
-      !! how long it may last [s]
+      !! largest duration of the chatter [s]
       real(wp) :: longest
-      !! the same over the shortest period over 2 pi [-]
+      !! limit of that duration over (shortest period over 2 pi) [-]
       real(wp) :: change
-      !! of the pressure in that time [m/s2]
+      !! change of the pressure in that time [m/s2]
 
       may_rest = .false.
       press = pressing_acceleration(equation, t, t)
@@ -191,13 +193,13 @@ contains
       may_rest = press > 0 .and. 2*v <= press*gain*loss*chatter
    end function may_rest_moving
 
-   !> By how much the other states may change what the wall bears within a time.
+   !> Bound the change of the uplift acceleration by the other states within a duration.
    subroutine bound_change(equation, t, y, duration, change)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: duration
-      !! much shorter than their shortest period [s]
+      !! duration, much shorter than the shortest period of these states [s]
       real(wp), intent(out) :: change
       !! [m/s2]
       real(wp) :: held(size(y))
@@ -220,19 +222,19 @@ contains
          + (duration*equation%floors%max_frequency)**2*displaced
    end subroutine bound_change
 
-   !> Does the chatter after an impact end by itself, below an angle and before a side is pulled?
-   !> Then a wall put to rest at once has the same largest displacement and lifts off in the same
-   !> instant.
+   !> True if the chatter after an impact ends below an angle and before the ground motion pulls a
+   !> side off the base. A wall put to rest immediately then has the same largest displacement and
+   !> the same instant of lift-off.
    !>
    !> Under a deceleration p(t) >= p_min > 0 a flight returns with at most sqrt(p_1/p_0) of its
-   !> velocity, p_0 and p_1 the least and the largest deceleration in it. Impact number n therefore
-   !> leaves at most w e**n, w = v exp(V/2), V the total variation of ln(p). The flights take at
-   !> most 2 w/(p_min (1 - e)) together, and none rises above w**2/(2 p_min). Rotation and velocity
-   !> reduce p by little below a small angle: four times the largest reduction at the bounds is
-   !> allowed for.
+   !> velocity. Here p_0 and p_1 are the smallest and the largest deceleration in the flight. Impact
+   !> number n therefore leaves at most w e**n with w = v exp(V/2), where V is the total variation
+   !> of ln(p). The flights take at most 2 w/(p_min (1 - e)) together, and none rises above w**2/(2
+   !> p_min). Below a small angle, rotation and velocity reduce p only slightly. The bound subtracts
+   !> four times the largest reduction.
    logical function will_settle(equation, t, v, e, angle, t_pulled) result(will)
       type(equation_t), intent(inout) :: equation
-      !! of two states, without hysteresis; returns as it was
+      !! equation with two states, without hysteresis; unchanged on return
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: v
@@ -240,15 +242,15 @@ contains
       real(wp), intent(in) :: e
       !! velocity factor [-]
       real(wp), intent(in) :: angle
-      !! that no flight may exceed [rad]
+      !! largest permitted rotation of a flight [rad]
       real(wp), intent(inout) :: t_pulled
-      !! from which on a side is pulled, as far as a call before has found out [s]
+      !! time at which a side is first pulled off the base, as far as known from an earlier call [s]
       real(wp), parameter :: patience = 3
-      !! span that is examined over the duration of chatter under a steady pressure [-]
+      !! examined span over the duration of chatter under a steady pressure [-]
       real(wp) :: drive(2), gain, pressure, least, variation, span, w
 
       will = .false.
-      drive = lift_off_drives(equation, interval_of(equation), t)
+      drive = uplift_demands(equation, interval_of(equation), t)
       gain = inverse_inertia(equation)
       pressure = -gain*maxval(drive)
       if (pressure <= 0 .or. e >= 1) return
@@ -265,46 +267,46 @@ contains
       will = 2*w <= pressure*(1 - e)*span .and. w**2 <= 2*pressure*angle
    end function will_settle
 
-   !> Least acceleration of the ground that presses the wall down in a span, and how much the drives
-   !> vary in it.
+   !> Compute the smallest ground acceleration that presses the wall down in a span, and the
+   !> variation of the uplift demands.
    pure subroutine press_over(equation, t_begin, t_end, least, variation, t_pulled)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_begin
-      !! in the interval that is in force [s]
+      !! a time in the current interval [s]
       real(wp), intent(in) :: t_end
       !! [s]
       real(wp), intent(out) :: least
-      !! not positive where one side lets go [m/s2]
+      !! smallest pressing acceleration; not positive if one side lifts off [m/s2]
       real(wp), intent(out) :: variation
       !! [m/s2]
       real(wp), intent(inout) :: t_pulled
-      !! from which on one does, if there is such a time in the span [s]
+      !! time at which a side is pulled, if the span contains one [s]
       real(wp) :: t, drive(2), before(2)
       integer :: interval
 
       interval = interval_of(equation)
       t = t_begin
-      drive = lift_off_drives(equation, interval, t)
+      drive = uplift_demands(equation, interval, t)
       least = -maxval(drive)
       variation = 0
       do while (t < t_end .and. variation <= most_varied*least)
          before = drive
-         t = min(drive_turns(equation, interval, t), t_end)
-         drive = lift_off_drives(equation, interval, t)
+         t = min(demand_turns(equation, interval, t), t_end)
+         drive = uplift_demands(equation, interval, t)
          variation = variation + maxval(abs(drive - before))
          least = min(least, -maxval(drive))
          if (t < interval_end(equation%motion, interval)) cycle
          interval = interval + 1
          before = drive
-         drive = lift_off_drives(equation, interval, t)
+         drive = uplift_demands(equation, interval, t)
          variation = variation + maxval(abs(drive - before))
          least = min(least, -maxval(drive))
       end do
       if (least <= 0) t_pulled = t
    end subroutine press_over
 
-   !> By how much the deceleration of a wall close to its base falls short of that at its base, at
-   !> the bounds of velocity and rotation, to either side [rad/s2].
+   !> Largest reduction of the deceleration near the base relative to that at the base [rad/s2]. It
+   !> is evaluated at the bounds of velocity and rotation, on both sides.
    real(wp) function lost_pressure(equation, t, w, phi, at_base) result(lost)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
@@ -314,11 +316,11 @@ contains
       real(wp), intent(in) :: phi
       !! [rad]
       real(wp), intent(in) :: at_base(2)
-      !! on the negative and on the positive side [rad/s2]
+      !! deceleration at the base on the negative and on the positive side [rad/s2]
       integer :: k, m
 
       lost = 0
-      ! the side in force is the last, and stays
+      ! the current side is the last one and remains set
       do k = 1, 2
          call enter_side(equation%model_t, equation%state, -equation%state%side)
          associate (side => equation%state%side)

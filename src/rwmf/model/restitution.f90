@@ -1,5 +1,5 @@
-!> Velocity factor e = sqrt(r) of the impacts at theta = 0: from the momentum balance, constant, or
-!> as a function of the angular velocity before the impact.
+!> Velocity factor e = sqrt(r) of the impacts at theta = 0. It follows from the momentum balance, is
+!> constant, or depends on the angular velocity before the impact.
 module rwmf_model_restitution
    use rwmf_core_kinds, only: wp
    implicit none
@@ -8,19 +8,19 @@ module rwmf_model_restitution
    public :: restitution_t, factor_at, largest_factor
    public :: restitution_housner, restitution_momentum
 
-   !> What an impact leaves of the angular velocity.
+   !> Restitution law of impacts.
    type :: restitution_t
       real(wp) :: e = 1
-      !! the same at every velocity [-]
+      !! constant velocity factor [-]
       real(wp), allocatable :: speed(:)
-      !! (n) allocated: velocities of a table, increasing [rad/s]
+      !! (n) increasing angular velocities of a table; not allocated without one [rad/s]
       real(wp), allocatable :: factor(:)
-      !! (n) its velocity factors [-]
+      !! (n) velocity factors of the table [-]
    end type restitution_t
 
 contains
 
-   !> Velocity factor of an impact at a speed [-].
+   !> Velocity factor of an impact at a given speed [-].
    pure real(wp) function factor_at(restitution, speed) result(e)
       type(restitution_t), intent(in) :: restitution
       real(wp), intent(in) :: speed
@@ -37,7 +37,7 @@ contains
       end associate
    end function factor_at
 
-   !> Largest velocity factor of all impacts up to a speed: what a decaying bounce can count on [-].
+   !> Largest velocity factor of all impacts up to a speed, an upper bound for decaying bounces [-].
    pure real(wp) function largest_factor(restitution, speed) result(e)
       type(restitution_t), intent(in) :: restitution
       real(wp), intent(in) :: speed
@@ -49,8 +49,9 @@ contains
          maxval(restitution%factor, mask=restitution%speed <= speed))
    end function largest_factor
 
-   !> Free-standing block, momentum balance about the new pivot (Housner 1963) [-].
-   !> Negative for squat walls (sin(alpha)**2 > 2/3): then nothing bounces and the factor is 0.
+   !> Velocity factor of a free-standing block, from the momentum balance about the new pivot
+   !> (Housner 1963) [-]. The balance is negative for squat walls (sin(alpha)**2 > 2/3); they do not
+   !> bounce and the factor is 0.
    pure elemental real(wp) function restitution_housner(alpha) result(e)
       real(wp), intent(in) :: alpha
       !! slenderness [rad]
@@ -58,11 +59,14 @@ contains
       e = max(0.0_wp, 1 - 1.5_wp*sin(alpha)**2)
    end function restitution_housner
 
-   !> Momentum balance of wall, frame mass and inerters about the new pivot [-]:
-   !> e_max = 1 - 1.5 sin(alpha)**2 (1 + 2 beta)/(1 + 3 gamma cos(alpha)**2 + 3 beta sin(alpha)**2).
+   !> Velocity factor from the momentum balance about the new pivot, for wall, frame mass and
+   !> inerters [-].
    !>
-   !> The inerter of the landing corner is stopped by an impulse at the new pivot, which has no arm;
-   !> that of the other corner was at rest and must be set in motion.
+   !> The factor is e_max = 1 - 1.5 sin(alpha)**2 (1 + 2 beta)/(1 + 3 gamma cos(alpha)**2 + 3 beta
+   !> sin(alpha)**2).
+   !>
+   !> An impulse at the new pivot stops the inerter of the landing corner; it has no arm. The
+   !> inerter of the other corner was at rest and must be accelerated.
    pure elemental real(wp) function restitution_momentum(alpha, gamma, beta) result(e)
       real(wp), intent(in) :: alpha
       !! slenderness [rad]

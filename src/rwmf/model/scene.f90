@@ -1,5 +1,5 @@
-!> What a scene is made of, in numbers: the effects whose loops run, and where their coefficients
-!> and states stand. Runs of one scene differ only in the coefficients' values.
+!> Numerical description of a scene: its effects with loops, and the positions of their coefficients
+!> and states. Runs of one scene differ only in the values of the coefficients.
 module rwmf_model_scene
    implicit none
    private
@@ -13,36 +13,36 @@ module rwmf_model_scene
    integer, parameter :: linear_cable_term = -2
    integer, parameter :: straight_cable_term = -3
    integer, parameter :: elsewhere = 0
-   !! a loop acts in more than one way, as floors, leaning columns and hinges do
+   !! the loop acts along several paths, as floors, leaning columns and hinges do
    integer, parameter :: under_corner = 1
-   !! along the chord of the corner that lifts
+   !! along the chord of the lifting corner
    integer, parameter :: through_link = 2
    integer, parameter :: in_cable = 3
    integer, parameter :: on_weight = 4
    integer, parameter :: first_wall = 2
-   !! column of the first coefficient of the wall; column 1 is 1, and 0 while the wall is held
+   !! column of the first coefficient of the wall; column 1 is 1, or 0 while the wall is held
 
-   !> A loop over lanes that adds to the equation of motion.
+   !> Lane loop that adds to the equation of motion.
    type :: term_t
       integer :: effect = 0
-      !! its number (`rwmf_model_effects_numbers`), or one of the `_term` numbers
+      !! number of the effect (`rwmf_model_effects_numbers`), or one of the `_term` numbers
       integer :: n = 0
-      !! how many parts it has (floors)
+      !! number of its parts (floors)
       integer :: law = 0
-      !! which law it follows
+      !! law of its loop
       integer :: n_coef = 0
       !! number of its coefficients
       integer :: n_states = 0
-      !! number of states of its own, or of another's that it reads
+      !! number of its states, or of another effect's states that it reads
       integer :: coef = 1
-      !! column of the first of these coefficients
+      !! column of its first coefficient
       integer :: state = 1
-      !! number of the first of these states
+      !! index of its first state
       integer :: acts = elsewhere
-      !! how its force reaches the wall
+      !! path of its force to the wall
    end type term_t
 
-   !> The loops of a scene in their order.
+   !> Loops of a scene in their order.
    type :: scene_t
       logical :: has_wall = .false.
       integer :: n = 2
@@ -55,22 +55,22 @@ module rwmf_model_scene
       !! and its states follow theta'' after them; 0 for none
    end type scene_t
 
-   !> The loops of a scene by the way in which their forces reach the wall, each with the columns of
-   !> the whole scene.
+   !> Loops of a scene grouped by the path of their forces to the wall, each group with the columns
+   !> of the whole scene.
    type :: force_parts_t
       logical :: is_complete = .false.
-      !! nothing else exerts a force on the wall or on the ground
+      !! no other loop exerts a force on the wall or on the ground
       logical :: has_shear_key = .false.
-      !! which bears the horizontal force on the base, in the place of friction
+      !! a shear key, not friction, carries the horizontal force on the base
       type(scene_t) :: through_link
       type(scene_t) :: under_corner
-      !! along the chord of the corner that lifts
+      !! along the chord of the lifting corner
       type(scene_t) :: in_cable
    end type force_parts_t
 
 contains
 
-   !> Have two scenes the same loops with the same coefficients and states?
+   !> True if two scenes have the same loops with the same coefficients and states.
    pure logical function is_same_scene(one, other) result(is_same)
       type(scene_t), intent(in) :: one
       type(scene_t), intent(in) :: other
@@ -83,10 +83,10 @@ contains
          .and. one%terms%state == other%terms%state)
    end function is_same_scene
 
-   !> Sort the loops of a scene by the way in which they act.
+   !> Group the loops of a scene by the path of their forces.
    pure type(force_parts_t) function force_parts_of(scene) result(parts)
       type(scene_t), intent(in) :: scene
-      !! on corners or without wall
+      !! scene with a rocking wall or without a wall
 
       parts%is_complete = all(scene%terms%acts /= elsewhere)
       parts%through_link = part_of(scene, through_link)
@@ -94,7 +94,7 @@ contains
       parts%in_cable = part_of(scene, in_cable)
    end function force_parts_of
 
-   !> The loops of a scene that act in one way.
+   !> Select the loops of a scene whose forces act along one path.
    pure type(scene_t) function part_of(scene, acts) result(part)
       type(scene_t), intent(in) :: scene
       integer, intent(in) :: acts
@@ -103,11 +103,11 @@ contains
          == acts))
    end function part_of
 
-   !> Add a loop with its coefficients and states behind those that are there.
+   !> Append a loop with its coefficients and states to a scene.
    pure subroutine add_term(scene, term)
       type(scene_t), intent(inout) :: scene
       type(term_t), intent(in) :: term
-      !! without the places of its coefficients and states
+      !! loop whose positions of coefficients and states are not yet set
 
       scene%terms = [scene%terms, term]
       associate (added => scene%terms(size(scene%terms)))

@@ -1,6 +1,6 @@
-!> Forces inside the rigid wall, from the balance of the part above a section: its weight and
-!> inertia, the links to the frame and the cable at its top. What acts at the base is below every
-!> section and does not enter (docs/theory/theory.md, "Demands").
+!> Section forces of the rigid wall, from the balance of the part above a section. Its loads are its
+!> weight and inertia, the links to the frame, and the cable at its top. Forces at the base act
+!> below every section and do not enter (docs/theory/demands.md, "Demands").
 module rwmf_model_wall_sections
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
@@ -11,27 +11,28 @@ module rwmf_model_wall_sections
    public :: links_t, section_extremes_t, link_places, find_section_extremes
    public :: find_forces_beside
 
-   !> Forces of the links on the wall, from the lowest to that at the roof.
+   !> Forces of the links on the wall, from the lowest link to that at the roof.
    type :: links_t
       real(wp), allocatable :: place(:, :)
-      !! (2, links) from the middle of the base, along it to the right and up the axis [m]
+      !! (2, links) position from the middle of the base, along the base to the right and up the
+      !! axis [m]
       real(wp), allocatable :: force(:, :)
-      !! (2, links) horizontal and upward, over m_w [m/s2]
+      !! (2, links) horizontal and upward force, over m_w [m/s2]
    end type links_t
 
-   !> The largest forces along the height, and where.
+   !> Largest section forces along the height, and their positions.
    type :: section_extremes_t
       real(wp) :: shear = -1
-      !! magnitude, over m_w [m/s2]
+      !! largest shear, over m_w [m/s2]
       real(wp) :: moment = -1
-      !! magnitude about the axis, over m_w [m2/s2]
+      !! largest moment about the axis, over m_w [m2/s2]
       real(wp) :: z_shear = 0
-      !! height above the base [m]
+      !! its height above the base [m]
       real(wp) :: z_moment = 0
-      !! height above the base [m]
+      !! its height above the base [m]
    end type section_extremes_t
 
-   !> What acts on the part of the wall above a section, along its own axes.
+   !> Loads on the part of the wall above a section, in the axes of the wall.
    type :: loads_t
       real(wp) :: h, b
       !! half height and half width [m]
@@ -40,7 +41,7 @@ module rwmf_model_wall_sections
       real(wp) :: turn
       !! theta'' [rad/s2]
       real(wp) :: sine, cosine
-      !! of theta [-]
+      !! sine and cosine of theta [-]
       real(wp) :: across
       !! force of cable and links across the axis [m/s2]
       real(wp) :: about
@@ -49,16 +50,16 @@ module rwmf_model_wall_sections
 
 contains
 
-   !> Where the links hold the wall: on the way from the pivot to the top corner that the roof is
-   !> linked to, as high as their floors; of a hinged wall on its axis.
+   !> Positions of the links on the wall. They are on the line from the pivot to the top corner of
+   !> the roof link, at the heights of their floors. On a hinged wall they are on its axis.
    pure function link_places(equation, share) result(place)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: share(:)
-      !! (links) of their heights in that of the wall [-]
+      !! (links) height of each link over that of the wall [-]
       real(wp) :: place(2, size(share))
       !! [m]
       real(wp) :: to_corner
-      !! along the base from the pivot [m]
+      !! distance along the base from the pivot to that corner [m]
 
       associate (p => equation%p, side => equation%state%side)
          to_corner = 0
@@ -69,7 +70,7 @@ contains
       end associate
    end function link_places
 
-   !> The largest shear and the largest bending moment along the height at an instant.
+   !> Find the largest shear and the largest bending moment along the height at an instant.
    subroutine find_section_extremes(equation, t, y, y_ddot, links, extremes)
       type(equation_t), intent(in) :: equation
       !! with a wall
@@ -83,9 +84,9 @@ contains
       type(section_extremes_t), intent(out) :: extremes
       type(loads_t) :: loads
       real(wp) :: z(2)
-      !! ends of a piece without a link inside [m]
+      !! ends of a piece between links [m]
       real(wp) :: s(3)
-      !! distances from the top of where a force may be largest inside [m]
+      !! distances from the top at which a force may be largest inside the piece [m]
       integer :: i, j
 
       loads = loads_at_top(equation, t, y, y_ddot)
@@ -95,19 +96,20 @@ contains
          z(1) = 0
          if (i > 0) z(1) = links%place(2, i)
          s = stationary_places(loads)
-         call look_at(z(1))
-         call look_at(z(2))
+         call inspect_section(z(1))
+         call inspect_section(z(2))
          do j = 1, size(s)
-            if (2*loads%h - s(j) > z(1) .and. 2*loads%h - s(j) < z(2)) call look_at(2*loads%h &
-               - s(j))
+            if (2*loads%h - s(j) > z(1) .and. 2*loads%h - s(j) < z(2)) then
+               call inspect_section(2*loads%h - s(j))
+            end if
          end do
          if (i > 0) call add_link(loads, links, i)
       end do
 
    contains
 
-      !> Let a section of the piece take part.
-      subroutine look_at(at)
+      !> Include a section of the piece in the search.
+      subroutine inspect_section(at)
          real(wp), intent(in) :: at
          real(wp) :: force(2)
 
@@ -120,11 +122,11 @@ contains
             extremes%moment = force(2)
             extremes%z_moment = at
          end if
-      end subroutine look_at
+      end subroutine inspect_section
    end subroutine find_section_extremes
 
-   !> Shear and bending moment just below and just above sections: those that the part below exerts
-   !> on that above.
+   !> Compute shear and bending moment just below and just above sections. They are the forces of
+   !> the part below on the part above.
    subroutine find_forces_beside(equation, t, y, y_ddot, links, z, below, above)
       type(equation_t), intent(in) :: equation
       !! with a wall
@@ -136,12 +138,12 @@ contains
       !! theta'' [rad/s2]
       type(links_t), intent(in) :: links
       real(wp), intent(in) :: z(:)
-      !! (sections) ascending heights above the base, no two of them at one link [m]
+      !! (sections) ascending heights above the base, at most one of them at each link [m]
       real(wp), intent(out) :: below(:, :), above(:, :)
-      !! (2, sections) across the axis, positive as u_g'' [m/s2], and clockwise about it [m2/s2],
-      !! over m_w
+      !! (2, sections) shear across the axis, positive as u_g'' [m/s2], and clockwise moment about
+      !! the axis [m2/s2], over m_w
       real(wp), parameter :: same = 1.0e-9_wp
-      !! distance of a link from a section at its height, over the height of the wall [-]
+      !! distance within which a link counts as at a section, over the height of the wall [-]
       type(loads_t) :: loads
       integer :: i, j
 
@@ -168,14 +170,14 @@ contains
       end subroutine pass_links
    end subroutine find_forces_beside
 
-   !> What acts on the top: the cable, which is anchored on the axis.
+   !> Collect the loads at the top. The cable is anchored on the axis.
    type(loads_t) function loads_at_top(equation, t, y, y_ddot) result(loads)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_ddot
       real(wp) :: g
-      !! with the vertical motion of the ground [m/s2]
+      !! gravity including the vertical ground acceleration [m/s2]
       real(wp) :: cable(2)
 
       loads%h = equation%p%R*equation%p%cos_alpha
@@ -192,7 +194,7 @@ contains
       loads%about = 2*loads%h*loads%across
    end function loads_at_top
 
-   !> The section passes a link on its way down.
+   !> Add the force of a link to the loads above the section.
    pure subroutine add_link(loads, links, i)
       type(loads_t), intent(inout) :: loads
       type(links_t), intent(in) :: links
@@ -208,7 +210,7 @@ contains
       end associate
    end subroutine add_link
 
-   !> Shear and moment at a height.
+   !> Compute shear and moment at a height.
    pure function forces_at(loads, z) result(force)
       type(loads_t), intent(in) :: loads
       real(wp), intent(in) :: z
@@ -223,8 +225,7 @@ contains
       end associate
    end function forces_at
 
-   !> Distances from the top at which shear or moment is stationary; negative where there is none
-   !> [m].
+   !> Distances from the top at which shear or moment is stationary; negative if there is none [m].
    pure function stationary_places(loads) result(s)
       type(loads_t), intent(in) :: loads
       real(wp) :: s(3)
@@ -237,7 +238,8 @@ contains
          return
       end if
       s(1) = 2*loads%h + loads%push/loads%turn
-      ! rest + slope s + bend s**2 = 0, the shear and what turns each slice
+      ! stationary moment, rest + slope s + bend s**2 = 0, from shear and rotational inertia of a
+      ! slice
       bend = -loads%turn/2
       slope = loads%push + 2*loads%h*loads%turn
       rest = loads%turn*loads%b**2/3 - 2*loads%h*loads%across

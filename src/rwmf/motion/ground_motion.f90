@@ -2,7 +2,7 @@
 !>
 !> Knot k lies between the intervals k-1 and k. Interval 0 comes before the first knot and the last
 !> interval follows the last one; in both the ground acceleration is zero. An integrator that stops
-!> at every knot and asks for the acceleration *of an interval* never sees a kink or a jump.
+!> at every knot and evaluates the acceleration *of an interval* meets no kink and no jump.
 module rwmf_motion_ground_motion
    use rwmf_core_kinds, only: wp
    use rwmf_motion_host_motion, only: ground_t
@@ -27,9 +27,9 @@ module rwmf_motion_ground_motion
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
    integer, parameter :: shape_given = 2
-   !! what a host computes in interval 1, then constant
+   !! acceleration computed by a host in interval 1, then constant
    integer, parameter :: shape_pulse = 3
-   !! `curve` between its knots, which may be two among those of a vertical record
+   !! `curve` between its two knots, which may be among those of a vertical record
 
    !> Ground acceleration.
    type :: motion_t
@@ -41,33 +41,33 @@ module rwmf_motion_ground_motion
       real(wp), allocatable :: a(:)
       !! (knots) acceleration just after the knot [m/s2]
       real(wp), allocatable :: slope(:)
-      !! (knots) its rate in the interval after the knot [m/s3]
+      !! (knots) rate of the acceleration in the interval after the knot [m/s3]
       type(curve_t) :: curve
-      !! a pulse; of lines its amplitude alone, their largest magnitude
+      !! pulse; for lines only the amplitude is set, their largest magnitude
       integer :: last_turning = 1
-      !! interval after which nothing turns inside an interval
+      !! last interval that may have an extremum inside
       class(ground_t), pointer :: ground => null()
-      !! of a host, for the time of one advance
+      !! function of a host, for the time of one advance
       real(wp) :: vertical_ratio = 0
-      !! of the vertical to the horizontal acceleration [-]
+      !! ratio of the vertical to the horizontal acceleration [-]
       type(lines_t), allocatable :: vertical
-      !! vertical acceleration of its own, on the same knots [m/s2]
+      !! independent vertical acceleration, on the same knots [m/s2]
       integer :: parts = 1
-      !! into which intervals and longest steps are divided
+      !! number of parts of each interval and of the longest step
       logical :: is_open = .false.
-      !! a host hands it over piece by piece: nothing is known beyond the present interval
+      !! the host supplies it piece by piece: it is unknown beyond the current interval
    end type motion_t
 
 contains
 
-   !> The ground motion that a case describes, its vertical part included.
+   !> Build the ground motion of a case, including its vertical component.
    pure function motion_from_case(case, origin) result(motion)
       type(case_t), intent(in) :: case
       type(case_t), intent(in), optional :: origin
-      !! of a changed case: that which keeps the samples of its records
+      !! original of a changed case, which holds the samples of its records
       type(motion_t) :: motion
 
-      ! a record that a case does not have arrives as an absent argument
+      ! a missing record is passed as an absent argument
       if (present(origin)) then
          motion = built_motion(case, origin%record, origin%vertical_record)
       else
@@ -75,7 +75,7 @@ contains
       end if
    end function motion_from_case
 
-   !> The motion of a case with the samples of its records.
+   !> Build the motion of a case from the samples of its records.
    pure function built_motion(case, record, vertical_record) result(motion)
       type(case_t), intent(in) :: case
       type(record_t), intent(in), optional :: record
@@ -96,7 +96,7 @@ contains
       end if
    end function built_motion
 
-   !> One sequence of knots for straight lines of both motions.
+   !> Merge the knots of both motions, each of straight lines.
    pure subroutine join_lines(motion)
       type(motion_t), intent(inout) :: motion
       type(lines_t) :: lines
@@ -109,7 +109,7 @@ contains
       motion%slope = lines%slope
    end subroutine join_lines
 
-   !> One sequence of knots for a pulse and straight lines of the vertical motion.
+   !> Merge the knots of a pulse with those of the straight lines of the vertical motion.
    pure subroutine join_curve(motion)
       type(motion_t), intent(inout) :: motion
       real(wp), allocatable :: own(:)
@@ -123,19 +123,19 @@ contains
       motion%last_turning = motion%curve%last - 1
    end subroutine join_curve
 
-   !> The horizontal ground motion of a case in its own unit: a record as it stands in the file, a
-   !> pulse over its amplitude. Cases that differ in this unit alone have the same.
+   !> Build the horizontal ground motion of a case in its own unit: the record as given in the file,
+   !> or the pulse over its amplitude. Cases that differ only in this unit share this motion.
    pure function unit_motion(case, origin) result(motion)
       type(case_t), intent(in) :: case
       type(case_t), intent(in) :: origin
-      !! with the samples of its record: the case itself, or that which it was changed from
+      !! case that holds the samples of the record: this case or its original
       type(motion_t) :: motion
 
-      ! a record that a case does not have arrives as an absent argument
+      ! a missing record is passed as an absent argument
       motion = horizontal_motion(case, 1.0_wp, origin%record)
    end function unit_motion
 
-   !> The unit of the horizontal motion of a case, with its sign [m/s2].
+   !> Unit of the horizontal motion of a case, with its sign [m/s2].
    pure real(wp) function motion_unit(case) result(unit)
       type(case_t), intent(in) :: case
       type(curve_t) :: curve
@@ -150,13 +150,13 @@ contains
       end if
    end function motion_unit
 
-   !> The horizontal ground motion that a case describes; none when it has no `&motion`.
+   !> Build the horizontal ground motion of a case; no motion without `&motion`.
    pure function horizontal_motion(case, unit, record) result(motion)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: unit
-      !! of the samples, or amplitude of the pulse [m/s2]
+      !! unit of the samples, or amplitude of the pulse [m/s2]
       type(record_t), intent(in), optional :: record
-      !! with samples, of kind 'record'
+      !! record with samples, of kind 'record'
       type(motion_t) :: motion
 
       motion = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
@@ -173,14 +173,15 @@ contains
       end select
    end function horizontal_motion
 
-   !> Motion that is linear between samples and zero before the first and after the last one.
+   !> Build a motion that is linear between samples and zero before the first and after the last
+   !> one.
    pure function piecewise_linear_motion(t, a, vertical_ratio) result(motion)
       real(wp), intent(in) :: t(:)
       !! (n) strictly increasing times [s]
       real(wp), intent(in) :: a(:)
       !! (n) accelerations [m/s2]
       real(wp), intent(in), optional :: vertical_ratio
-      !! of the vertical to this acceleration, 0 when absent [-]
+      !! ratio of the vertical to this acceleration, 0 if absent [-]
       type(motion_t) :: motion
       type(lines_t) :: lines
 
@@ -193,8 +194,8 @@ contains
       if (size(t) > 0) motion%curve%amplitude = maxval(abs(a))
    end function piecewise_linear_motion
 
-   !> What a host knows of the motion: straight lines through samples, and then (until it says more)
-   !> the last value. Called once per step of the host: the arrays are kept when they fit.
+   !> Set the motion to straight lines through a host's samples, then to the last value until the
+   !> next call. The host calls this once per step: the arrays are reused if they fit.
    pure subroutine follow_samples(motion, t, a)
       type(motion_t), intent(inout) :: motion
       real(wp), intent(in) :: t(:)
@@ -216,7 +217,7 @@ contains
       motion%curve%amplitude = maxval(abs(a))
    end subroutine follow_samples
 
-   !> What a host computes between two times, and then its last value.
+   !> Set the motion to a host's function between two times, then to its last value.
    subroutine follow_ground(motion, t_begin, t_end, ground)
       type(motion_t), intent(inout) :: motion
       real(wp), intent(in) :: t_begin
@@ -249,11 +250,11 @@ contains
       allocate (motion%knot(n), motion%a(n), motion%slope(n))
    end subroutine make_room
 
-   !> May a decision in an interval rest on the motion until t?
+   !> Return whether the motion in an interval is known until t.
    pure logical function is_known_until(motion, interval, t)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! in force
+      !! number of the current interval
       real(wp), intent(in) :: t
       !! [s]
 
@@ -261,7 +262,7 @@ contains
       if (motion%is_open) is_known_until = t <= interval_end(motion, interval)
    end function is_known_until
 
-   !> The same motion with another amplitude.
+   !> Scale the amplitude of a motion.
    function scaled_motion(motion, factor) result(scaled)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: factor
@@ -277,13 +278,13 @@ contains
       scaled%vertical%slope = factor*motion%vertical%slope
    end function scaled_motion
 
-   !> The same motion with every interval divided: steps that its knots limit become shorter, as do
-   !> those that nothing but the periods of the scene limits (`step_parts`).
+   !> Divide every interval of a motion. Steps limited by its knots become shorter, as do steps
+   !> limited only by the periods of the scene (`step_parts`).
    function refined_motion(motion, parts) result(refined)
       type(motion_t), intent(in) :: motion
-      !! of a case
+      !! motion of a case
       integer, intent(in) :: parts
-      !! of each interval
+      !! number of parts of each interval
       type(motion_t) :: refined
       type(lines_t) :: lines
       real(wp), allocatable :: knot(:)
@@ -317,14 +318,14 @@ contains
       refined%knot = knot
    end function refined_motion
 
-   !> Parts into which the longest step under a motion is divided.
+   !> Number of parts of the longest step under a motion.
    pure integer function step_parts(motion)
       type(motion_t), intent(in) :: motion
 
       step_parts = motion%parts
    end function step_parts
 
-   !> A pulse as a motion.
+   !> Convert a pulse to a motion.
    pure type(motion_t) function pulse_motion(curve) result(motion)
       type(curve_t), intent(in) :: curve
 
@@ -340,7 +341,7 @@ contains
    pure real(wp) function acceleration(motion, interval, t)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as from `interval_at`
       real(wp), intent(in) :: t
       !! [s], in the closed interval
 
@@ -358,8 +359,8 @@ contains
       end if
    end function acceleration
 
-   !> Ground velocities at the knots of straight lines, from rest at the first one [m/s]; of a pulse
-   !> the velocity after it.
+   !> Compute the ground velocities at the knots of straight lines, from rest at the first one
+   !> [m/s]; for a pulse, the velocity after it.
    pure function velocities_at_knots(motion) result(v)
       type(motion_t), intent(in) :: motion
       real(wp), allocatable :: v(:)
@@ -378,13 +379,13 @@ contains
       end do
    end function velocities_at_knots
 
-   !> Ground velocity in an interval [m/s]. The motion is no host's.
+   !> Ground velocity in an interval [m/s]; not for a host's motion.
    pure real(wp) function velocity(motion, at_knots, interval, t)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: at_knots(:)
-      !! of `velocities_at_knots` [m/s]
+      !! result of `velocities_at_knots` [m/s]
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as from `interval_at`
       real(wp), intent(in) :: t
       !! [s], in the closed interval
 
@@ -402,21 +403,22 @@ contains
       end if
    end function velocity
 
-   !> Does a pulse act in an interval?
+   !> Return whether a pulse acts in an interval.
    pure logical function is_curved(motion, interval)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as from `interval_at`
 
       is_curved = motion%shape == shape_pulse .and. interval >= motion%curve%first &
          .and. interval < motion%curve%last
    end function is_curved
 
-   !> The line of an interval, if it is one: what `acceleration` looks up, once for all times.
+   !> Return the line of an interval, if the motion is linear there. It holds the data of
+   !> `acceleration` for all times of the interval.
    pure type(line_t) function line_of(motion, interval) result(line)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as from `interval_at`
 
       if (interval < 1 .or. interval >= size(motion%knot)) return
       line%is_straight = motion%shape == shape_linear
@@ -428,7 +430,7 @@ contains
    pure real(wp) function vertical_acceleration(motion, interval, t) result(vertical)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as from `interval_at`
       real(wp), intent(in) :: t
       !! [s], in the closed interval
       type(line_t) :: line
@@ -439,13 +441,13 @@ contains
       vertical = line%a_0 + line%slope*(t - line%t_0)
    end function vertical_acceleration
 
-   !> Straight line of the vertical motion.
+   !> Return the straight line of the vertical motion.
    pure type(line_t) function vertical_line_of(motion, interval, horizontal) result(line)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as from `interval_at`
       type(line_t), intent(in) :: horizontal
-      !! line of the horizontal motion there
+      !! line of the horizontal motion in this interval
 
       line = horizontal
       line%a_0 = motion%vertical_ratio*line%a_0
@@ -469,7 +471,7 @@ contains
    pure real(wp) function interval_end(motion, interval)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as from `interval_at`
 
       if (interval < size(motion%knot)) then
          interval_end = motion%knot(interval + 1)
@@ -485,9 +487,10 @@ contains
       interval_last = size(motion%knot)
    end function interval_last
 
-   !> Is the acceleration discontinuous at the beginning of an interval?
+   !> Return whether the acceleration is discontinuous at the beginning of an interval.
    !>
-   !> Linear interpolation meets the next sample only to round-off, which is no jump.
+   !> Linear interpolation reaches the next sample only within round-off; this difference is not a
+   !> jump.
    pure logical function has_jump(motion, interval)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
@@ -519,15 +522,15 @@ contains
       end if
    end function peak_near
 
-   !> First time after t at which the acceleration is extremal inside the interval, else its end
-   !> [s].
+   !> First time after t at which the acceleration is extremal inside the interval, otherwise its
+   !> end [s].
    !>
-   !> Between t and that time the acceleration is monotone. (A pulse that is no harmonic has knots
-   !> at its extrema.)
+   !> Between t and that time the acceleration is monotone. (Pulses other than harmonics have knots
+   !> at their extrema.)
    pure real(wp) function turning_point(motion, interval, t)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as from `interval_at`
       real(wp), intent(in) :: t
       !! [s], inside the interval
 
@@ -540,12 +543,12 @@ contains
       end if
    end function turning_point
 
-   !> First time after t at which a pulse beside a vertical record is as steep as a share of that
-   !> record, inside the interval, else its end [s].
+   !> First time inside the interval at which the slope of a pulse equals a share of that of the
+   !> vertical record, otherwise its end [s].
    pure real(wp) function steep_point(motion, interval, t, share)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
-      !! as `interval_at` counts
+      !! number of the interval, as from `interval_at`
       real(wp), intent(in) :: t
       !! [s], inside the interval
       real(wp), intent(in) :: share
@@ -557,15 +560,15 @@ contains
          abs(share*motion%vertical%slope(interval)), t, steep_point)
    end function steep_point
 
-   !> Largest magnitude of the ground acceleration (for pulses: the amplitude) [m/s2].
+   !> Largest magnitude of the ground acceleration; for pulses the amplitude [m/s2].
    pure real(wp) function peak_acceleration(motion)
       type(motion_t), intent(in) :: motion
 
       peak_acceleration = abs(motion%curve%amplitude)
    end function peak_acceleration
 
-   !> How fast the acceleration of a pulse varies inside its intervals: the fourth root of its
-   !> largest fourth derivative over its peak; 0 for straight lines [1/s].
+   !> Rate of variation of a pulse inside its intervals, the fourth root of its largest fourth
+   !> derivative over its peak; 0 for straight lines [1/s].
    pure real(wp) function fastest_rate(motion)
       type(motion_t), intent(in) :: motion
 
@@ -573,14 +576,14 @@ contains
       if (motion%shape == shape_pulse) fastest_rate = curve_rate(motion%curve)
    end function fastest_rate
 
-   !> Is the acceleration on straight lines between the knots?
+   !> Return whether the acceleration is linear between all knots.
    pure logical function is_piecewise_linear(motion)
       type(motion_t), intent(in) :: motion
 
       is_piecewise_linear = motion%shape == shape_linear
    end function is_piecewise_linear
 
-   !> The last knot, after which the ground is still; 0 without any [s].
+   !> Time of the last knot, after which the ground is at rest; 0 without knots [s].
    pure real(wp) function motion_end(motion)
       type(motion_t), intent(in) :: motion
 

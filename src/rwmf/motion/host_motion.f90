@@ -6,7 +6,7 @@ module rwmf_motion_host_motion
 
    public :: ground_t
 
-   !> Ground acceleration that a host program computes. Extend it by what the host needs to know.
+   !> Ground acceleration that a host program computes. Extend this type with the host's data.
    type, abstract :: ground_t
    contains
       procedure(ground_acceleration_i), deferred :: acceleration_at

@@ -1,4 +1,4 @@
-!> Straight lines between knots, and two sequences of knots made into one.
+!> Piecewise linear functions of time, and the merging of two sequences of knots.
 module rwmf_motion_polyline
    use rwmf_core_kinds, only: pi, wp
    implicit none
@@ -14,13 +14,13 @@ module rwmf_motion_polyline
       real(wp), allocatable :: a(:)
       !! (n) acceleration just after the knot [m/s2]
       real(wp), allocatable :: slope(:)
-      !! (n) its rate in the interval after the knot [m/s3]
+      !! (n) rate of the acceleration in the interval after the knot [m/s3]
    end type lines_t
 
    !> Straight line a_0 + slope*(t - t_0) that the ground acceleration follows in an interval.
    type :: line_t
       logical :: is_straight = .true.
-      !! otherwise the rest says nothing: ask `acceleration` of the motion
+      !! if false the other components are unused: call `acceleration` of the motion
       real(wp) :: t_0 = 0
       !! [s]
       real(wp) :: a_0 = 0
@@ -31,7 +31,7 @@ module rwmf_motion_polyline
 
 contains
 
-   !> Lines through samples.
+   !> Return the lines through samples.
    pure type(lines_t) function lines_through(t, a) result(lines)
       real(wp), intent(in) :: t(:)
       !! (n) strictly increasing times [s]
@@ -46,17 +46,17 @@ contains
       if (n == 0) return
       lines%slope(:n - 1) = (a(2:) - a(:n - 1))/(t(2:) - t(:n - 1))
       lines%slope(n) = 0
-      ! After the last sample there is nothing; its value belongs to the interval before.
+      ! The acceleration is zero after the last sample; its value belongs to the interval before.
       lines%a(n) = 0
    end function lines_through
 
-   !> The times of both sequences in order. Times of the second one that meet one of the first to
-   !> round-off are left out: an interval of one spacing is none.
+   !> Merge two sequences of times in order. A time of the second sequence that equals one of the
+   !> first within round-off is dropped, so that no interval has zero length.
    pure function merged_times(first, second) result(times)
       real(wp), intent(in) :: first(:)
       !! (n) strictly increasing times [s]
       real(wp), intent(in) :: second(:)
-      !! (m) likewise [s]
+      !! (m) strictly increasing times [s]
       real(wp), allocatable :: times(:)
       !! (at most n + m)
       logical :: is_first
@@ -87,12 +87,12 @@ contains
       times = times(:n)
    end function merged_times
 
-   !> The same lines with more knots. The middle of an interval tells which line it belongs to, so
-   !> that a knot that moved by round-off does not matter.
+   !> Refine lines to more knots. The middle of each interval selects its line, so that round-off in
+   !> a knot has no effect.
    pure type(lines_t) function on_knots(lines, knots) result(refined)
       type(lines_t), intent(in) :: lines
       real(wp), intent(in) :: knots(:)
-      !! (n) strictly increasing times, those of the lines among them [s]
+      !! (n) strictly increasing times, including those of the lines [s]
       integer :: i, k
 
       allocate (refined%knot(size(knots)), refined%a(size(knots)), refined%slope(size(knots)))
@@ -147,13 +147,13 @@ contains
       if (extremum <= t) extremum = t_0 + ((half_turns + 1.5_wp)*pi - phase)/omega
    end function next_extremum
 
-   !> The extrema of a host's motion are unknown: an eighth of the interval is taken as monotone
-   !> [s].
+   !> Return the end of the next eighth of an interval [s]. The extrema of a host's motion are
+   !> unknown: each eighth is taken as monotone.
    pure real(wp) function next_eighth(t_begin, t_end, t) result(next)
       real(wp), intent(in) :: t_begin
-      !! of the interval [s]
+      !! beginning of the interval [s]
       real(wp), intent(in) :: t_end
-      !! of the interval [s]
+      !! end of the interval [s]
       real(wp), intent(in) :: t
       !! [s]
       real(wp) :: eighth

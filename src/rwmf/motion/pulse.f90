@@ -1,8 +1,9 @@
-!> A pulse of the ground as numbers, before it becomes a motion: what its kind, size and period say.
+!> Pulse of ground acceleration in numbers, derived from its kind, size and period, before it is
+!> converted to a motion.
 !>
-!> Beside a vertical record a pulse needs more knots than its own, and more is asked of it: the
-!> resting wall bears the horizontal motion less a straight line, which turns where the slope of the
-!> pulse is that of the line (`steep_time`).
+!> With a vertical record a pulse needs further knots. The resting wall bears the horizontal motion
+!> less a straight line, which turns where the slope of the pulse equals that of the line
+!> (`steep_time`).
 module rwmf_motion_pulse
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
@@ -20,34 +21,36 @@ module rwmf_motion_pulse
    type :: curve_t
       logical :: is_harmonic = .true.
       real(wp) :: amplitude = 0
-      !! with its sign [m/s2]
+      !! amplitude with its sign [m/s2]
       real(wp) :: omega = 0
       !! [rad/s]
       real(wp) :: phase = 0
       !! [rad]
       real(wp) :: t_0 = 0
-      !! where it begins [s]
+      !! beginning [s]
       type(pulse_t) :: pulse
-      !! when it is no harmonic
+      !! unused for a harmonic
       real(wp), allocatable :: knot(:)
-      !! (knots) from its begin to its end: a harmonic may turn in between, others are monotone [s]
+      !! (knots) from the beginning to the end: a harmonic may turn in between, others are monotone
+      !! [s]
       integer :: first = 0
-      !! knot of a motion with which it begins
+      !! first knot of the pulse in a motion
       integer :: last = 0
-      !! and ends
+      !! last knot of the pulse in a motion
    end type curve_t
 
 contains
 
-   !> The pulse that a case describes: one-sine pulse (16), one-cosine pulse (17), several cycles of
-   !> a sine, the pulse C_n (a cosine of the phase phi that lasts until the ground is back where it
-   !> began), Ricker pulses, and that of Mavroeidis and Papageorgiou, whose v_p is A, the amplitude
-   !> of the velocity's envelope.
+   !> Build the pulse of a case. The kinds are the one-sine pulse (16), the one-cosine pulse (17),
+   !> several cycles of a sine, the pulse C_n, Ricker pulses, and that of Mavroeidis and
+   !> Papageorgiou. C_n is a cosine of the phase phi that lasts until the ground returns to its
+   !> initial position. The v_p of Mavroeidis and Papageorgiou is A, the amplitude of the velocity's
+   !> envelope.
    !>
    !> Eq. (16) has the amplitude omega_p v_p/2, the cosines omega_p v_p.
    pure type(curve_t) function build_curve(spec, g) result(curve)
       type(motion_spec_t), intent(in) :: spec
-      !! of a pulse
+      !! specification of a pulse
       real(wp), intent(in) :: g
       !! unit of `a_max_g` [m/s2]
       real(wp) :: cycles
@@ -76,7 +79,8 @@ contains
       curve%knot = [spec%t_0, spec%t_0 + cycles*(2*pi/curve%omega)]
    end function build_curve
 
-   !> Knots between which the slope of a pulse is monotone as well; those of a harmonic [s].
+   !> Knots between which the slope of a pulse is monotone as well; for a harmonic its own knots
+   !> [s].
    pure function knots_with_bends(curve) result(t)
       type(curve_t), intent(in) :: curve
       real(wp), allocatable :: t(:)
@@ -86,7 +90,7 @@ contains
       if (.not. curve%is_harmonic) t = cut_times(curve%pulse, has_bends=.true.)
    end function knots_with_bends
 
-   !> Acceleration at a time between begin and end [m/s2].
+   !> Acceleration at a time between beginning and end [m/s2].
    pure real(wp) function curve_value(curve, t)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: t
@@ -99,7 +103,7 @@ contains
       end if
    end function curve_value
 
-   !> Its rate [m/s3].
+   !> Rate of the acceleration at a time between beginning and end [m/s3].
    pure real(wp) function curve_slope(curve, t)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: t
@@ -112,13 +116,13 @@ contains
       end if
    end function curve_slope
 
-   !> Gain in velocity from its beginning to a time before its end [m/s].
+   !> Gain in velocity from the beginning to a time before the end [m/s].
    pure real(wp) function curve_gain(curve, t)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: t
       !! [s]
       real(wp) :: half
-      !! of the angle gone through [rad]
+      !! of the phase angle since the beginning [rad]
 
       if (curve%is_harmonic) then
          half = curve%omega*(t - curve%t_0)/2
@@ -128,7 +132,8 @@ contains
       end if
    end function curve_gain
 
-   !> How fast it varies: the fourth root of its largest fourth derivative over its peak [1/s].
+   !> Rate of variation of a pulse, the fourth root of its largest fourth derivative over its peak
+   !> [1/s].
    pure real(wp) function curve_rate(curve)
       type(curve_t), intent(in) :: curve
 
@@ -136,7 +141,8 @@ contains
       if (.not. curve%is_harmonic) curve_rate = curve%pulse%fastest
    end function curve_rate
 
-   !> First time after t at which it is extremal; no other pulse is between two knots [s].
+   !> First time after t at which a harmonic is extremal; all other pulses are monotone between
+   !> knots [s].
    pure real(wp) function curve_turn(curve, t)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: t
@@ -146,7 +152,8 @@ contains
       if (curve%is_harmonic) curve_turn = next_extremum(curve%omega, curve%phase, curve%t_0, t)
    end function curve_turn
 
-   !> First time after t, and before t_end, at which the slope has a magnitude; else t_end [s].
+   !> First time after t and before t_end at which the slope has a given magnitude; otherwise t_end
+   !> [s].
    pure real(wp) function steep_time(curve, slope, t, t_end) result(time)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: slope
@@ -163,8 +170,8 @@ contains
       end if
    end function steep_time
 
-   !> The same for a harmonic, without end: |cos(psi)| = slope/(amplitude*omega) where psi is
-   !> k pi +- arccos of it.
+   !> First time after t at which the slope of a harmonic has a given magnitude [s]. There
+   !> |cos(psi)| = slope/(amplitude*omega), where psi is k pi +- the arccosine of this ratio.
    pure real(wp) function steep_time_of_harmonic(curve, slope, t) result(time)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: slope
@@ -172,7 +179,7 @@ contains
       real(wp) :: half_turns
       !! integral
       real(wp) :: inside
-      !! of a quarter turn [rad]
+      !! angle inside a quarter turn [rad]
       real(wp) :: candidate
       integer :: i
 
@@ -187,7 +194,7 @@ contains
       end do
    end function steep_time_of_harmonic
 
-   !> The same for other pulses, whose slope keeps its sign and is monotone: by bisection.
+   !> Find `steep_time` of other pulses by bisection; their slope keeps its sign and is monotone.
    pure real(wp) function steep_time_of_pulse(curve, slope, t, t_end) result(time)
       type(curve_t), intent(in) :: curve
       real(wp), intent(in) :: slope
@@ -195,7 +202,7 @@ contains
       real(wp), intent(in) :: t_end
       type(bracket_t) :: bracket
       logical :: is_steep
-      !! in the end
+      !! the slope at t_end exceeds the given magnitude
 
       time = t_end
       is_steep = abs(curve_slope(curve, t_end)) > slope

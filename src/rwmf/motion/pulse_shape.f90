@@ -1,8 +1,8 @@
-!> Sizes of pulses as a case gives them, and the shapes of those that are no harmonic: unit
-!> acceleration, largest magnitude 1.
+!> Amplitudes of pulses from the keys of a case, and the shapes of pulses other than harmonics, with
+!> unit acceleration (largest magnitude 1).
 !>
-!> Such a pulse is cut at its extrema and at its zeros. Between two cuts it is monotone, and no step
-!> of an integrator can pass over a narrow pulse that begins and ends with nothing.
+!> Each pulse is cut at its extrema and zeros and is monotone between two cuts. An integrator that
+!> stops at the cuts cannot step over a narrow pulse.
 module rwmf_motion_pulse_shape
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
@@ -18,42 +18,42 @@ module rwmf_motion_pulse_shape
    integer, parameter :: shape_mavroeidis_papageorgiou = 3
 
    real(wp), parameter :: ricker_ends(2) = [2.1_wp, 2.6_wp]
-   !! half durations of the Ricker pulses over T_p [-]: beyond, the acceleration is below the
-   !! round-off of double precision (3e-17 of its peak); the same in every precision
+   !! half durations of the Ricker pulses over T_p, equal in every precision [-]. Beyond them the
+   !! acceleration is below the round-off of double precision (3e-17 of its peak).
    real(wp), parameter :: beta = sqrt(6*(3 - sqrt(6.0_wp)))*exp((sqrt(6.0_wp) - 3)/2)
    !! largest magnitude of (x**2 - 3) x exp(-x**2/2), 1.3801... [-]
    real(wp), parameter :: hermite_4(4) = [-1, -1, 1, 1]*sqrt(3 + [1, -1, -1, 1]*sqrt(6.0_wp))
    !! zeros of the Hermite polynomial of order 4 [-]
    real(wp), parameter :: hermite_5(4) = [-1, -1, 1, 1]*sqrt(5 + [1, -1, -1, 1]*sqrt(10.0_wp))
-   !! zeros of the one of order 5 but for x = 0 [-]
+   !! zeros of the Hermite polynomial of order 5 except x = 0 [-]
    real(wp), parameter :: most_of_hermite_6 = 15
    !! largest magnitude of the sixth derivative of exp(-x**2/2), which is at x = 0 [-]
    real(wp), parameter :: most_of_hermite_7 = 36
-   !! the same of the seventh, rounded up from 35.54 [-]
+   !! largest magnitude of the seventh derivative, rounded up from 35.54 [-]
 
-   !> One pulse.
+   !> Pulse of one kind, in dimensionless form.
    type :: pulse_t
       integer :: shape = 0
       !! one of the `shape_` numbers
       real(wp) :: rate = 0
-      !! position of the shape per time [1/s]
+      !! rate of the position over time [1/s]
       real(wp) :: centre = 0
       !! [s]
       real(wp) :: half = 0
       !! position of the end [-]
       real(wp) :: gamma = 0
-      !! of Mavroeidis and Papageorgiou: number of cycles [-]
+      !! of Mavroeidis and Papageorgiou, number of cycles [-]
       real(wp) :: nu = 0
-      !! of the same: phase [rad]
+      !! of Mavroeidis and Papageorgiou, phase [rad]
       real(wp) :: peak = 1
-      !! largest magnitude before division by it [-]
+      !! largest magnitude before normalisation [-]
       real(wp) :: fastest = 0
       !! fourth root of the largest fourth derivative of the unit pulse [1/s]
    end type pulse_t
 
 contains
 
-   !> omega_p [rad/s]; a case gives it or the period.
+   !> Angular frequency omega_p of a case, given as such or as the period [rad/s].
    pure real(wp) function angular_frequency(spec)
       type(motion_spec_t), intent(in) :: spec
 
@@ -64,7 +64,7 @@ contains
       end if
    end function angular_frequency
 
-   !> Largest acceleration with its sign [m/s2]; a case gives it or the velocity.
+   !> Largest acceleration with its sign, given as such or as the velocity [m/s2].
    pure real(wp) function amplitude_of(spec, g, velocity_factor)
       type(motion_spec_t), intent(in) :: spec
       real(wp), intent(in) :: g
@@ -79,10 +79,10 @@ contains
       end if
    end function amplitude_of
 
-   !> The pulse that a case describes.
+   !> Build the pulse of a case.
    pure function build_pulse(spec, omega) result(pulse)
       type(motion_spec_t), intent(in) :: spec
-      !! of a kind that is no harmonic
+      !! of any kind except the harmonics
       real(wp), intent(in) :: omega
       !! angular frequency [rad/s]
       type(pulse_t) :: pulse
@@ -104,7 +104,7 @@ contains
          pulse%rate = omega
          pulse%gamma = spec%gamma_p
          pulse%nu = spec%nu
-         ! turns that do not change the pulse, and whose number may exceed any integer
+         ! remove full turns, whose number may exceed the largest integer
          if (abs(pulse%nu) > 2*pi) pulse%nu = atan2(sin(pulse%nu), cos(pulse%nu))
          pulse%half = pi*spec%gamma_p
          pulse%peak = maxval(abs(unit_acceleration(pulse, cycles_cuts(pulse))))
@@ -125,9 +125,9 @@ contains
       pulse_shape = unit_acceleration(pulse, pulse%rate*(t - pulse%centre))/pulse%peak
    end function pulse_shape
 
-   !> Acceleration at a position: Ricker (1943) in the form of Vassiliou and Makris (BSSA 101,
-   !> 2011), symmetric over a_p, antisymmetric over a_p/beta; Mavroeidis and Papageorgiou (BSSA 93,
-   !> 2003) over A pi f_p.
+   !> Unit acceleration at a position [-]. Ricker pulses (1943) have the form of Vassiliou and
+   !> Makris (BSSA 101, 2011), symmetric over a_p, antisymmetric over a_p/beta. Those of Mavroeidis
+   !> and Papageorgiou (BSSA 93, 2003) are over A pi f_p.
    elemental real(wp) function unit_acceleration(pulse, x) result(a)
       type(pulse_t), intent(in) :: pulse
       real(wp), intent(in) :: x
@@ -145,7 +145,7 @@ contains
       end select
    end function unit_acceleration
 
-   !> Its rate [1/s].
+   !> Rate of the unit acceleration at a time inside the pulse [1/s].
    elemental real(wp) function pulse_slope(pulse, t)
       type(pulse_t), intent(in) :: pulse
       real(wp), intent(in) :: t
@@ -164,7 +164,7 @@ contains
          -pulse%half))/(pulse%rate*pulse%peak)
    end function pulse_gain
 
-   !> Antiderivative of the unit acceleration by the position.
+   !> Antiderivative of the unit acceleration with respect to the position.
    elemental real(wp) function unit_velocity(pulse, x) result(v)
       type(pulse_t), intent(in) :: pulse
       real(wp), intent(in) :: x
@@ -180,7 +180,7 @@ contains
       end select
    end function unit_velocity
 
-   !> Derivative of the unit acceleration by the position.
+   !> Derivative of the unit acceleration with respect to the position.
    elemental real(wp) function unit_slope(pulse, x) result(slope)
       type(pulse_t), intent(in) :: pulse
       real(wp), intent(in) :: x
@@ -202,17 +202,17 @@ contains
       end select
    end function unit_slope
 
-   !> Begin, extrema, zeros and end of a pulse, strictly increasing [s].
+   !> Times of the beginning, extrema, zeros and end of a pulse, strictly increasing [s].
    pure function cut_times(pulse, has_bends) result(t)
       type(pulse_t), intent(in) :: pulse
       logical, intent(in) :: has_bends
-      !! extrema of the slope as well
+      !! include the extrema of the slope
       real(wp), allocatable :: t(:)
       !! (cuts)
       real(wp), allocatable :: x(:)
       real(wp) :: least
-      !! distance below which two cuts are one: a monotone piece that is so short rises by less than
-      !! round-off [-]
+      !! distance below which two cuts merge: the pulse rises by less than round-off between them
+      !! [-]
       integer :: i
       integer :: n
 
@@ -229,7 +229,7 @@ contains
       t = pulse%centre + [x(:n), pulse%half]/pulse%rate
    end function cut_times
 
-   !> Positions of begin, extrema, zeros and end; some may coincide.
+   !> Positions of the beginning, extrema, zeros and end; some may coincide.
    pure function all_cuts(pulse) result(x)
       type(pulse_t), intent(in) :: pulse
       real(wp), allocatable :: x(:)
@@ -256,15 +256,16 @@ contains
       case (shape_ricker)
          x = hermite_4
       case (shape_ricker_antisymmetric)
-         ! that at x = 0 is a cut already
+         ! x = 0 is already a cut
          x = hermite_5
       case default
          x = bends_of_cycles(pulse)
       end select
    end function bends
 
-   !> Those of a pulse of Mavroeidis and Papageorgiou. Its second derivative is the imaginary
-   !> part of what `cycles_cuts` explains, with p = 1 + 3/gamma**2, q = (3 + 1/gamma**2)/gamma.
+   !> Positions of extremal slope of a pulse of Mavroeidis and Papageorgiou. Its second derivative
+   !> is the imaginary part of the expression in `cycles_cuts`, with p = 1 + 3/gamma**2, q = (3 +
+   !> 1/gamma**2)/gamma.
    pure function bends_of_cycles(pulse) result(x)
       type(pulse_t), intent(in) :: pulse
       real(wp), allocatable :: x(:)
@@ -274,7 +275,7 @@ contains
       integer :: k
 
       part = 1/pulse%gamma
-      ! phase at the ends: nu -+ (half + pi); one that is reached there is the end itself
+      ! phase at the ends: nu -+ (half + pi); a root at an end is the end itself
       first = ceiling((pulse%nu - pulse%half)/pi) - 1
       last = floor((pulse%nu + pulse%half)/pi) + 1
       allocate (x(last - first + 1))
@@ -283,7 +284,7 @@ contains
       end do
    end function bends_of_cycles
 
-   !> Numbers in ascending order.
+   !> Sort numbers in ascending order.
    pure function sorted(x) result(y)
       real(wp), intent(in) :: x(:)
       real(wp) :: y(size(x))
@@ -297,10 +298,10 @@ contains
 
    !> Extrema and zeros of a pulse of Mavroeidis and Papageorgiou.
    !>
-   !> With u = x/gamma acceleration and rate are the imaginary and the real part of exp(i(x + nu))
-   !> times (1 + p cos(u)) + i q sin(u), with p = 1, q = 1/gamma and p = 1 + 1/gamma**2,
-   !> q = 2/gamma. The phases of both grow with x, so that zeros and extrema alternate and every one
-   !> is found.
+   !> Let u = x/gamma. Acceleration and rate are the imaginary and the real part of exp(i(x + nu))
+   !> times (1 + p cos(u)) + i q sin(u). The acceleration has p = 1, q = 1/gamma, the rate p = 1 +
+   !> 1/gamma**2, q = 2/gamma. The phases of both grow with x, so that zeros and extrema alternate
+   !> and none is missed.
    pure function cycles_cuts(pulse) result(x)
       type(pulse_t), intent(in) :: pulse
       real(wp), allocatable :: x(:)
@@ -324,8 +325,8 @@ contains
       end do
    end function cycles_cuts
 
-   !> Position inside the pulse at which x + nu + arg((1 + p cos(x/gamma)) + i q sin(x/gamma)) has a
-   !> value [-]: Newton's method inside a bracket.
+   !> Find the position where a phase has a given value, by Newton's method inside a bracket [-].
+   !> The phase is x + nu + arg((1 + p cos(x/gamma)) + i q sin(x/gamma)).
    pure real(wp) function phase_place(pulse, p, q, phase) result(x)
       type(pulse_t), intent(in) :: pulse
       real(wp), intent(in) :: p
@@ -356,9 +357,9 @@ contains
       end do
    end function phase_place
 
-   !> Phase phi of the pulse C_n, for which the ground ends where it began [rad]:
-   !> (m - phi) tan(phi) = 1 with m = (n + 1/2) pi (Makris and Chang, EESD 29, 2000). A contraction
-   !> by 1/(1 + (m - phi)**2) < 1/20.
+   !> Phase phi of the pulse C_n, after which the ground returns to its initial position [rad]. It
+   !> solves (m - phi) tan(phi) = 1 with m = (n + 1/2) pi (Makris and Chang, EESD 29, 2000). The
+   !> fixed-point iteration contracts by 1/(1 + (m - phi)**2) < 1/20.
    pure real(wp) function type_c_phase(n) result(phi)
       integer, intent(in) :: n
       !! >= 1

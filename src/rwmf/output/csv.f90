@@ -1,7 +1,7 @@
 !> CSV files of a run and of a spectrum.
 !>
-!> Lines that start with '#' carry what is needed to repeat the computation: version, record with
-!> its checksum, the text of the case. Then one line of column names with units, then numbers that
+!> Lines that start with '#' contain the data to repeat the computation: version, record with its
+!> checksum, the text of the case. One line of column names with units follows, then numbers that
 !> round-trip to the same bits.
 module rwmf_output_csv
    use rwmf_core_control, only: control_t, is_cancelled
@@ -26,23 +26,22 @@ module rwmf_output_csv
 
    character(*), parameter :: endings(3) = [character(13) :: &
       '.summary.csv', '.history.csv', '.spectrum.csv']
-   !! of the names of the files of a case
+   !! endings of the names of the files of a case
 
 contains
 
-   !> Write `NAME.summary.csv` and, where the case asks for a history, `NAME.history.csv`. Both
-   !> appear only when both are complete, and neither takes the place of a file that the case was
-   !> read from.
+   !> Write `NAME.summary.csv` and, if the case requests a history, `NAME.history.csv`. Both appear
+   !> only when both are complete. Neither overwrites an input file of the case.
    subroutine write_result(case, result, folder, name, error, source, control)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       character(*), intent(in) :: folder
       !! existing folder; '' is the current one
       character(*), intent(in) :: name
-      !! of the case, see `case_name`
+      !! name of the case, see `case_name`
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input`: a file cannot be written, or is one that the case was read from;
-      !! `err_interrupt`: cancelled before the files were complete
+      !! a file cannot be written, or is an input file of the case (`err_input`); cancelled before
+      !! the files were complete (`err_interrupt`)
       character(*), intent(in), optional :: source
       !! path of the namelist
       type(control_t), intent(in), optional :: control
@@ -62,17 +61,17 @@ contains
       call discard(summary)
    end subroutine write_result
 
-   !> Write a spectrum: one line an ordinate, T_s fastest, then gamma, then b.
+   !> Write a spectrum with one line per ordinate; T_s varies fastest, then gamma, then b.
    subroutine write_spectrum(case, spectrum, path, error, part, control)
       type(case_t), intent(in) :: case
       type(spectrum_t), intent(in) :: spectrum
       character(*), intent(in) :: path
-      !! of the file
+      !! path of the file
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input`: the file cannot be written, or is one that the case was read from;
-      !! `err_interrupt`: cancelled before the file was complete
+      !! the file cannot be written, or is an input file of the case (`err_input`); cancelled before
+      !! the file was complete (`err_interrupt`)
       character(*), intent(in), optional :: part
-      !! which part of the case's periods it holds, 'K/N'
+      !! part of the case's periods in this file, 'K/N'
       type(control_t), intent(in), optional :: control
       type(atomic_file_t) :: file
       type(axis_t), allocatable :: axes(:)
@@ -103,15 +102,14 @@ contains
       call discard(file)
    end subroutine write_spectrum
 
-   !> Fails when a file that a case of this name may write is a folder, or one that a case was read
-   !> from.
+   !> Check the output files of a case. Fails if one of them is a folder or an input file.
    subroutine check_outputs(folder, name, case, error, source)
       character(*), intent(in) :: folder
-      !! its path; '' is the current one
+      !! path of the folder; '' is the current one
       character(*), intent(in) :: name
-      !! of the case that writes, see `case_name`
+      !! name of the case that writes, see `case_name`
       type(case_t), intent(in) :: case
-      !! that was read
+      !! case that was read
       type(error_t), allocatable, intent(out) :: error
       character(*), intent(in), optional :: source
       !! path of its namelist
@@ -125,16 +123,16 @@ contains
       end associate
    end subroutine check_outputs
 
-   !> Files that a case of this name may write, each with blanks at its end.
+   !> Names of the output files of a case, padded with blanks.
    pure function file_names(name) result(names)
       character(*), intent(in) :: name
-      !! of the case, see `case_name`
+      !! name of the case, see `case_name`
       character(len(name) + len(endings)) :: names(size(endings))
 
       names = name//endings
    end function file_names
 
-   !> Fails when a file is a folder, or one that a case was read from.
+   !> Check an output file. Fails if it is a folder or an input file of the case.
    subroutine check_output(path, case, error, source)
       character(*), intent(in) :: path
       type(case_t), intent(in) :: case
@@ -151,7 +149,7 @@ contains
       end if
    end subroutine check_output
 
-   !> Its length: without ending, that of 'case' when nothing is left.
+   !> Length of `case_name`: without ending, or that of 'case' for an empty name.
    pure integer function name_length(source) result(length)
       character(*), intent(in) :: source
 
@@ -162,16 +160,16 @@ contains
       if (length == 0) length = len('case')
    end function name_length
 
-   !> Name of a case: its file's name without folder and without '.nml'; 'case' when it has none.
+   !> Name of a case, from the name of its file without folder and '.nml'; 'case' if empty.
    pure function case_name(source) result(name)
       character(*), intent(in) :: source
-      !! path of the namelist, '' when it was made in memory
+      !! path of the namelist, '' for a case made in memory
       character(name_length(source)) :: name
 
       name = source(index(source, '/', back=.true.) + 1:)//'case'
    end function case_name
 
-   !> The scalars of a run as one line, so that the summaries of many cases can be put together.
+   !> Write the scalars of a run as one line, so that the summaries of many cases can be joined.
    subroutine write_summary(file, case, result, path, error)
       type(atomic_file_t), intent(out) :: file
       !! finished, not published
@@ -199,10 +197,10 @@ contains
       call finish(file, error)
    end subroutine write_summary
 
-   !> The response on its grid of times, one line an instant.
+   !> Write the response on its grid of times, one line per instant.
    subroutine write_history(file, case, history, path, error, control)
       type(atomic_file_t), intent(out) :: file
-      !! finished, not published; none after an error
+      !! finished, not published; discarded after an error
       type(case_t), intent(in) :: case
       type(history_t), intent(in) :: history
       character(*), intent(in) :: path
@@ -232,7 +230,7 @@ contains
       if (allocated(error)) call discard(file)
    end subroutine write_history
 
-   !> The ordinates of a spectrum.
+   !> Write the ordinates of a spectrum.
    subroutine write_ordinates(file, spectrum, error, control)
       type(atomic_file_t), intent(in) :: file
       type(spectrum_t), intent(in) :: spectrum
@@ -263,10 +261,10 @@ contains
       end do
    end subroutine write_ordinates
 
-   !> Fails when the caller wants the computation to stop.
+   !> Check for a cancellation. Fails if the caller has cancelled the computation.
    subroutine check_cancelled(what, error, control)
       character(*), intent(in) :: what
-      !! is being written
+      !! name of the file or result being written
       type(error_t), allocatable, intent(out) :: error
       type(control_t), intent(in), optional :: control
 
@@ -275,14 +273,14 @@ contains
          //what//' was being written; an earlier file of this name is unchanged')
    end subroutine check_cancelled
 
-   !> Comma before all cells of a line but the first.
+   !> Append a comma before all cells of a line but the first.
    pure subroutine begin_cell(line)
       type(text_buffer_t), intent(inout) :: line
 
       if (line%length > 0) call append(line, ',')
    end subroutine begin_cell
 
-   !> Add a cell with a number.
+   !> Append a cell with a number.
    pure subroutine append_number(number, line)
       real(wp), intent(in) :: number
       type(text_buffer_t), intent(inout) :: line
@@ -302,7 +300,7 @@ contains
       call clear(line)
    end subroutine end_line
 
-   !> What is needed to repeat the computation.
+   !> Write the data to repeat the computation.
    subroutine write_header(file, case, part)
       type(atomic_file_t), intent(in) :: file
       type(case_t), intent(in) :: case
@@ -328,11 +326,11 @@ contains
       end do
    end subroutine write_header
 
-   !> Which record it was: copies of "the same" earthquake differ.
+   !> Write the identity of a record: copies of "the same" earthquake differ.
    subroutine write_record(file, name, record)
       type(atomic_file_t), intent(in) :: file
       character(*), intent(in) :: name
-      !! what it is, and its file
+      !! kind of the record, and its file
       type(record_t), intent(in) :: record
       character(:), allocatable :: line
 

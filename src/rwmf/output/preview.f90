@@ -1,4 +1,4 @@
-!> What a case will simulate and report, before it is simulated.
+!> Preview of the effects and outputs of a case, without simulating it.
 module rwmf_output_preview
    use rwmf_core_error, only: err_input, error_t
    use rwmf_model_effects_list, only: all_effects
@@ -10,7 +10,7 @@ module rwmf_output_preview
    use rwmf_problem_group_values, only: group_values_t, has_group, has_key, text_of
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate_instant
-   use rwmf_spectrum_quantities, only: check_asked, keys_asked_by
+   use rwmf_spectrum_quantities, only: check_request, requested_keys_of
    use rwmf_spectrum_threads, only: choose_threads
    use rwmf_text_text_buffer, only: append, text_buffer_t
    implicit none
@@ -23,12 +23,12 @@ module rwmf_output_preview
 
 contains
 
-   !> Lines of a word and the names that belong to it, separated by tabs: `effects`, `absent`
+   !> Write lines with a word and its names, separated by tabs. The words are `effects`, `absent`
    !> (effects that are not simulated), `states`, `events`, `scalars` (keys of the summary),
-   !> `columns` (of the history; nothing without one) and `notes` (sentences).
+   !> `columns` (of the history; empty without one) and `notes` (sentences).
    !>
-   !> The outputs are those of the same case when it ends as it begins: no list of them is kept
-   !> that could differ from what is written. Errors: as `simulate` and `check_asked`.
+   !> The outputs are those of the case with zero duration. No separate list could therefore differ
+   !> from the written outputs. Errors: as `simulate` and `check_request`.
    subroutine preview_text(case, text, error)
       type(case_t), intent(in) :: case
       !! valid
@@ -42,12 +42,12 @@ contains
       if (.not. allocated(error)) call compose(case, instant, result, text)
    end subroutine preview_text
 
-   !> Find what is not acceptable in a case before anything is computed or written.
+   !> Check a case for invalid input before anything is computed or written.
    subroutine check_run(case, error)
       type(case_t), intent(in) :: case
       !! valid
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input`: quantities that do not apply, too many threads
+      !! quantities that do not apply, too many threads (`err_input`)
       integer, parameter :: all_threads = 0
       type(case_t) :: instant
       type(result_t) :: result
@@ -56,11 +56,11 @@ contains
       if (allocated(case%spectrum)) call choose_threads(all_threads, threads, error)
       if (.not. allocated(error)) call look_ahead(case, instant, result, error)
       if (.not. allocated(error)) return
-      ! a numerical failure is a result of the run
+      ! a numerical failure is reported by the run itself
       if (error%stat /= err_input) deallocate (error)
    end subroutine check_run
 
-   !> The same case when it ends as it begins.
+   !> Simulate the case with zero duration.
    subroutine look_ahead(case, instant, result, error)
       type(case_t), intent(in) :: case
       type(case_t), intent(out) :: instant
@@ -69,17 +69,17 @@ contains
       type(motion_t) :: motion
 
       motion = motion_from_case(case)
-      if (allocated(case%spectrum)) call check_asked(case, motion, &
-         keys_asked_by(case), error)
+      if (allocated(case%spectrum)) call check_request(case, motion, &
+         requested_keys_of(case), error)
       if (.not. allocated(error)) call simulate_instant(case, motion, instant, result, error)
    end subroutine look_ahead
 
    subroutine compose(case, instant, result, text)
       type(case_t), intent(in) :: case
       type(case_t), intent(in) :: instant
-      !! without any duration
+      !! the case with zero duration
       type(result_t), intent(in) :: result
-      !! of it
+      !! result of `instant`
       character(:), allocatable, intent(out) :: text
       type(summary_item_t), allocatable :: items(:)
       type(text_buffer_t) :: scalars
@@ -106,7 +106,7 @@ contains
       call append_line('notes', notes, text)
    end subroutine compose
 
-   !> Append a word and the names that belong to it.
+   !> Append a word and its names.
    pure subroutine append_line(word, names, text)
       character(*), intent(in) :: word
       character(*), intent(in) :: names(:)
@@ -115,7 +115,7 @@ contains
       text = text//word//tab//joined(names)//new_line('a')
    end subroutine append_line
 
-   !> Unknowns of the equation of motion.
+   !> List the unknowns of the equation of motion.
    subroutine list_states(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(out) :: names(:)
@@ -133,7 +133,7 @@ contains
       end do
    end subroutine list_states
 
-   !> Events that are located, each once.
+   !> List the located events, each once.
    subroutine list_events(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(out) :: names(:)
@@ -160,12 +160,12 @@ contains
       end do
    end subroutine list_events
 
-   !> Defaults that the case leans on and that an earlier version had otherwise, where they matter.
+   !> List the defaults in use that an earlier version had otherwise, if they affect the results.
    subroutine list_notes(values, notes)
       type(group_values_t), intent(in) :: values
       character(note_length), allocatable, intent(out) :: notes(:)
       logical :: is_shared
-      !! the wall rocks, and not alone
+      !! the rocking wall has a frame or a tendon
 
       allocate (notes(0))
       is_shared = has_group(values, 'frame') .or. has_group(values, 'cable')
@@ -178,16 +178,15 @@ contains
       end if
    end subroutine list_notes
 
-   !> Add a sentence on a choice that is not given, where it is the one that an earlier version had
-   !> otherwise.
+   !> Add a note on a default in use, if an earlier version had another one.
    subroutine add_note(values, group, key, choice, before, notes)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
       character(*), intent(in) :: key
       character(*), intent(in) :: choice
-      !! what it is without the key
+      !! default value of the key
       character(*), intent(in) :: before
-      !! what an earlier version did
+      !! behaviour of an earlier version
       character(note_length), allocatable, intent(inout) :: notes(:)
 
       if (has_key(values, group, key) .or. text_of(values, group, key) /= choice) return

@@ -1,8 +1,8 @@
-!> The named scalars of one simulation: what `rwmf run --json`, the Python results and
-!> `CASE.summary.csv` hold. Which there are, of what kind and in which order says the table of
-!> `rwmf_problem_quantity_table`, their numbers `rwmf_simulation_scalars`.
+!> Named scalars of one simulation, for `rwmf run --json`, the Python results and
+!> `CASE.summary.csv`. The table of `rwmf_problem_quantity_table` defines keys, kinds and order;
+!> `rwmf_simulation_scalars` computes the numbers.
 !>
-!> A key that does not apply to the effects in the scene is absent.
+!> Keys that do not apply to the effects in the scene are absent.
 module rwmf_output_summary
    use rwmf_core_kinds, only: i8, wp
    use rwmf_input_schema, only: all_groups
@@ -18,25 +18,25 @@ module rwmf_output_summary
 
    public :: summary_item_t, summarise, summary_text, list_effects, list_absent_effects, joined
 
-   !> One key with its value.
+   !> Key with its value.
    type :: summary_item_t
       character(:), allocatable :: key
       !! name with unit suffix
       character(:), allocatable :: kind
       !! 'real', 'int', 'logical', 'text' or 'list'
       real(wp) :: number = 0
-      !! of a 'real' [unit of the key]
+      !! value of a 'real' [unit of the key]
       integer(i8) :: count = 0
-      !! of an 'int'; of a 'logical' 1 for yes
+      !! value of an 'int'; 1 for a true 'logical'
       character(:), allocatable :: text
-      !! of a 'text'; of a 'list' its items with a tab between them; '' of the others
+      !! value of a 'text'; items of a 'list' separated by tabs; otherwise ''
    end type summary_item_t
 
    character(*), parameter :: tab = achar(9)
 
 contains
 
-   !> All scalars that apply, in the order of the outputs.
+   !> Collect all applicable scalars, in the order of the outputs.
    subroutine summarise(case, result, items)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
@@ -57,7 +57,7 @@ contains
          case (id%method)
             call append_item(items, n, i, 0, 0.0_wp, result%method)
          case (id%effects)
-            ! not within the call below, where gfortran 12 takes the length from memory given back
+            ! outside the call below, in which gfortran 12 reads the length from freed memory
             effects = list_effects(case)
             call append_item(items, n, i, 0, 0.0_wp, joined(effects))
          case (id%warnings)
@@ -73,13 +73,13 @@ contains
       call resize(items, n, n)
    end subroutine summarise
 
-   !> Append a quantity, or one for each storey from the ground up, as far as it applies.
+   !> Append a quantity if it applies, for a '{i}' key once per storey from the ground up.
    pure subroutine append_numbers(items, n, place, values)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(inout) :: n
-      !! items so far
+      !! number of items so far
       integer, intent(in) :: place
-      !! in the table
+      !! position in the table
       type(values_t), intent(in) :: values
       integer :: i
 
@@ -97,10 +97,10 @@ contains
    pure subroutine append_item(items, n, place, storey, value, text)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(inout) :: n
-      !! items so far
+      !! number of items so far
       integer, intent(in) :: place
       integer, intent(in) :: storey
-      !! its number, for a key with '{i}'
+      !! number of the storey, for a key with '{i}'
       real(wp), intent(in) :: value
       character(*), intent(in) :: text
 
@@ -116,11 +116,11 @@ contains
       items(n)%text = text
    end subroutine append_item
 
-   !> Give the list another size; the texts are moved, not copied.
+   !> Resize the list; the texts are moved, not copied.
    pure subroutine resize(items, n, new_size)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(in) :: n
-      !! items in use
+      !! number of items in use
       integer, intent(in) :: new_size
       !! >= n
       type(summary_item_t), allocatable :: resized(:)
@@ -137,11 +137,11 @@ contains
       call move_alloc(resized, items)
    end subroutine resize
 
-   !> The summary without its numbers, as lines `key<TAB>kind<TAB>text`.
+   !> Write the summary without its numbers, as lines `key<TAB>kind<TAB>text`.
    pure subroutine summary_text(items, text)
       type(summary_item_t), intent(in) :: items(:)
       character(:), allocatable, intent(out) :: text
-      !! the lines, each with its line feed
+      !! lines, each with its line feed
       type(text_buffer_t) :: lines
       integer :: i
 
@@ -152,7 +152,7 @@ contains
       text = lines%room(:lines%length)
    end subroutine summary_text
 
-   !> Names of the effects that are simulated, in the order of the case file's groups.
+   !> Names of the simulated effects, in the order of the case file's groups.
    function list_effects(case) result(names)
       type(case_t), intent(in) :: case
       character(12), allocatable :: names(:)
@@ -161,7 +161,7 @@ contains
       call list_groups(case, .true., names)
    end function list_effects
 
-   !> Names of the effects that the scene does not call for.
+   !> Names of the effects that the scene does not use.
    function list_absent_effects(case) result(names)
       type(case_t), intent(in) :: case
       character(12), allocatable :: names(:)
@@ -170,7 +170,8 @@ contains
       call list_groups(case, .false., names)
    end function list_absent_effects
 
-   !> The groups of the scene, those with further keys once, that are present or absent.
+   !> List the groups of the scene that are present, or those absent; groups with further keys
+   !> appear once.
    subroutine list_groups(case, is_present, names)
       type(case_t), intent(in) :: case
       logical, intent(in) :: is_present
@@ -187,7 +188,7 @@ contains
       end do
    end subroutine list_groups
 
-   !> Length of the items of a list with a tab between them.
+   !> Length of the items of a list separated by tabs.
    pure integer function joined_length(list) result(length)
       character(*), intent(in) :: list(:)
       integer :: i
@@ -198,10 +199,10 @@ contains
       end do
    end function joined_length
 
-   !> The items of a list with a tab between them.
+   !> Join the items of a list with tabs.
    pure function joined(list) result(text)
       character(*), intent(in) :: list(:)
-      !! (n), padded with blanks, which are left out
+      !! (n), padded with blanks, which are dropped
       character(joined_length(list)) :: text
       integer :: last
       integer :: i

@@ -1,7 +1,7 @@
-!> The validated description of one scene: what a namelist file says, with every default filled in.
+!> Validated description of one scene: the contents of a namelist file with all defaults filled in.
 !>
-!> A component that is not allocated is a group (or key) that is absent from the case: an effect
-!> that is not simulated.
+!> An unallocated component means that the group or key is absent from the case; that effect is not
+!> simulated.
 module rwmf_problem_case
    use rwmf_core_kinds, only: wp
    use rwmf_problem_group_values, only: group_values_t
@@ -23,11 +23,11 @@ module rwmf_problem_case
       real(wp) :: b
       !! half width [m]
       real(wp), allocatable :: m_w
-      !! mass [kg]; given: forces are reported in N as well
+      !! mass [kg]; if given, forces are also reported in N
       character(7) :: base = 'rocking'
       !! 'rocking' or 'pinned'
       logical :: shear_key = .false.
-      !! keeps the base from sliding, in the place of friction
+      !! a shear key prevents sliding of the base instead of friction
    end type wall_t
 
    !> Link of finite length between wall and frame, `&link`, Eqs (2), (3).
@@ -46,13 +46,13 @@ module rwmf_problem_case
       !! viscous damping ratio [-]
    end type frame_t
 
-   !> The frame's storeys, `&storeys`; they give `frame_t` its period and its mass ratio.
+   !> Storeys of the frame, `&storeys`; they determine the period and the mass ratio of `frame_t`.
    type :: storeys_t
       type(shear_frame_t) :: frame
-      !! with its modes
+      !! shear frame with its modes
       character(:), allocatable :: coupling
-      !! 'reduced': its first mode moves; 'every_floor': a straight line, which the wall enforces;
-      !! 'full': all modes, with the roof linked to the wall
+      !! 'reduced': first mode only; 'every_floor': straight line enforced by the wall; 'full': all
+      !! modes, with the roof linked to the wall
    end type storeys_t
 
    !> Viscous dampers at the corners of the base, `&damper`.
@@ -61,30 +61,30 @@ module rwmf_problem_case
       !! damper constant over the mass of the wall [1/s]
    end type damper_t
 
-   !> Law of a spring with memory: what its strength and its hardening leave open.
+   !> Law of a spring with memory, apart from its strength and its hardening.
    type :: spring_law_t
       character(15) :: name = 'elastic_plastic'
-      !! or 'friction', 'flag', 'peak_oriented', 'pinched'
+      !! 'elastic_plastic', 'friction', 'flag', 'peak_oriented' or 'pinched'
       real(wp) :: breakaway = 1
-      !! of 'friction': force at which it begins to slip over that at which it slips on [-]
+      !! of 'friction': static over kinetic friction force [-]
       real(wp) :: flag_height = 1
-      !! of 'flag': force by which it unloads lower over its yield force [-]
+      !! of 'flag': height of the flag over the yield force [-]
       real(wp) :: cap = huge(1.0_wp)
-      !! this and the following of 'peak_oriented' and 'pinched': displacement at the largest force
-      !! over that at first yield [-]
+      !! of 'peak_oriented' and 'pinched', as the next five components: displacement at the capping
+      !! point over that at first yield [-]
       real(wp) :: post_cap = huge(1.0_wp)
-      !! displacement from there to where the force would be zero, over that at first yield [-]
+      !! displacement from the capping point to zero force, over that at first yield [-]
       real(wp) :: residual = 0
-      !! force that remains over that at first yield [-]
+      !! residual force over the force at first yield [-]
       real(wp) :: lambda(4) = huge(1.0_wp)
-      !! energies over F_y u_y that take the strength, the strength beyond the cap, the stiffness of
-      !! reloading and that of unloading [-]
+      !! energy capacities over F_y u_y for the deterioration of strength, post-capping strength,
+      !! reloading stiffness and unloading stiffness [-]
       real(wp) :: lambda_exponent(4) = 1
-      !! how fast they do [-]
+      !! exponents of these deterioration rates [-]
       real(wp) :: pinch_force = 1
-      !! of 'pinched': force at the pinching point over that on the straight way [-]
+      !! of 'pinched': force at the pinching point over that on the line without pinching [-]
       real(wp) :: pinch_displacement = 1
-      !! of 'pinched': part of the plastic displacement that is still left before it [-]
+      !! of 'pinched': part of the plastic displacement that remains beyond the pinching point [-]
    end type spring_law_t
 
    !> Hysteretic fuses at the corners of the base, `&fuse`.
@@ -96,26 +96,26 @@ module rwmf_problem_case
       real(wp) :: hardening
       !! stiffness after yielding over elastic stiffness [-]
       type(spring_law_t) :: spring
-      !! its law
+      !! law of the spring
    end type fuse_t
 
    !> Inelastic frame, `&yielding`.
    type :: yielding_t
       real(wp), allocatable :: u_y
-      !! displacement at first yield [m]; exactly one of this and the next two
+      !! displacement at first yield [m]; exactly one of this and the next two is given
       real(wp), allocatable :: f_y_over_m_s_g
-      !! yield force over the weight of the frame's mass [-]
+      !! yield force over the weight of the frame [-]
       real(wp), allocatable :: storey_u_y(:)
-      !! or, of `&storeys`, displacement of a floor from the one below at which the storey between
-      !! yields first: one for all or one for each [m]
+      !! of `&storeys`: interstorey displacement at first yield, one for all storeys or one for each
+      !! [m]
       real(wp) :: hardening = 0
       !! stiffness after yielding over elastic stiffness [-]
       character(:), allocatable :: law
-      !! 'bouc_wen' or the name of a law of a spring, see `spring_law_t`; 'elastic_plastic'
+      !! 'bouc_wen', 'elastic_plastic' or the name of another spring law, see `spring_law_t`
       type(spring_law_t) :: spring
-      !! the numbers of that law
+      !! parameters of that law
       real(wp), allocatable :: ultimate
-      !! ductility at which frame or storey has collapsed [-]; absent: never
+      !! ductility at collapse of the frame or of a storey [-]; absent: no collapse
       real(wp) :: exponent = 2
       !! n of 'bouc_wen' [-]
       real(wp) :: beta = 0.5_wp
@@ -137,15 +137,15 @@ module rwmf_problem_case
       character(:), allocatable :: law
       !! 'linear' or 'truss'
       real(wp), allocatable :: eta_y
-      !! P/(m_w g) at which the tendon yields [-]; absent: elastic
+      !! P/(m_w g) at yield of the tendon [-]; absent: elastic
       real(wp) :: hardening = 0
       !! stiffness after yielding over elastic stiffness [-]
       real(wp), allocatable :: rupture_strain
-      !! strain at which the tendon breaks, that of the prestress included [-]; absent: never
+      !! strain at rupture of the tendon, including the prestrain [-]; absent: no rupture
       real(wp), allocatable :: length
-      !! that is strained [m]; absent: the height of the wall
+      !! unbonded length [m]; absent: the height of the wall
       real(wp), allocatable :: area
-      !! of its strands [m2]; absent: not known
+      !! total area of the strands [m2]; absent: unknown
    end type cable_t
 
    !> Energy loss at impact, `&impact`.
@@ -155,7 +155,7 @@ module rwmf_problem_case
       real(wp), allocatable :: e
       !! velocity factor of rule 'constant' [-], also when the case gives r = e**2
       logical :: given_as_r
-      !! the case gives r, not e
+      !! the case gives r instead of e
       real(wp), allocatable :: table_theta_dot(:)
       !! (n) of rule 'table': angular velocities before impact, increasing [rad/s]
       real(wp), allocatable :: table_e(:)
@@ -168,9 +168,9 @@ module rwmf_problem_case
       !! 'none', a pulse ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker',
       !! 'ricker_antisymmetric', 'mavroeidis_papageorgiou') or 'record'
       real(wp), allocatable :: a_max_g
-      !! largest acceleration of the pulse in units of `&model g` [-]
+      !! peak acceleration of the pulse over `&model g` [-]
       real(wp), allocatable :: v_p
-      !! velocity amplitude of the pulse [m/s], Eqs (16), (17); no Ricker pulse has it
+      !! velocity amplitude of the pulse [m/s], Eqs (16), (17); not for Ricker pulses
       real(wp), allocatable :: omega_p
       !! angular frequency of the pulse [rad/s]
       real(wp), allocatable :: T_p
@@ -180,17 +180,17 @@ module rwmf_problem_case
       integer :: n_pulses
       !! n of kind 'type_c', C_n
       real(wp), allocatable :: gamma_p
-      !! gamma of kind 'mavroeidis_papageorgiou': its number of cycles [-]
+      !! gamma of kind 'mavroeidis_papageorgiou', the number of its cycles [-]
       real(wp) :: nu
-      !! phase of the same [rad]
+      !! phase of the pulse of kind 'mavroeidis_papageorgiou' [rad]
       real(wp) :: t_0
       !! start of the pulse [s]
    end type motion_spec_t
 
-   !> Vertical ground motion, `&vertical`: a ratio or a record.
+   !> Vertical ground motion, `&vertical`, given by a ratio or a record.
    type, extends(record_source_t) :: vertical_t
       real(wp), allocatable :: ratio
-      !! of the vertical to the horizontal acceleration [-]
+      !! ratio of the vertical to the horizontal acceleration [-]
    end type vertical_t
 
    !> Initial state, `&initial`.
@@ -218,9 +218,9 @@ module rwmf_problem_case
       real(wp) :: rtol
       !! relative tolerance of the integrator [-]
       real(wp), allocatable :: accuracy
-      !! relative error asked of a peak [-]; then rtol is chosen
+      !! required relative error of a peak [-]; rtol is then chosen accordingly
       character(40) :: accuracy_of = ''
-      !! key of that peak, which `verify` is about as well; '': u_s_max (without a frame theta_max)
+      !! key of that peak, also used by `verify`; '': u_s_max (without a frame theta_max)
       logical :: verify
       !! estimate the error and the sensitivity by further runs
       real(wp), allocatable :: atol
@@ -228,7 +228,7 @@ module rwmf_problem_case
       real(wp), allocatable :: t_end
       !! end of the simulation [s]; absent: last sample of the record
       integer :: max_steps
-      !! bound on the work: the most internal steps of one simulation
+      !! largest number of internal steps of one simulation
    end type solver_t
 
    !> Output, `&output`.
@@ -236,21 +236,21 @@ module rwmf_problem_case
       real(wp), allocatable :: dt
       !! interval of the history [s]; absent: no history
       logical :: energy
-      !! keep the energy ledger
+      !! record the energy ledger
       logical :: reactions = .false.
-      !! of the base: pivot, base shear, drifts
+      !! record the reactions of the base: pivot, base shear, drifts
       logical :: demands = .false.
-      !! drifts, accelerations and shears of floors, storeys and wall
+      !! record drifts, accelerations and shears of floors, storeys and wall
       logical :: envelopes = .false.
-      !! forces of wall, links and pivot, velocities of floors, travel of fuses
+      !! record forces of wall, links and pivot, velocities of floors, travel of fuses
       real(wp), allocatable :: friction_limit
-      !! coefficient of friction that the demand is compared with [-]
+      !! available coefficient of friction, to be compared with the demand [-]
    end type output_t
 
    !> Loop over frame periods, `&spectrum`.
    type :: spectrum_spec_t
       real(wp), allocatable :: T_s(:)
-      !! periods one by one [s]; absent: the grid that the following four describe
+      !! individual periods [s]; absent: the grid of the next four components
       real(wp), allocatable :: T_s_min
       !! shortest period [s]
       real(wp), allocatable :: T_s_max
@@ -260,24 +260,23 @@ module rwmf_problem_case
       character(:), allocatable :: spacing
       !! 'linear' or 'log'
       real(wp), allocatable :: gamma(:)
-      !! mass ratios [-]; absent: the case's
+      !! mass ratios [-]; absent: that of the case
       real(wp), allocatable :: b(:)
-      !! half widths of the wall [m]; absent: the case's
+      !! half widths of the wall [m]; absent: that of the case
       character(:), allocatable :: quantities(:)
-      !! (n) keys of the table of quantities that each ordinate reports; absent: u_s_max_m
+      !! (n) keys of the quantities reported for each ordinate; absent: u_s_max_m
    end type spectrum_spec_t
 
-   !> An effect that is a few numbers.
+   !> Parameters of an effect that needs only a few numbers.
    type :: effect_numbers_t
       character(12) :: group = ''
-      !! that says them
+      !! group that gives them
       real(wp), allocatable :: values(:)
-      !! in an order that the effect knows
+      !! values in the order that the effect defines
    end type effect_numbers_t
 
-   !> What is simulated but for its motion: the components that a further run of the same scene
-   !> takes over by one assignment. Those that are not allocated are effects that the scene does not
-   !> call for.
+   !> Simulated structure without its motion: the components that another run of the same scene
+   !> copies by one assignment. Unallocated components are effects that the scene does not include.
    type :: structure_t
       type(wall_t), allocatable :: wall
       type(frame_t), allocatable :: frame
@@ -293,40 +292,40 @@ module rwmf_problem_case
       type(initial_t), allocatable :: initial
       type(model_t) :: model
       real(wp) :: unit_mass = 0
-      !! mass that masses and forces are over: of the wall, without one of the frame, of storeys in
-      !! kg 1; 0 where the case gives none [kg]
+      !! reference mass of all ratios [kg]: mass of the wall; without a wall, mass of the frame. It
+      !! is 1 kg for storeys in kg, and 0 if the case gives no mass.
       logical :: follows_size = .false.
-      !! its ratios follow from masses and forces, and with them from the size of the wall
+      !! the ratios follow from masses and forces, and hence from the size of the wall
       type(effect_numbers_t), allocatable :: numbers(:)
-      !! effects that need no type of their own (`keep_numbers`)
+      !! parameters of the effects that have no type for them (`keep_numbers`)
    end type structure_t
 
-   !> One case: a structure, its motion, how it is integrated and what is kept. Its part
-   !> `structure_t` is one component, whose parts are those of the case (`case%wall`).
+   !> One case: structure, motion, time integration and output. The inherited components of
+   !> `structure_t` are components of the case (`case%wall`).
    type, extends(structure_t) :: case_t
       character(:), allocatable :: text
-      !! the namelist text that the case was read from
+      !! namelist text of the case
       type(group_values_t) :: values
-      !! what that text says, and the defaults; empty for a case that was not read
+      !! values of that text and the defaults; empty for a case that was not read from text
       type(motion_spec_t), allocatable :: motion
       type(solver_t) :: solver
       type(output_t), allocatable :: output
       type(spectrum_spec_t), allocatable :: spectrum
       type(record_t), allocatable :: record
-      !! samples of the record that `&motion file` names
+      !! samples of the record given by `&motion file`
       type(record_t), allocatable :: vertical_record
-      !! samples of the record that `&vertical file` names
+      !! samples of the record given by `&vertical file`
    end type case_t
 
 contains
 
-   !> Keep the numbers that the group of an effect says.
+   !> Keep the numbers of the group of an effect.
    pure subroutine keep_numbers(case, group, values)
       class(structure_t), intent(inout) :: case
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       real(wp), intent(in) :: values(:)
-      !! in an order that the effect knows, each in the unit of its key
+      !! values in the order that the effect defines, each in the unit of its key
       type(effect_numbers_t), allocatable :: all_numbers(:)
       integer :: n
 
@@ -339,21 +338,21 @@ contains
       call move_alloc(all_numbers, case%numbers)
    end subroutine keep_numbers
 
-   !> Are there numbers of a group?
+   !> True if the case has numbers of a group.
    pure logical function has_numbers(case, group)
       class(structure_t), intent(in) :: case
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
 
       has_numbers = .false.
       if (allocated(case%numbers)) has_numbers = any(case%numbers%group == group)
    end function has_numbers
 
-   !> The numbers of a group that has some.
+   !> Numbers of a group; the case must have them.
    pure function numbers_of(case, group) result(values)
       class(structure_t), intent(in) :: case
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       real(wp), allocatable :: values(:)
       integer :: i
 

@@ -1,7 +1,7 @@
-!> One group of a case file, or the keys that an effect adds to one: what it is asked for by all
-!> that read, check, describe and list cases.
+!> Interface of one group of a case file, or of the keys that an effect adds to one.
 !>
-!> The basic groups are in `input/groups`, those of the effects in `model/effects`, one file each.
+!> Reading, checking, describing and listing of cases use this interface. The basic groups are in
+!> `input/groups`, those of the effects in `model/effects`, one file each.
 module rwmf_problem_case_group
    use rwmf_core_error, only: error_t
    use rwmf_problem_case, only: case_t
@@ -13,40 +13,40 @@ module rwmf_problem_case_group
    public :: case_group_t, name_length
 
    integer, parameter :: name_length = 24
-   !! of states and events
+   !! length of names of states and events
 
-   !> A group. What is not associated does not apply.
+   !> One group. Null pointers mean that the hook is not used.
    type :: case_group_t
       character(12) :: name = ''
-      !! of the group, in small letters
+      !! name of the group, in lower case
       character(12) :: after = 'frame'
-      !! of an effect: the basic group that its keys follow in the documentation
+      !! of an effect: basic group that precedes its keys in the documentation
       logical :: is_of_scene = .true.
-      !! says what is simulated, not how or what is reported
+      !! the group describes the simulated scene, not its integration or its output
       character(12) :: needs(2) = ''
-      !! groups without which it must not be given
+      !! groups without which this one must not be given
       character(40) :: reasons(2) = ''
-      !! why
+      !! reasons for `needs`, for messages
       type(key_t), allocatable :: keys(:)
       !! in the order of the documentation
       procedure(check_i), pointer, nopass :: check => null()
-      !! rules between keys and groups, beyond what each key allows by itself
+      !! rules between keys and groups, in addition to the allowed values of each key
       procedure(derive_i), pointer, nopass :: derive => null()
-      !! values that follow from dimensional keys, beyond quotients by mass or weight of the wall
+      !! values derived from dimensional keys, except quotients by mass or weight of the wall
       procedure(fill_i), pointer, nopass :: fill => null()
       procedure(is_present_i), pointer, nopass :: is_present => null()
-      !! whether a case calls for it
+      !! true if a case includes the effect
       procedure(add_names_i), pointer, nopass :: add_states => null()
-      !! names of the states that it brings
+      !! names of the states that the effect adds
       procedure(add_names_i), pointer, nopass :: add_events => null()
-      !! names of the events that it brings
+      !! names of the events that the effect adds
       procedure(refusal_i), pointer, nopass :: refuse_element => null()
-      !! why an element of a host cannot have it
+      !! check that an element of a host program can include the effect
    end type case_group_t
 
    abstract interface
-      !> Check the values of a case whose keys are each allowed. Asked only where a key of the
-      !> group is given, or the group itself. The error names group, key and what is allowed.
+      !> Check the values of a case in which each key by itself is valid. Called only if the group
+      !> or one of its keys is given. The error names group, key and the allowed values.
       subroutine check_i(values, error)
          import :: error_t, group_values_t
          implicit none
@@ -54,8 +54,8 @@ module rwmf_problem_case_group
          type(error_t), allocatable, intent(out) :: error
       end subroutine check_i
 
-      !> Set the keys of the group that follow from others; the groups before this one are done. The
-      !> error names group, key and what is allowed.
+      !> Set the keys of the group that follow from others; the groups before this one are complete.
+      !> The error names group, key and the allowed values.
       subroutine derive_i(values, error)
          import :: error_t, group_values_t
          implicit none
@@ -63,7 +63,7 @@ module rwmf_problem_case_group
          type(error_t), allocatable, intent(out) :: error
       end subroutine derive_i
 
-      !> Put what its values say into the case; the groups before this one are there already.
+      !> Copy the values of the group into the case, which already has those of the groups before.
       subroutine fill_i(case, error)
          import :: case_t, error_t
          implicit none
@@ -71,7 +71,7 @@ module rwmf_problem_case_group
          type(error_t), allocatable, intent(out) :: error
       end subroutine fill_i
 
-      !> Does the case call for it?
+      !> True if the case includes the effect.
       pure logical function is_present_i(case)
          import :: case_t
          implicit none
@@ -83,16 +83,16 @@ module rwmf_problem_case_group
          import :: case_t, name_length
          implicit none
          type(case_t), intent(in) :: case
-         !! in which it is present
+         !! case that includes the effect
          character(name_length), allocatable, intent(inout) :: names(:)
       end subroutine add_names_i
 
-      !> Fail with `err_input` when the case has what an element cannot have.
+      !> Fail with `err_input` if the case has a feature that an element cannot include.
       subroutine refusal_i(case, error)
          import :: case_t, error_t
          implicit none
          type(case_t), intent(in) :: case
-         !! in which it is present
+         !! case that includes the effect
          type(error_t), allocatable, intent(out) :: error
       end subroutine refusal_i
    end interface

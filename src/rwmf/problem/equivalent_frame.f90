@@ -1,4 +1,4 @@
-!> The single-degree-of-freedom frame that stands for the storeys of a case.
+!> Single-degree-of-freedom frame equivalent to the storeys of a case.
 module rwmf_problem_equivalent_frame
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi
@@ -13,9 +13,9 @@ contains
 
    !> Find the modes of `&storeys` and set the period and the mass ratio of `&frame` from them.
    !>
-   !> The mass ratio belongs to the displacement of the roof, which is linked to the wall. One mode:
-   !> its mass 1/phi_n**2 there. All modes: the mass of the roof alone, because nothing but storeys
-   !> that give way joins the floors below to it. Fails with `err_numerical`.
+   !> The mass ratio refers to the displacement of the roof, which is linked to the wall. With one
+   !> mode it is the modal mass 1/phi_n**2. With all modes it is the mass of the roof alone, because
+   !> only the deformable storeys connect the lower floors to it. Fails with `err_numerical`.
    subroutine set_equivalent_frame(case, error)
       type(case_t), intent(inout) :: case
       !! with frame and storeys

@@ -1,8 +1,7 @@
-!> What a case says: the values of its keys by group and key, each converted once, with the defaults
-!> of the keys that are not given.
+!> Values of a case by group and key, converted once, including the defaults of absent keys.
 !>
-!> The keys are those of the schema, in its order. They have passed its checks, so that no access
-!> can fail. A few arrays hold all values, so that a copy of a case stays cheap.
+!> The keys are those of the schema, in its order. They have passed its checks, so no access can
+!> fail. All values share a few arrays, which makes a copy of a case cheap.
 module rwmf_problem_group_values
    use rwmf_core_kinds, only: dp, wp
    use rwmf_text_strings, only: to_lower
@@ -15,44 +14,44 @@ module rwmf_problem_group_values
    public :: get_real, get_text, get_list, get_texts
    public :: derive, as_given
 
-   !> Where a group stands in the text of the case.
+   !> Position of a group in the text of the case.
    type :: group_place_t
       character(12) :: name
       logical :: is_given
       integer :: line
-      !! 0 when it is not given
+      !! 0 if it is not given
       integer :: code
       !! `key_code` of the group
       integer :: first_key = 1
-      !! place of its first key
+      !! index of its first key
       integer :: last_key = 0
-      !! and of its last
+      !! index of its last key
    end type group_place_t
 
    !> The values of one key.
    type :: key_values_t
       character(12) :: group
       character(20) :: key
-      !! as the documentation spells it
+      !! in the spelling of the documentation
       character(20) :: name
-      !! in small letters
+      !! in lower case
       logical :: is_given
-      !! by the case, not by default
+      !! given by the case, not a default
       logical :: is_quoted
       integer :: line
-      !! 0 when it is not given
+      !! 0 if it is not given
       integer :: n
       !! number of values
       integer :: first
-      !! place of the first value among all
+      !! index of the first value in the arrays of all values
       integer :: source = 0
-      !! place of the key that it follows from, which may be the key itself; 0 for values as given
+      !! index of the key from which it is derived, possibly the key itself; 0 for values as given
       integer :: n_given = 0
-      !! of values that follow from others: number of those that the case gives
+      !! for derived values: number of values that the case gives
       integer :: first_given = 0
-      !! and place of the first of them
+      !! index of the first of these
       character(6) :: unit = '-'
-      !! of the values
+      !! unit of the values
       real(wp) :: usual(2) = [0.0_wp, huge(1.0_wp)]
       !! range of their magnitudes in real buildings, in that unit
    end type key_values_t
@@ -66,22 +65,22 @@ module rwmf_problem_group_values
       integer, allocatable :: codes(:)
       !! (keys of the schema) `key_code` of each
       real(dp), allocatable :: numbers(:)
-      !! (values) [unit of the key]; of a logical 1 or 0, of texts 0
+      !! (values) [unit of the key]; 1 or 0 for a logical, 0 for texts
       integer, allocatable :: ends(:)
-      !! (0:values) where the text of each ends; 0 where the first begins
+      !! (0:values) end of the text of each value; 0 at the beginning of the first
       character(:), allocatable :: texts
-      !! one after the other, as they stand in the case, names of choices in small letters
+      !! concatenated texts as given in the case; names of choices in lower case
       logical :: has_units = .false.
-      !! some of its keys follow from others (`derive`)
+      !! some of its keys are derived from others (`derive`)
    end type group_values_t
 
 contains
 
-   !> Place of a group; 0 when there is no such group.
+   !> Index of a group; 0 if there is none of that name.
    pure integer function group_place(values, name) result(place)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: name
-      !! in small letters
+      !! name of the group, in lower case
       integer :: code
 
       place = 0
@@ -93,20 +92,20 @@ contains
       end do
    end function group_place
 
-   !> Place of a key; 0 when there is no such key.
+   !> Index of a key; 0 if there is none of that name.
    pure integer function key_place(values, group, key) result(place)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! letters may be small or capital
+      !! name of the key, in upper or lower case
       integer :: at
       integer :: code
 
       at = group_place(values, group)
       place = 0
       if (at == 0) return
-      ! a case is filled with some hundred look-ups: few of them compare letters
+      ! Filling a case takes some hundred look-ups: the code avoids most comparisons of texts.
       code = continued(values%groups(at)%code, key)
       do place = values%groups(at)%last_key, values%groups(at)%first_key, -1
          if (values%codes(place) /= code) cycle
@@ -116,23 +115,23 @@ contains
       place = 0
    end function key_place
 
-   !> A number that most keys have for themselves.
+   !> Hash of a group and key; most keys have a unique one.
    pure integer function key_code(group, key) result(code)
       character(*), intent(in) :: group
-      !! its name, without &, in small letters
+      !! name of the group, without &, in lower case
       character(*), intent(in) :: key
-      !! its name, '' for the group itself; letters may be small or capital
+      !! name of the key, '' for the group itself; in upper or lower case
 
       code = continued(continued(0, group), key)
    end function key_code
 
-   !> The number that a name makes of the one before it.
+   !> Hash of a name that continues an earlier hash.
    pure integer function continued(before, name) result(code)
       integer, intent(in) :: before
       character(*), intent(in) :: name
-      !! letters may be small or capital
+      !! name in upper or lower case
       integer, parameter :: most = 2**24 - 1
-      !! 31 times as much is still an integer
+      !! 31 times this number still fits in an integer
       integer :: letter
       integer :: i
 
@@ -144,11 +143,11 @@ contains
       end do
    end function continued
 
-   !> Is the group given?
+   !> True if the case gives the group.
    pure logical function has_group(values, name)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: name
-      !! its name, without &
+      !! name of the group, without &
       integer :: place
 
       place = group_place(values, name)
@@ -156,13 +155,13 @@ contains
       if (place > 0) has_group = values%groups(place)%is_given
    end function has_group
 
-   !> Is the key given?
+   !> True if the case gives the key.
    pure logical function has_key(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       integer :: place
 
       place = key_place(values, group, key)
@@ -170,13 +169,13 @@ contains
       if (place > 0) has_key = values%keys(place)%is_given
    end function has_key
 
-   !> Line of a key in the text of the case; 0 when it is not given.
+   !> Line of a key in the text of the case; 0 if it is not given.
    pure integer function key_line(values, group, key) result(line)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       integer :: place
 
       place = key_place(values, group, key)
@@ -188,23 +187,23 @@ contains
    pure integer function value_length(values, number) result(length)
       type(group_values_t), intent(in) :: values
       integer, intent(in) :: number
-      !! of the value among all; 0 for none
+      !! index of the value among all; 0 for none
 
       length = 0
       if (number > 0) length = values%ends(number) - values%ends(number - 1)
    end function value_length
 
-   !> The text of a value.
+   !> Text of a value.
    pure function value_text(values, number) result(text)
       type(group_values_t), intent(in) :: values
       integer, intent(in) :: number
-      !! of the value among all; 0 for none
+      !! index of the value among all; 0 for none
       character(value_length(values, number)) :: text
 
       if (number > 0) text = values%texts(values%ends(number - 1) + 1:values%ends(number))
    end function value_text
 
-   !> Number of the first value of a key among all; 0 when it has none.
+   !> Index of the first value of a key among all; 0 if it has none.
    pure integer function first_value(values, group, key) result(number)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
@@ -217,25 +216,25 @@ contains
       if (values%keys(place)%n > 0) number = values%keys(place)%first
    end function first_value
 
-   !> The value of a key as text, '' when there is none.
+   !> Value of a key as text; '' if it has none.
    pure function text_of(values, group, key) result(text)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(value_length(values, first_value(values, group, key))) :: text
 
       text = value_text(values, first_value(values, group, key))
    end function text_of
 
-   !> The value of a real key, zero when there is none [its unit].
+   !> Value of a real key; zero if it has none [its unit].
    pure real(wp) function real_of(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       integer :: number
 
       number = first_value(values, group, key)
@@ -243,35 +242,35 @@ contains
       if (number > 0) real_of = real(values%numbers(number), wp)
    end function real_of
 
-   !> The value of an integer key, zero when there is none.
+   !> Value of an integer key; zero if it has none.
    pure integer function integer_of(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
 
       integer_of = nint(real_of(values, group, key))
    end function integer_of
 
-   !> The value of a logical key, false when there is none.
+   !> Value of a logical key; false if it has none.
    pure logical function logical_of(values, group, key)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
 
       logical_of = real_of(values, group, key) > 0
    end function logical_of
 
-   !> Set a real that stays unallocated when the key has no value.
+   !> Get a real value; it stays unallocated if the key has none.
    pure subroutine get_real(values, group, key, value)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       real(wp), allocatable, intent(out) :: value
       !! [unit of the key]
       integer :: number
@@ -280,28 +279,28 @@ contains
       if (number > 0) value = real(values%numbers(number), wp)
    end subroutine get_real
 
-   !> Set a text that stays unallocated when the key has no value.
+   !> Get a text; it stays unallocated if the key has no value.
    pure subroutine get_text(values, group, key, value)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(:), allocatable, intent(out) :: value
-      !! not allocated when the key has no value
+      !! not allocated if the key has no value
       integer :: number
 
       number = first_value(values, group, key)
       if (number > 0) value = value_text(values, number)
    end subroutine get_text
 
-   !> Set a list that stays unallocated when the key has no value.
+   !> Get a list; it stays unallocated if the key has no value.
    pure subroutine get_list(values, group, key, list)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       real(wp), allocatable, intent(out) :: list(:)
       !! (n) [unit of the key]
       integer :: place
@@ -313,13 +312,13 @@ contains
       end associate
    end subroutine get_list
 
-   !> Set a list of texts that stays unallocated when the key has no value.
+   !> Get a list of texts; it stays unallocated if the key has no value.
    pure subroutine get_texts(values, group, key, list)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(:), allocatable, intent(out) :: list(:)
       !! (n) padded with blanks
       integer :: place
@@ -337,15 +336,15 @@ contains
       end associate
    end subroutine get_texts
 
-   !> Let the values of a key follow from another key, or from those that it has itself.
+   !> Set the values of a key that are derived from another key, or from its own values.
    subroutine derive(values, group, key, source, numbers)
       type(group_values_t), intent(inout) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: source
-      !! name of the key of the group that the user gives, for messages
+      !! name of the key of the group that the case gives, for messages
       real(wp), intent(in) :: numbers(:)
       !! (n) [unit of the key]
       integer :: n
@@ -363,15 +362,15 @@ contains
          row%n = size(numbers)
       end associate
       values%numbers(n + 1:n + size(numbers)) = real(numbers, dp)
-      ! they stand in no text
+      ! derived values have no text
       values%ends(n + 1:n + size(numbers)) = values%ends(n)
    end subroutine derive
 
-   !> Make room for values.
+   !> Enlarge the arrays of all values.
    subroutine grow(values, n)
       type(group_values_t), intent(inout) :: values
       integer, intent(in) :: n
-      !! that are needed
+      !! required number of values
       integer, parameter :: spare = 64
       real(dp), allocatable :: numbers(:)
       integer, allocatable :: ends(:)
@@ -385,7 +384,7 @@ contains
       call move_alloc(ends, values%ends)
    end subroutine grow
 
-   !> A key as the case gives it, before anything follows from it.
+   !> Key as the case gives it, without derived values.
    elemental type(key_values_t) function as_given(row) result(given)
       type(key_values_t), intent(in) :: row
 

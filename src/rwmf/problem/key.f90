@@ -1,4 +1,4 @@
-!> One key of a case file: what the documentation, the validation and the messages say of it.
+!> One key of a case file, as used by the documentation, the validation and the messages.
 module rwmf_problem_key
    implicit none
    private
@@ -15,149 +15,149 @@ module rwmf_problem_key
    type :: key_t
       character(12) :: group
       character(20) :: key
-      !! as the documentation spells it; letters may be small or capital in a case
+      !! in the spelling of the documentation; a case may use upper or lower case
       character(9) :: type
       !! 'real', 'real list', 'integer', 'logical', 'choice', 'text' or 'text list'
       character(6) :: unit
-      !! of a number; '-' for a ratio, '' for texts and counts
+      !! unit of a number; '-' for a ratio, '' for texts and counts
       character(16) :: default
-      !! value when it is not given, or the name of the key of the group that has it; '' for none
+      !! default value, or the name of a key of the group that provides it; '' for none
       logical :: is_required
-      !! must be given whenever the group is
+      !! required whenever the group is given
       character(104) :: allowed
       !! of a number: `> 0`, `>= 0` or an interval; of a choice: its names
       character(104) :: help
       character(88) :: kinds
-      !! of `&motion`: the kinds that the key belongs to; '' for all
+      !! of `&motion`: the kinds that have the key; '' for all
       character(16) :: implies
-      !! `KEY=VALUE`: what a choice of the same group is when this key is given and the choice is
+      !! `KEY=VALUE`: value of a choice of the same group if this key is given and the choice is
       !! not; '' for nothing
       character(6) :: si = ''
-      !! of a ratio to the mass or to the weight of the wall: its unit once it is multiplied by
-      !! that, by the weight for 'N'; '' for others
+      !! of a ratio to the mass or weight of the wall: unit after multiplication by the weight ('N')
+      !! or the mass (others); '' for other keys
       character(20) :: gives = ''
-      !! of a dimensional key: the key of the group that follows from it; '' for other keys
+      !! of a dimensional key: key of the group that is derived from it; '' for other keys
       character(64) :: needs = ''
-      !! keys of the group without which it must not be given, with blanks between; of several with
-      !! '|' between them one is enough
+      !! required other keys of the group, separated by blanks; one of several separated by '|' is
+      !! enough
       logical :: scales = .false.
-      !! it may stand beside the key that it gives, whose values it scales
+      !! may be given together with the key that it gives, and then scales its values
       character(16) :: usual = ''
-      !! range of its magnitude in real buildings, '[low, high]'; beyond it a case gets a warning
+      !! range of its magnitude in real buildings, '[low, high]'; values outside cause a warning
    end type key_t
 
 contains
 
-   !> A key that must be given.
+   !> Required key.
    pure type(key_t) function required(group, key, type, unit, allowed, help)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: type
-      !! component of `key_t`, as the following ones
+      !! component of `key_t`, as the next ones
       character(*), intent(in) :: unit
-      !! of a number; '-' for a ratio, '' for texts and counts
+      !! unit of a number; '-' for a ratio, '' for texts and counts
       character(*), intent(in) :: allowed
-      !! of a number its range, of a choice its names
+      !! range of a number, or names of a choice
       character(*), intent(in) :: help
-      !! what it means, for the user
+      !! meaning of the key, for the user
 
       required = key_t(group, key, type, unit, '', .true., allowed, help, '', '')
    end function required
 
-   !> A key that may be left out.
+   !> Optional key.
    pure type(key_t) function optional_key(group, key, type, unit, default, allowed, help, implies)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: type
-      !! component of `key_t`, as the following ones
+      !! component of `key_t`, as the next ones
       character(*), intent(in) :: unit
-      !! of a number; '-' for a ratio, '' for texts and counts
+      !! unit of a number; '-' for a ratio, '' for texts and counts
       character(*), intent(in) :: default
-      !! value when it is not given, or the key of the group that has it; '' for none
+      !! default value, or the key of the group that provides it; '' for none
       character(*), intent(in) :: allowed
-      !! of a number its range, of a choice its names
+      !! range of a number, or names of a choice
       character(*), intent(in) :: help
-      !! what it means, for the user
+      !! meaning of the key, for the user
       character(*), intent(in), optional :: implies
-      !! `KEY=VALUE`, what a choice of the group is when this key is given and the choice is not;
+      !! `KEY=VALUE`, value of a choice of the group if this key is given and the choice is not;
       !! absent for none
 
       optional_key = key_t(group, key, type, unit, default, .false., allowed, help, '', '')
       if (present(implies)) optional_key%implies = implies
    end function optional_key
 
-   !> A key that is a ratio to the mass or to the weight of the wall.
+   !> Key that is a ratio to the mass or to the weight of the wall.
    pure type(key_t) function with_si(si, ratio)
       character(*), intent(in) :: si
       !! component of `key_t`
       type(key_t), intent(in) :: ratio
-      !! the key
+      !! key without its unit
 
       with_si = ratio
       with_si%si = si
    end function with_si
 
-   !> A key whose magnitude in real buildings lies in a range.
+   !> Key with the range of its magnitude in real buildings.
    pure type(key_t) function usually(range, key)
       character(*), intent(in) :: range
       !! component `usual` of `key_t`
       type(key_t), intent(in) :: key
-      !! the key without it
+      !! key without that range
 
       usually = key
       usually%usual = range
    end function usually
 
-   !> A key in kg, N or Pa that stands for one over the mass or the weight of the wall.
+   !> Key in kg, N or Pa from which a ratio to the mass or weight of the wall is derived.
    pure type(key_t) function dimensional(group, key, type, unit, gives, needs, help, &
       allowed)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: type
-      !! component of `key_t`, as the following ones
+      !! component of `key_t`, as the next ones
       character(*), intent(in) :: unit
-      !! of the number
+      !! unit of the number
       character(*), intent(in) :: gives
-      !! the key of the group that follows from it
+      !! key of the group that is derived from it
       character(*), intent(in) :: needs
-      !! keys of the group without which it must not be given
+      !! required other keys of the group
       character(*), intent(in) :: help
-      !! what it means, for the user
+      !! meaning of the key, for the user
       character(*), intent(in), optional :: allowed
-      !! range of the number; absent for > 0
+      !! range of the number; absent: > 0
 
       dimensional = key_t(group, key, type, unit, '', .false., positive, help, '', '', '', gives, &
          needs)
       if (present(allowed)) dimensional%allowed = allowed
    end function dimensional
 
-   !> A key of some kinds of motion.
+   !> Key that belongs to some kinds of motion.
    pure type(key_t) function of_kind(kinds, key, type, unit, default, allowed, help)
       character(*), intent(in) :: kinds
-      !! names of the kinds of motion that the key belongs to, with blanks between; '' for all
+      !! names of the kinds of motion that have the key, separated by blanks; '' for all
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: type
-      !! component of `key_t`, as the following ones
+      !! component of `key_t`, as the next ones
       character(*), intent(in) :: unit
-      !! of a number; '-' for a ratio, '' for texts and counts
+      !! unit of a number; '-' for a ratio, '' for texts and counts
       character(*), intent(in) :: default
-      !! value when it is not given, or the key of the group that has it; '' for none
+      !! default value, or the key of the group that provides it; '' for none
       character(*), intent(in) :: allowed
-      !! of a number its range, of a choice its names
+      !! range of a number, or names of a choice
       character(*), intent(in) :: help
-      !! what it means, for the user
+      !! meaning of the key, for the user
 
       of_kind = key_t('motion', key, type, unit, default, .false., allowed, help, kinds, '')
    end function of_kind
 
-   !> Does the key belong to this kind of motion? Always true in other groups.
+   !> True if the key belongs to a kind of motion; always true in other groups.
    pure logical function belongs_to(key, kind)
       type(key_t), intent(in) :: key
       character(*), intent(in) :: kind

@@ -1,28 +1,28 @@
-!> The table of output quantities: every column of a history, every scalar of a run, and what
-!> spectra, sweeps and comparisons of methods report beyond them. The summary, Python and
-!> `docs/reference/outputs.md` read it.
+!> Table of output quantities: history columns, scalars of a run, and the additional results of
+!> spectra, sweeps and method comparisons. The summary, Python and `docs/reference/outputs.md` use
+!> this table.
 module rwmf_problem_quantity_table
    use rwmf_text_strings, only: to_lower
    implicit none
    private
 
-   public :: quantity_t, id, key_of, all_quantities, look_up, spelled, is_of_ordinate, is_peak
-   public :: asked_by, quantities_text
+   public :: quantity_t, id, key_of, all_quantities, look_up, canonical_key, is_of_ordinate, is_peak
+   public :: requested_by, quantities_text
    public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
    public :: of_envelopes, of_verification
 
-   ! The observer leaves out what no requested quantity needs: a quantity that needs more than its
-   ! row says is wrong where it is requested alone.
+   ! The observer skips calculations that no requested quantity needs. A quantity whose row lists
+   ! too few needs is therefore wrong when it is requested without others.
    character(*), parameter :: of_nothing = 'nothing'
-   !! known before the run or beside it
+   !! known before the run or independent of it
    character(*), parameter :: of_displacement = 'displacement'
-   !! follows from the largest displacement where both sides of the scene are alike
+   !! follows from the largest displacement if both sides of the scene are alike
    character(*), parameter :: of_events = 'events'
-   !! known from events and the end of the run
+   !! known from events and the final state
    character(*), parameter :: of_velocity = 'velocity'
    !! largest angular velocity, inside steps
    character(*), parameter :: of_storeys = 'storeys'
-   !! turns of storeys that yield, inside steps
+   !! velocity reversals of yielding storeys, inside steps
    character(*), parameter :: of_reactions = 'reactions'
    !! reactions of the foundation, inside steps
    character(*), parameter :: of_demands = 'demands'
@@ -36,7 +36,7 @@ module rwmf_problem_quantity_table
    character(*), parameter :: of_verification = 'verification'
    !! further runs that estimate errors
 
-   !> Numbers of the quantities, in any order.
+   !> Index numbers of the quantities, in any order.
    type :: ids_t
       integer :: t_s = 1, theta_rad = 2, theta_dot_rad_s = 3, theta_ddot_rad_s2 = 4, u_s_m = 5
       integer :: u_s_dot_m_s = 6, u_g_ddot_m_s2 = 7, v_g_ddot_m_s2 = 8, cable_force_over_m_w_g = 9
@@ -108,34 +108,35 @@ module rwmf_problem_quantity_table
 
    type(ids_t), parameter :: id = ids_t()
 
-   !> One quantity.
+   !> One output quantity.
    type :: quantity_t
       integer :: id
-      !! its number, one of `id`
+      !! number of the quantity, one of `id`
       character(40) :: key
-      !! name with unit suffix; '{i}' stands for the number of a floor or storey, from the ground up
+      !! name with unit suffix; '{i}' is a placeholder for the floor or storey number, from the
+      !! ground up
       character(40) :: name
-      !! variable of a run's dataset in Python; '' for an attribute of it, and where there is no run
+      !! variable of a run's dataset in Python; '' for an attribute, or outside runs
       character(8) :: unit
-      !! '1' for numbers without one, '' for texts
+      !! '1' for dimensionless numbers, '' for texts
       character(8) :: kind
       !! 'real', 'int', 'logical', 'text' or 'list'
       character(8) :: found
-      !! how it is found, 'row' (in each row of a history), 'peak' (supremum, located), 'time' (of
-      !! a peak), 'end' (value in the end), 'count', 'whether', 'before' (known before the run),
-      !! 'axis' (of a grid), 'work' (what the computation took) or 'error' (estimate or comparison)
+      !! way it is found: 'row' (in each row of a history), 'peak' (located supremum), 'time' (of a
+      !! peak), 'end' (final value), 'count' or 'whether'. Others are 'before' (known before the
+      !! run), 'axis' (of a grid), 'work' (computational work) and 'error' (estimate or comparison).
       character(32) :: outputs
-      !! where it stands, 'history', 'run', 'ordinate' (of a spectrum that asks for it), 'spectrum',
-      !! 'sweep', 'cost'
+      !! outputs that contain it: 'history', 'run', 'ordinate' (of a spectrum, on request),
+      !! 'spectrum', 'sweep', 'cost'
       character(8) :: group
-      !! of the case, without which it is absent; '' for none
+      !! group of the case that it requires; '' for none
       character(12) :: observed
-      !! what has to be observed of a run for it, one of the names above
+      !! required observation of a run, one of the names above
       character(56) :: needs
-      !! what else it needs, in Markdown
+      !! other requirements, in Markdown
       character(80) :: meaning
       integer :: ratio = 0
-      !! of a force in N or a moment in N m: number of the same over a weight
+      !! for a force in N or a moment in N m: number of the same quantity over a weight
    end type quantity_t
 
    !> Columns of the history.
@@ -417,8 +418,8 @@ module rwmf_problem_quantity_table
       quantity_t(id%warnings, 'warnings', '', '', 'list', 'end', 'run spectrum', '', of_events, &
       '', 'what the user should know')]
 
-   !> Demands of a run: what a building is designed for. Accelerations err by at most 100 rtol of
-   !> their values times their sensitivity to the motion (1 at least).
+   !> Demands of a run, used for the design of a building. The error of accelerations is at most
+   !> 100 rtol times their value times their sensitivity to the motion (at least 1).
    type(quantity_t), parameter :: demands(*) = [ &
       quantity_t(id%storey_i_drift_max, 'storey_{i}_drift_max', 'storey_{i}_drift_max', '1', &
       'real', 'peak', 'run ordinate', 'storeys', of_demands, '', &
@@ -492,7 +493,7 @@ module rwmf_problem_quantity_table
       'peak', 'run ordinate', 'wall', of_demands, 'a mass', &
       'largest bending moment inside the wall', id%wall_moment_max_over_m_w_g_m)]
 
-   !> Envelopes of a run: forces that members are designed for, and what comes with them.
+   !> Envelopes of a run: forces for the design of members, and related quantities.
    type(quantity_t), parameter :: envelopes(*) = [ &
       quantity_t(id%wall_shear_base_max_over_m_w_g, 'wall_shear_base_max_over_m_w_g', &
       'wall_shear_base_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', &
@@ -567,8 +568,8 @@ module rwmf_problem_quantity_table
       'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', 'largest pivot reaction', &
       id%pivot_normal_max_over_m_w_g)]
 
-   !> Parts of the energy ledger, and its residual. They err by at most 100 rtol of the largest part
-   !> times their sensitivity to the motion (1 at least).
+   !> Parts of the energy ledger, and its residual. Their error is at most 100 rtol times the
+   !> largest part times their sensitivity to the motion (at least 1).
    type(quantity_t), parameter :: energies(*) = [ &
       quantity_t(id%energy_input_J_per_kg, 'energy_input_J_per_kg', 'energy_input_J_per_kg', &
       'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, '', &
@@ -606,7 +607,7 @@ module rwmf_problem_quantity_table
       quantity_t(id%energy_balance_relative, 'energy_balance_relative', 'energy_balance_relative', &
       '1', 'real', 'error', 'run ordinate', '', of_energy, '', 'residual of the energy ledger')]
 
-   !> What spectra, sweeps and comparisons of methods report beyond these.
+   !> Additional results of spectra, sweeps and method comparisons.
    type(quantity_t), parameter :: others(*) = [ &
       quantity_t(id%b_m, 'b_m', '', 'm', 'real', 'axis', 'spectrum', 'wall', of_nothing, '', &
       'half width of the wall'), &
@@ -642,14 +643,14 @@ module rwmf_problem_quantity_table
       quantity_t(id%good_enough, 'good_enough', '', '1', 'logical', 'whether', 'cost', '', &
       of_nothing, '', 'whether the reference is two digits better than the best method')]
 
-   !> All of them. A summary and the columns of a history have this order.
+   !> All quantities. A summary and the columns of a history have this order.
    type(quantity_t), parameter :: all_quantities(*) = [columns, scalars, demands, envelopes, &
       energies, others]
 
 
 contains
 
-   !> Key of the quantity with a number.
+   !> Key of the quantity with a given number.
    elemental character(40) function key_of(number) result(key)
       integer, intent(in) :: number
       !! one of `id`
@@ -657,15 +658,14 @@ contains
       key = all_quantities(findloc(all_quantities%id, number, dim=1))%key
    end function key_of
 
-   !> Place of a key of an output in the table, 0 when it is not there, and the number of a floor or
-   !> storey in it.
+   !> Look up the row of an output key in the table, and the number of a floor or storey in the key.
    pure subroutine look_up(key, place, number)
       character(*), intent(in) :: key
-      !! as it stands in an output
+      !! key as spelled in an output
       integer, intent(out) :: place
-      !! row of `all_quantities`, 0 for a key that is not there
+      !! row of `all_quantities`, 0 for an unknown key
       integer, intent(out) :: number
-      !! 0 where it has none
+      !! floor or storey number; 0 for a key without one
       integer :: first, behind, status
 
       number = 0
@@ -677,34 +677,34 @@ contains
          .true., dim=1)
    end subroutine look_up
 
-   !> A key in the spelling of the outputs: a user's capitals do not matter, nor that Python's names
-   !> have no units. What the table does not have comes back in small letters.
-   elemental character(40) function spelled(key)
+   !> Key in the spelling of the outputs. Capitals are accepted, and names of Python, which have no
+   !> units. An unknown key is returned in lower case.
+   elemental character(40) function canonical_key(key)
       character(*), intent(in) :: key
-      !! as a user writes it
+      !! key in the user's spelling
       character(40) :: row
       integer :: place, first, behind, braces
 
-      spelled = to_lower(key)
-      place = place_of(trim(spelled))
+      canonical_key = to_lower(key)
+      place = place_of(trim(canonical_key))
       if (place > 0) then
-         spelled = all_quantities(place)%key
+         canonical_key = all_quantities(place)%key
          return
       end if
-      call find_number(spelled, first, behind)
+      call find_number(canonical_key, first, behind)
       if (behind == first) return
-      row = spelled(:first - 1)//'{i}'//spelled(behind:)
+      row = canonical_key(:first - 1)//'{i}'//canonical_key(behind:)
       place = place_of(trim(row))
       if (place == 0) return
       row = all_quantities(place)%key
       braces = index(row, '{i}')
-      spelled = row(:braces - 1)//spelled(first:behind - 1)//row(braces + 3:)
-   end function spelled
+      canonical_key = row(:braces - 1)//canonical_key(first:behind - 1)//row(braces + 3:)
+   end function canonical_key
 
-   !> Row of a key or of a name in Python; 0 where there is none.
+   !> Row of a key or of a name in Python; 0 if there is none.
    pure integer function place_of(key) result(place)
       character(*), intent(in) :: key
-      !! in small letters
+      !! key in lower case
 
       place = 0
       if (key == '') return
@@ -712,13 +712,12 @@ contains
       if (place == 0) place = findloc(to_lower(all_quantities%name) == key, .true., dim=1)
    end function place_of
 
-   !> Where a key has the number of a floor or storey: the first part between underscores that is
-   !> one.
+   !> Find the number of a floor or storey in a key: the first number between underscores.
    pure subroutine find_number(key, first, behind)
       character(*), intent(in) :: key
       integer, intent(out) :: first
       integer, intent(out) :: behind
-      !! the same as `first` where there is none
+      !! position after the number; equal to `first` if there is none
 
       integer :: place
 
@@ -733,15 +732,15 @@ contains
       end do
    end subroutine find_number
 
-   !> May a spectrum be asked for it?
+   !> True if a spectrum can report the quantity.
    elemental logical function is_of_ordinate(quantity)
       type(quantity_t), intent(in) :: quantity
 
       is_of_ordinate = index(quantity%outputs, 'ordinate') > 0
    end function is_of_ordinate
 
-   !> Is it a peak of a run that an accuracy may be asked of? Where a peak lies along the wall is
-   !> none.
+   !> True for a peak of a run for which a case can require an accuracy. The height of a peak along
+   !> the wall is excluded.
    elemental logical function is_peak(quantity)
       type(quantity_t), intent(in) :: quantity
 
@@ -750,18 +749,18 @@ contains
    end function is_peak
 
    !> Key of `&output` that requests a quantity; '' for one that every run reports.
-   elemental character(12) function asked_by(quantity)
+   elemental character(12) function requested_by(quantity)
       type(quantity_t), intent(in) :: quantity
 
-      asked_by = ''
+      requested_by = ''
       if (any(quantity%observed == [character(12) :: of_reactions, of_demands, of_envelopes])) then
-         asked_by = 'reactions'
+         requested_by = 'reactions'
       else if (quantity%observed == of_energy) then
-         asked_by = 'energy'
+         requested_by = 'energy'
       end if
-   end function asked_by
+   end function requested_by
 
-   !> The table as text: its components in their order, separated by tabs, one quantity a line.
+   !> Write the table as text: tab-separated components in their order, one quantity per line.
    pure subroutine quantities_text(text)
       character(:), allocatable, intent(out) :: text
       !! the lines, each with its line feed
@@ -774,7 +773,8 @@ contains
          row = all_quantities(i)
          text = text//trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab &
             //trim(row%kind)//tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group) &
-            //tab//trim(asked_by(row))//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
+            //tab//trim(requested_by(row))//tab//trim(row%needs)//tab//trim(row%meaning) &
+            //new_line('a')
       end do
    end subroutine quantities_text
 

@@ -1,4 +1,4 @@
-!> A recorded ground acceleration: where it comes from, and its samples when it has been read.
+!> Recorded ground acceleration with its source and its samples.
 module rwmf_problem_record
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
@@ -8,10 +8,10 @@ module rwmf_problem_record
 
    public :: record_t, record_source_t, fill_source, set_factor
 
-   !> Where a record comes from.
+   !> Source of a record.
    type :: record_source_t
       character(:), allocatable :: file
-      !! path of the record as the case gives it
+      !! path of the record as given in the case
       character(:), allocatable :: path
       !! path of the record resolved against the folder of the namelist
       real(wp), allocatable :: dt
@@ -22,20 +22,19 @@ module rwmf_problem_record
       !! factor on the record [-]
    end type record_source_t
 
-   !> A record that has been read and checked. A changed case has all but the samples, which the
-   !> case that it comes from keeps.
+   !> Record that has been read and checked. A changed case has all components except the samples,
+   !> which stay in the original case.
    type :: record_t
       real(wp), allocatable :: t(:)
       !! (n) strictly increasing times [s]
       real(wp), allocatable :: a(:)
-      !! (n) ground acceleration as it stands in the file; `factor` times it is the motion
-      !! [unit of the file]
+      !! (n) ground acceleration as in the file; `factor` times it is the motion [unit of the file]
       real(wp) :: factor = 1
-      !! m/s2 per unit of the file, `scale` included
+      !! m/s2 per unit of the file, including `scale`
       integer :: n
       !! number of samples, at least 2
       real(wp), allocatable :: dt
-      !! sampling interval [s]; absent when it is not uniform
+      !! sampling interval [s]; absent if it is not uniform
       real(wp) :: t_last
       !! time of the last sample [s]
       real(wp) :: largest
@@ -43,20 +42,20 @@ module rwmf_problem_record
       real(wp) :: peak
       !! largest magnitude of the acceleration [m/s2]
       real(wp) :: t_peak
-      !! its first time [s]
+      !! first time of that acceleration [s]
       character(:), allocatable :: format
       !! 'one column', 'two columns', 'AT2' or 'array'
       character(8) :: crc32
-      !! of the bytes of the file, or of the samples of an array, hexadecimal
+      !! checksum of the bytes of the file, or of the samples of an array, hexadecimal
    end type record_t
 
 contains
 
-   !> What a group of the case says about its record.
+   !> Set the source of a record from a group of the case.
    subroutine fill_source(values, group, source)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       class(record_source_t), intent(inout) :: source
 
       source%scale = real_of(values, group, 'scale')
@@ -65,14 +64,14 @@ contains
       call get_text(values, group, 'unit', source%unit)
    end subroutine fill_source
 
-   !> What the samples are multiplied with. Fails with `err_input` when they then overflow.
+   !> Set the factor of the samples. Fails with `err_input` if the product overflows.
    pure subroutine set_factor(record, scale, g, error, unit)
       type(record_t), intent(inout) :: record
-      !! with the largest of its samples
+      !! record with its largest sample
       real(wp), intent(in) :: scale
       !! [-]
       real(wp), intent(in) :: g
-      !! what unit 'g' means [m/s2]
+      !! acceleration of unit 'g' [m/s2]
       type(error_t), allocatable, intent(out) :: error
       character(*), intent(in), optional :: unit
       !! 'g', 'm/s2' or 'cm/s2'; absent for 'g'

@@ -1,5 +1,5 @@
-!> What the rules between keys and groups have in common: conditions, and errors that name a group
-!> or a key with its line and value.
+!> Helpers for the rules between keys and groups: conditions, and errors that name a group or a key
+!> with its line and value.
 module rwmf_problem_rules
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
@@ -14,17 +14,17 @@ module rwmf_problem_rules
 
 contains
 
-   !> A spring must not be so stiff that no method follows its mass.
+   !> Check that a spring is not too stiff for the integration of its mass.
    !>
-   !> A period of 1e-5 s is a thousandth of what any part of a building has; far below, the motion
-   !> of the mass is lost in the round-off of its rotation. `problem` is not allocated for others.
+   !> The limit, a period of 1e-5 s, is a thousandth of the period of any part of a building. At far
+   !> shorter periods, the displacement of the mass is below the round-off of the rotation.
    pure subroutine check_period(root_mass, root_stiffness, problem)
       real(wp), intent(in) :: root_mass
-      !! square root of the mass, or of its part of a quotient: neither overflows [sqrt(kg)]
+      !! square root of the mass, or of its mass ratio: neither overflows [sqrt(kg)]
       real(wp), intent(in) :: root_stiffness
       !! > 0, square root of the stiffness [sqrt(N/m)]
       character(:), allocatable, intent(out) :: problem
-      !! what is wrong, and with which period; not allocated when nothing is
+      !! description of the error with the period; not allocated if the spring is valid
       real(wp), parameter :: shortest = 1.0e-5_wp
       !! [s]
 
@@ -34,27 +34,27 @@ contains
          //trim(real_to_text(shortest))//' s: lower the stiffness'
    end subroutine check_period
 
-   !> A group that is given needs another one.
+   !> Check that a group is given only together with another one.
    subroutine check_needs(values, group, other, reason, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: other
-      !! name of the group that it needs, without &
+      !! name of the required group, without &
       character(*), intent(in) :: reason
-      !! why it does, for the message
+      !! reason for the requirement, for the message
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` when it is missing
+      !! `err_input` if the other group is missing
 
       if (.not. has_group(values, group) .or. has_group(values, other)) return
       call fail_group(values, group, 'must not be given without &'//other//' ('//reason//')', error)
    end subroutine check_needs
 
-   !> Exactly one of two keys must be given.
+   !> Check that exactly one of two keys is given.
    subroutine check_one_of(values, group, a, b, condition, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: a
       !! name of one key
       character(*), intent(in) :: b
@@ -62,7 +62,7 @@ contains
       character(*), intent(in) :: condition
       !! 'with ...'
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` when both or none are given
+      !! `err_input` if both or none are given
 
       if (has_key(values, group, a) .and. has_key(values, group, b)) then
          call fail_key(values, group, b, 'must not be given beside '//a//': exactly one of both ' &
@@ -73,30 +73,31 @@ contains
       end if
    end subroutine check_one_of
 
-   !> Report a group by its name.
+   !> Report an error of a group by its name.
    subroutine fail_group(values, group, problem, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: problem
-      !! what is wrong with it, as the message goes on
+      !! description of the error, which continues the message
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 
       call fail_at_group(group, values%groups(group_place(values, group))%line, problem, error)
    end subroutine fail_group
 
-   !> Report a key that is given by its name: `&frame: gamma = -1.0 (line 7): must be ...`. A number
-   !> of a changed case has no text: it is shown as it is. What follows from another key is reported
-   !> by that key: `&frame: k_s = 1.0e6 (line 8): T_s = 0.2: must be ...`.
+   !> Report an error of a key by its name: `&frame: gamma = -1.0 (line 7): must be ...`.
+   !>
+   !> A number of a changed case has no text, so the message shows its value. For a derived value
+   !> the message names its source: `&frame: k_s = 1.0e6 (line 8): T_s = 0.2: must be ...`.
    subroutine fail_key(values, group, key, problem, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: problem
-      !! what is wrong with it, as the message goes on
+      !! description of the error, which continues the message
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
       type(key_values_t) :: given
@@ -116,7 +117,7 @@ contains
       call fail_at_key(group, trim(given%key), shown_values, given%line, followed//problem, error)
    end subroutine fail_key
 
-   !> The values of a key as a message lists them.
+   !> List the values of a key for a message.
    pure subroutine show_values(values, row, text)
       type(group_values_t), intent(in) :: values
       type(key_values_t), intent(in) :: row
@@ -134,16 +135,16 @@ contains
       end do
    end subroutine show_values
 
-   !> Append a value to those that a message shows; of many only the first.
+   !> Append a value to the list of a message, which shows only the first few.
    pure subroutine append_value(number, is_quoted, value, text)
       integer, intent(in) :: number
-      !! of the value in its key
+      !! index of the value in its key
       logical, intent(in) :: is_quoted
-      !! it stands in quotes in the case
+      !! the value is quoted in the case
       character(*), intent(in) :: value
-      !! as it stands in the case, without quotes
+      !! text of the value in the case, without quotes
       character(:), allocatable, intent(inout) :: text
-      !! those before it, with commas between; this one is appended
+      !! earlier values, separated by commas; this one is appended
       integer, parameter :: most = 8
 
       if (number == most + 1) text = text//', ...'
@@ -159,15 +160,15 @@ contains
    !> Report a key with its values: `&frame: gamma = -1.0 (line 7): must be ...`.
    subroutine fail_at_key(group, key, shown_values, line, problem, error)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       character(*), intent(in) :: shown_values
       !! its values as `append_value` lists them
       integer, intent(in) :: line
-      !! number of the line of the key; 0 when it stands in no text
+      !! line number of the key; 0 if it has none
       character(*), intent(in) :: problem
-      !! what is wrong with it, as the message goes on
+      !! description of the error, which continues the message
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 
@@ -178,18 +179,18 @@ contains
    !> Report a group with its line: `&frame (line 5): ...`.
    subroutine fail_at_group(group, line, problem, error)
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       integer, intent(in) :: line
-      !! number of the line where the group begins; 0 when it stands in no text
+      !! line number of the beginning of the group; 0 if it has none
       character(*), intent(in) :: problem
-      !! what is wrong with it, as the message goes on
+      !! description of the error, which continues the message
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 
       call fail(error, err_input, '&'//shown(group)//trim(line_note(line))//': '//problem)
    end subroutine fail_at_group
 
-   !> ` (line 7)`, with blanks behind; blank for line 0.
+   !> Note ` (line 7)`, padded with blanks; blank for line 0.
    pure function line_note(line) result(note)
       integer, intent(in) :: line
       character(28) :: note

@@ -1,5 +1,5 @@
-!> The axes of a spectrum as changes of a scene: period, mass ratio, width of the wall; and what
-!> each of them is in that scene.
+!> Axes of a spectrum as changes of a scene (period, mass ratio, width of the wall), with their
+!> meaning in that scene.
 module rwmf_problem_scene_axes
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: structure_t
@@ -10,36 +10,36 @@ module rwmf_problem_scene_axes
 
    public :: axis_t, list_axes, set_axes
 
-   !> An axis of a scene.
+   !> One axis of a scene.
    type :: axis_t
       character(5) :: name = ''
-      !! of its key in `&spectrum`
+      !! name of its key in `&spectrum`
       character(8) :: column = ''
-      !! of an output
+      !! column of an output
       character(2) :: unit = '1'
       !! '1' for none
       character(140) :: meaning = ''
-      !! what it is in this scene, and what it changes
+      !! meaning in this scene, and quantities that follow it
       logical :: is_plain = .true.
-      !! it sets a key of the case and nothing else
+      !! it sets one key of the case and changes nothing else
       logical :: has_value = .false.
-      !! the scene has one without the axis
+      !! the scene without the axis has a value
       real(wp) :: value = 0
-      !! that it has [unit]
+      !! that value [unit]
    end type axis_t
 
 contains
 
-   !> Give a structure the values of its axes; what is absent, or belongs to a part that the
-   !> structure does not have, stays as it is.
+   !> Set the values of the axes in a structure. Absent values, and values of parts that the
+   !> structure does not have, change nothing.
    !>
-   !> Of storeys T_s scales all stiffnesses, gamma all masses with the stiffnesses, so that the
-   !> period stays. A block, whose width is set first, gets the size of its 2 pi/p at its
-   !> slenderness.
+   !> For storeys, T_s scales all stiffnesses. The mass ratio gamma scales all masses and
+   !> stiffnesses, which keeps the period. The width of a block is set first; its size then follows
+   !> from 2 pi/p at its slenderness.
    pure subroutine set_axes(structure, T_s, gamma, b)
       class(structure_t), intent(inout) :: structure
       real(wp), intent(in), optional :: T_s
-      !! period of the frame, of a block 2 pi/p [s]
+      !! period of the frame, or 2 pi/p of a block [s]
       real(wp), intent(in), optional :: gamma
       !! mass ratio of frame and wall [-]; > 0 with storeys
       real(wp), intent(in), optional :: b
@@ -58,7 +58,7 @@ contains
       if (present(T_s)) structure%frame%T_s = T_s
    end subroutine set_axes
 
-   !> The axes that a scene has, the slowest of a grid first.
+   !> List the axes of a scene, the slowest axis of a grid first.
    pure subroutine list_axes(structure, axes)
       class(structure_t), intent(in) :: structure
       type(axis_t), allocatable, intent(out) :: axes(:)
@@ -99,7 +99,7 @@ contains
       end if
    end subroutine list_axes
 
-   !> What period and mass ratio are follows from how the storeys are linked to the wall.
+   !> Describe period and mass ratio according to the coupling between storeys and wall.
    pure subroutine name_axes_of_storeys(structure, T_s, gamma)
       class(structure_t), intent(in) :: structure
       type(axis_t), intent(inout) :: T_s

@@ -1,5 +1,5 @@
-!> A shear frame of several storeys: masses at its floors, stiffnesses and heights of its storeys,
-!> and what its modes make of them (Chopra, Dynamics of Structures, chapters 10 to 13).
+!> Shear frame of several storeys: floor masses, storey stiffnesses and heights, and the modal
+!> quantities (Chopra, Dynamics of Structures, chapters 10 to 13).
 module rwmf_problem_shear_frame
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -10,23 +10,23 @@ module rwmf_problem_shear_frame
    public :: shear_frame_t, find_modes, enforce_straight_line, scale_masses
    public :: modal_mass, modal_height, roof_factor, base_shear_share, damping_matrix
 
-   !> From the ground to the roof.
+   !> Shear frame; floors and storeys are numbered from the ground to the roof.
    type :: shear_frame_t
       real(wp), allocatable :: m(:)
-      !! (n) mass of each floor over m_w; a frame without wall: over any mass [-]
+      !! (n) mass of each floor over m_w; for a frame without a wall over any mass [-]
       real(wp), allocatable :: k(:)
-      !! (n) stiffness of the storey below each floor over the same mass [1/s2]
+      !! (n) stiffness of the storey below each floor, over the same mass [1/s2]
       real(wp), allocatable :: height(:)
-      !! (n) of each storey [m]
+      !! (n) height of each storey [m]
       real(wp), allocatable :: omega(:)
-      !! (n) frequencies of the frame by itself [rad/s]
+      !! (n) frequencies of the frame without the wall [rad/s]
       real(wp), allocatable :: shape(:, :)
-      !! (n, n) its modes in columns: displacements of the floors, with unit modal mass
+      !! (n, n) mode shapes in columns: displacements of the floors, with unit modal mass
    end type shear_frame_t
 
 contains
 
-   !> Frequencies and modes from masses and stiffnesses. Fails with `err_numerical`.
+   !> Find frequencies and modes from masses and stiffnesses. Fails with `err_numerical`.
    subroutine find_modes(frame, error)
       type(shear_frame_t), intent(inout) :: frame
       !! with m and k
@@ -53,13 +53,13 @@ contains
       call solve_modes(stiffness, mass, frame%omega, frame%shape, error)
    end subroutine find_modes
 
-   !> Put the straight line, with the frequency that Rayleigh's quotient gives it, in the place of
-   !> the first mode: the only one left to a frame whose floors are all linked to a rigid wall.
+   !> Replace the first mode by a straight line, with the frequency of its Rayleigh quotient. A
+   !> frame whose floors are all linked to a rigid wall has only this mode.
    pure subroutine enforce_straight_line(frame)
       type(shear_frame_t), intent(inout) :: frame
       !! with its modes and heights
       real(wp) :: share(size(frame%m))
-      !! of each storey in the height [-]
+      !! ratio of each storey height to the total height [-]
       real(wp) :: mass
       integer :: i
 
@@ -70,7 +70,7 @@ contains
       frame%omega(1) = sqrt(sum(frame%k*share**2)/mass)
    end subroutine enforce_straight_line
 
-   !> Scale all masses, and the stiffnesses with them: the periods stay, and the shapes.
+   !> Scale all masses and stiffnesses by one factor, which keeps periods and mode shapes.
    pure subroutine scale_masses(frame, factor)
       type(shear_frame_t), intent(inout) :: frame
       !! with its modes
@@ -82,7 +82,7 @@ contains
       frame%shape = frame%shape/sqrt(factor)
    end subroutine scale_masses
 
-   !> L_j = sum of m_i phi_ij, Chopra's Eq. (13.2.3); its square is the effective modal mass.
+   !> Excitation factor L_j = sum of m_i phi_ij, Chopra's Eq. (13.2.3).
    pure real(wp) function excitation(frame, mode)
       type(shear_frame_t), intent(in) :: frame
       integer, intent(in) :: mode
@@ -90,17 +90,17 @@ contains
       excitation = dot_product(frame%m, frame%shape(:, mode))
    end function excitation
 
-   !> Base shear effective modal mass, in the unit of m.
+   !> Effective modal mass for the base shear, in the unit of m.
    pure real(wp) function modal_mass(frame, mode)
       type(shear_frame_t), intent(in) :: frame
       !! with its modes
       integer, intent(in) :: mode
-      !! number, from the slowest
+      !! number of the mode, in the order of the frequencies
 
       modal_mass = excitation(frame, mode)**2
    end function modal_mass
 
-   !> Effective modal height: where the modal mass makes the mode's overturning moment [m].
+   !> Effective modal height, the lever arm of the modal mass in the mode's overturning moment [m].
    pure real(wp) function modal_height(frame, mode) result(height)
       type(shear_frame_t), intent(in) :: frame
       !! with its modes
@@ -115,7 +115,7 @@ contains
       height = height/excitation(frame, mode)
    end function modal_height
 
-   !> Displacement of the roof over that of the mode's oscillator, Gamma phi_n [-].
+   !> Displacement of the roof over that of the modal oscillator, Gamma phi_n [-].
    pure real(wp) function roof_factor(frame, mode)
       type(shear_frame_t), intent(in) :: frame
       !! with its modes
@@ -125,8 +125,10 @@ contains
       roof_factor = excitation(frame, mode)*frame%shape(size(frame%m), mode)
    end function roof_factor
 
-   !> Shear of the lowest storey over the force at the roof that would bend the frame alike and do
-   !> the same work, k_1 phi_1 phi_n/omega**2 [-]. Of a mode it is Gamma phi_n.
+   !> Base shear over the equivalent roof force, k_1 phi_1 phi_n/omega**2 [-].
+   !>
+   !> The equivalent force causes the same deflection and does the same work. For a mode the ratio
+   !> is Gamma phi_n.
    pure real(wp) function base_shear_share(frame)
       type(shear_frame_t), intent(in) :: frame
       !! with its modes
@@ -136,7 +138,7 @@ contains
       end associate
    end function base_shear_share
 
-   !> Damping matrix that gives every mode the same damping ratio, Chopra's Eq. (11.4.16)
+   !> Damping matrix with the same damping ratio in every mode, Chopra's Eq. (11.4.16)
    !> [1/s times the unit of m].
    pure function damping_matrix(frame, xi) result(c)
       type(shear_frame_t), intent(in) :: frame

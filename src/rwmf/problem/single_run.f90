@@ -1,4 +1,4 @@
-!> What one run needs, and a case with `&spectrum` may leave to its ordinates.
+!> Requirements of a single run that a case with `&spectrum` may leave to its ordinates.
 module rwmf_problem_single_run
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -13,7 +13,7 @@ module rwmf_problem_single_run
 
 contains
 
-   !> Does the case describe one structure? A frame without T_s takes its periods from `&spectrum`.
+   !> True if the case describes one structure. A frame without T_s has its periods in `&spectrum`.
    pure logical function has_period(case)
       type(case_t), intent(in) :: case
 
@@ -21,12 +21,13 @@ contains
       if (allocated(case%frame)) has_period = allocated(case%frame%T_s)
    end function has_period
 
-   !> Can the case be run by itself, not only as the ordinates of a spectrum?
+   !> Check that the case defines a single run, not only the ordinates of a spectrum.
    !>
-   !> Every way to one run asks here before it puts the equation together. Fails with `err_input`.
+   !> All kinds of single runs make this check before they set up the equation of motion. Fails with
+   !> `err_input`.
    subroutine check_single_run(case, error)
       type(case_t), intent(in) :: case
-      !! valid
+      !! valid case
       type(error_t), allocatable, intent(out) :: error
       character(*), parameter :: problem = 'the key T_s is missing (undamped period): must be ' &
          //'given for a single run, a number > 0 [s]; T_s of &spectrum serves spectra only'
@@ -40,8 +41,8 @@ contains
       end if
    end subroutine check_single_run
 
-   !> Is the tolerance one that double precision can deliver? Keys of a case are checked when they
-   !> are read; a host may set the component itself. Fails with `err_input`.
+   !> Check that double precision can attain the tolerance. The keys of a case are checked when it
+   !> is read, but a host program may set the component directly. Fails with `err_input`.
    subroutine check_tolerance(case, error)
       type(case_t), intent(in) :: case
       type(error_t), allocatable, intent(out) :: error

@@ -1,4 +1,4 @@
-!> What the ratios of a case are over: the mass of its wall, or what stands for it.
+!> Reference mass of a case's dimensionless ratios.
 module rwmf_problem_units
    use rwmf_core_kinds, only: wp
    use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, real_of
@@ -9,18 +9,18 @@ module rwmf_problem_units
 
 contains
 
-   !> What a ratio is multiplied by to get a number with a unit; 0 where the case has no mass.
+   !> Factor that converts a ratio to a number with a unit; 0 if the case has no mass.
    pure real(wp) function unit_of(values, si) result(unit)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: si
-      !! that unit: 'N' for a force over the weight, others are over the mass
+      !! unit of the result: 'N' for ratios to the weight, others for ratios to the mass
 
       unit = unit_mass(values)
       if (si == 'N') unit = unit*real_of(values, 'model', 'g')
    end function unit_of
 
-   !> Mass that masses, stiffnesses and forces are over: of the wall, without one of the frame, of
-   !> storeys in kg 1 kg; 0 where the case gives none [kg].
+   !> Reference mass of masses, stiffnesses and forces [kg]: mass of the wall, or without a wall of
+   !> the frame. It is 1 kg for storeys in kg, and 0 if the case gives no mass.
    pure real(wp) function unit_mass(values) result(mass)
       type(group_values_t), intent(in) :: values
 
@@ -33,7 +33,7 @@ contains
       end if
    end function unit_mass
 
-   !> Mass of the frame, of all its floors; 0 where the case gives none [kg].
+   !> Mass of the frame including all its floors; 0 if the case gives none [kg].
    pure real(wp) function mass_of_frame(values) result(mass)
       type(group_values_t), intent(in) :: values
       real(wp), allocatable :: m(:)

@@ -1,4 +1,4 @@
-!> Values outside the range of real buildings: most of them are slips of the unit.
+!> Warnings about values outside the range of real buildings, mostly unit mistakes.
 module rwmf_problem_usual_ranges
    use rwmf_core_kinds, only: wp
    use rwmf_problem_group_values, only: group_values_t, has_group, key_place, key_values_t
@@ -8,13 +8,13 @@ module rwmf_problem_usual_ranges
 
    public :: list_unusual, unusual_text
 
-   !> A unit that may have been meant instead of that of the key.
+   !> Unit that the user may have meant instead of that of the key.
    type :: slip_t
       character(6) :: unit
-      !! of the key
+      !! unit of the key
       character(6) :: meant
       real(wp) :: factor
-      !! from the one meant to that of the key
+      !! factor from the unit meant to that of the key
    end type slip_t
 
    type(slip_t), parameter :: slips(*) = [ &
@@ -32,8 +32,8 @@ module rwmf_problem_usual_ranges
 
 contains
 
-   !> A line for each key whose value in force is outside its range. Zero switches off and is always
-   !> allowed; values that follow from others have lines only if all that are given are usual.
+   !> List one line for each key with a value outside its range. Zero disables an effect and is
+   !> always allowed. Derived values are listed only if all given values are usual.
    pure subroutine list_unusual(values, lines)
       type(group_values_t), intent(in) :: values
       character(256), allocatable, intent(out) :: lines(:)
@@ -60,13 +60,13 @@ contains
       end do
    end subroutine list_unusual
 
-   !> The line about a number for a key; '' when it is within the range.
+   !> Warning about a number of a key; '' if it is within the range.
    pure character(256) function unusual_text(values, group, key, number) result(text)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: group
-      !! its name, without &
+      !! name of the group, without &
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       real(wp), intent(in) :: number
       !! [unit of the key]
       integer :: i, place
@@ -88,7 +88,7 @@ contains
       end associate
    end function unusual_text
 
-   !> A number and its unit.
+   !> Number with its unit.
    pure character(48) function with_unit(number, unit) result(text)
       real(wp), intent(in) :: number
       character(*), intent(in) :: unit
@@ -98,7 +98,7 @@ contains
       if (unit /= '-' .and. unit /= '') text = trim(text)//' '//unit
    end function with_unit
 
-   !> Whether a number lies within the range of a key.
+   !> True if a number is zero or its magnitude lies within the range of a key.
    pure logical function is_usual(row, number)
       type(key_values_t), intent(in) :: row
       real(wp), intent(in) :: number
@@ -107,7 +107,7 @@ contains
          row%usual(2))
    end function is_usual
 
-   !> Whether these are ratios of storeys without a wall, which are over any mass.
+   !> True for ratios of storeys without a wall, whose reference mass is arbitrary.
    pure logical function is_over_any_mass(values, row)
       type(group_values_t), intent(in) :: values
       type(key_values_t), intent(in) :: row

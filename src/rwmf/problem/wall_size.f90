@@ -1,5 +1,4 @@
-!> Size of a wall: its half diagonal, and the period 2 pi/p that says it when the wall stands
-!> freely.
+!> Size of a wall: its half diagonal, and the period 2 pi/p of a free-standing wall.
 module rwmf_problem_wall_size
    use, intrinsic :: iso_fortran_env, only: real128
    use rwmf_core_kinds, only: pi, wp
@@ -11,8 +10,10 @@ module rwmf_problem_wall_size
 
 contains
 
-   !> R of a wall [m]. In quadruple precision and not by `hypot`, whose last digit depends on the C
-   !> library, and whose symbol keeps a wheel from systems older than glibc 2.35.
+   !> Half diagonal R of a wall [m].
+   !>
+   !> Computed in quadruple precision instead of by `hypot`, whose last digit depends on the C
+   !> library. Its symbol also makes a wheel unusable on systems older than glibc 2.35.
    pure real(wp) function half_diagonal(h, b)
       real(wp), intent(in) :: h
       !! half height of the wall [m]
@@ -22,7 +23,8 @@ contains
       half_diagonal = real(sqrt(real(h, real128)**2 + real(b, real128)**2), wp)
    end function half_diagonal
 
-   !> 2 pi/p of a rectangular block, p = sqrt(3 g/(4 R)) [s]: the abscissa of rocking spectra.
+   !> Period 2 pi/p of a rectangular block, p = sqrt(3 g/(4 R)) [s]: the abscissa of rocking
+   !> spectra.
    pure real(wp) function block_period(wall, g)
       type(wall_t), intent(in) :: wall
       real(wp), intent(in) :: g
@@ -31,8 +33,8 @@ contains
       block_period = 2*pi*sqrt(4*half_diagonal(wall%h, wall%b)/(3*g))
    end function block_period
 
-   !> Give a block another size at its slenderness, so that its 2 pi/p is the one asked for; exactly
-   !> as it is where that is its own.
+   !> Scale a block to a required 2 pi/p at constant slenderness. The block stays bitwise unchanged
+   !> if it already has that period.
    pure subroutine scale_to_period(wall, g, T)
       type(wall_t), intent(inout) :: wall
       real(wp), intent(in) :: g

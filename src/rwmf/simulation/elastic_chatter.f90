@@ -1,18 +1,18 @@
-!> Chatter that hardly loses energy at its impacts, averaged where it is below the resolution.
+!> Averaged treatment of nearly elastic chatter below the resolution.
 !>
-!> With e near 1 a wall that is pressed down does not come to rest by its impacts: the flights only
-!> become shorter by viscous damping, and millions of them may come before the next lift-off. While
-!> the pressure changes slowly, the action v**3 (1/a_1 + 1/a_2) of a flight to either side is an
-!> adiabatic invariant, v the velocity at impacts and a_1, a_2 the decelerations. Damping d of the
-!> acceleration takes d/3 of v per unit of time, because the mean of v**2 over a parabola is a third
+!> With e near 1, impacts do not bring a wall to rest that the loads press onto its base. Only
+!> viscous damping shortens the flights, and millions of them may precede the next lift-off. Let v
+!> be the velocity at impact, and a_1, a_2 the decelerations of flights to either side. While the
+!> decelerations change slowly, the action v**3 (1/a_1 + 1/a_2) is an adiabatic invariant. Viscous
+!> damping d reduces v at the relative rate d/3, because the mean of v**2 over a parabola is a third
 !> of its largest value.
 module rwmf_simulation_elastic_chatter
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
    use rwmf_model_energy, only: impact_loss
-   use rwmf_model_equation, only: lift_off_drives
+   use rwmf_model_equation, only: uplift_demands
    use rwmf_model_lanes, only: of_input, of_viscous, power_count
-   use rwmf_model_lift_off, only: drive_turns
+   use rwmf_model_lift_off, only: demand_turns
    use rwmf_model_rest, only: inverse_inertia
    use rwmf_model_restitution, only: factor_at
    use rwmf_simulation_hybrid_state, only: hybrid_t, mode_rocking
@@ -24,28 +24,28 @@ module rwmf_simulation_elastic_chatter
    public :: skip_chatter, drop_chatter
 
    real(wp), parameter :: least_flights = 64
-   !! that are worth a jump
+   !! smallest number of flights for which a jump saves work
    real(wp), parameter :: slow = 0.01_wp
    !! largest relative change of a deceleration within a flight [-]
    real(wp), parameter :: most_lost = 0.1_wp
-   !! part of the velocity that impacts may take in a jump [-]
+   !! largest relative loss of velocity by impacts within a jump [-]
 
 contains
 
-   !> Jump over bounces that stay below the resolution, within one monotone piece of the motion.
+   !> Replace bounces below the resolution by one jump within a monotone piece of the motion.
    subroutine skip_chatter(hybrid, equation, recorder, small_angle, t_limit)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(in) :: equation
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: small_angle
-      !! negligible rotation [rad]
+      !! rotation below which bounces are negligible [rad]
       real(wp), intent(in) :: t_limit
-      !! end of the interval in force, or of the advance [s]
+      !! end of the current interval, or of the advance [s]
       real(wp) :: begin(2), pull(2)
-      !! decelerations on both sides at the beginning and at the end [rad/s2]
+      !! decelerations on both sides at the start and at the end of the jump [rad/s2]
       real(wp) :: v, v_end, e, damping, span, flights
       real(wp) :: gain(3)
-      !! logarithm of the energy by ground motion, damping and impacts [-]
+      !! logarithmic change of the energy by ground motion, damping and impacts [-]
 
       v = abs(hybrid%y(2))
       if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0 .or. v <= 0) return
@@ -53,7 +53,7 @@ contains
       begin = decelerations(equation, hybrid%t)
       if (minval(begin) <= 0) return
       if (v**2 > 2*minval(begin)*small_angle) return
-      span = min(t_limit, drive_turns(equation, interval_of(equation), hybrid%t)) - hybrid%t
+      span = min(t_limit, demand_turns(equation, interval_of(equation), hybrid%t)) - hybrid%t
       if (span < least_flights*2*v/minval(begin)) return
       e = factor_at(hybrid%restitution, v)
       damping = damping_at(hybrid, equation, v)
@@ -76,7 +76,7 @@ contains
       call note_jump(hybrid, equation, recorder, span, flights, gain)
    end subroutine skip_chatter
 
-   !> Enter in ledger and warnings the bounces that a wall at rest beside moving floors is spared.
+   !> Add the bounces that the rest beside moving floors omits to energy balance and warnings.
    subroutine drop_chatter(equation, recorder, t, v)
       type(equation_t), intent(in) :: equation
       type(recorder_t), intent(inout) :: recorder
@@ -91,7 +91,7 @@ contains
       end if
    end subroutine drop_chatter
 
-   !> Change state, ledger and counts by the bounces of a jump.
+   !> Update state, energy balance and counts for the bounces of a jump.
    subroutine note_jump(hybrid, equation, recorder, span, flights, gain)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(in) :: equation
@@ -99,7 +99,7 @@ contains
       real(wp), intent(in) :: span
       !! [s]
       real(wp), intent(in) :: flights
-      !! their number
+      !! number of flights
       real(wp), intent(in) :: gain(3)
       real(wp) :: work(power_count), rest(size(hybrid%y)), total, share
 
@@ -109,7 +109,7 @@ contains
       call observe_chatter(recorder, hybrid%t, int(flights, i8))
       total = sum(gain)
       share = impact_loss(equation, hybrid%y(2), 0.0_wp)
-      ! (exp(x) - 1)/x by a series where the difference would cancel
+      ! use a series for (exp(x) - 1)/x where the difference would cancel
       if (abs(total) > 1.0e-4_wp) share = share*(exp(total) - 1)/total
       if (abs(total) <= 1.0e-4_wp) share = share*(1 + total/2*(1 + total/3*(1 + total/4)))
       if (recorder%keeps_energy) then
@@ -124,17 +124,17 @@ contains
       hybrid%flight = 0
    end subroutine note_jump
 
-   !> Angular decelerations of a wall that leaves its base, on both sides [rad/s2].
+   !> Angular decelerations on both sides of a wall that leaves its base [rad/s2].
    function decelerations(equation, t) result(pull)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      !! in the interval in force [s]
+      !! within the current interval [s]
       real(wp) :: pull(2)
 
-      pull = -lift_off_drives(equation, interval_of(equation), t)*inverse_inertia(equation)
+      pull = -uplift_demands(equation, interval_of(equation), t)*inverse_inertia(equation)
    end function decelerations
 
-   !> Deceleration that determines the sum of the flights to both sides [rad/s2].
+   !> Equivalent deceleration for the total duration of the flights to both sides [rad/s2].
    pure real(wp) function harmonic(pull)
       real(wp), intent(in) :: pull(2)
       !! [rad/s2]
@@ -142,7 +142,7 @@ contains
       harmonic = pull(1)*pull(2)/(pull(1) + pull(2))
    end function harmonic
 
-   !> Viscous part of the acceleration over the velocity, on the base [1/s].
+   !> Ratio of viscous acceleration to velocity at theta = 0 [1/s].
    real(wp) function damping_at(hybrid, equation, v) result(damping)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation

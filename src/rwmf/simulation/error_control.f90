@@ -1,11 +1,11 @@
-!> Accuracy instead of tolerance: runs that estimate their own error.
+!> Runs to a requested accuracy, with an error estimate.
 !>
-!> The peak of a run is compared with that of a tighter one. The difference is the error of the
-!> first run up to that of the second, which is much smaller; so the first run is delivered together
-!> with an estimate of its true error, and not the second with none.
+!> The estimate compares the peak of a run with the peak of a tighter run. The difference equals the
+!> error of the first run, up to the much smaller error of the second. The first run is therefore
+!> the result, because its true error is estimated.
 !>
-!> Samples of a record may limit the steps of both, which would then be the same run: the second has
-!> shorter intervals (`refined_motion`).
+!> The samples of a record may limit the steps of both runs, which would then be identical. The
+!> second run therefore uses shorter intervals (`refined_motion`).
 module rwmf_simulation_error_control
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
@@ -20,25 +20,26 @@ module rwmf_simulation_error_control
    private
 
    public :: run_to_accuracy, verify_run
-   public :: first_tolerance, next_tolerance, is_close_enough, verifying_tolerance, shake
-   public :: relative_change, most_refinements, refinement, tightest, shake_step
+   public :: first_tolerance, next_tolerance, is_close_enough, verifying_tolerance, perturb
+   public :: relative_change, most_refinements, refinement, tightest, perturb_step
 
    real(wp), parameter :: tighter = 0.03_wp
-   !! ratio of the tolerances of two runs that are compared
+   !! ratio of the tolerances of the two compared runs
    real(wp), parameter :: loosest = 1.0e-2_wp
    real(wp), parameter :: tightest = 1.0e-14_wp
-   !! below, round-off governs (double precision)
+   !! below this value round-off governs (double precision)
    integer, parameter :: most_refinements = 12
    integer, parameter :: refinement = 2
-   !! parts of the intervals of the motion in a run that verifies another
-   real(wp), parameter :: shake_step = 1.0e-6_wp
-   !! relative change of the motion by which its influence on the peak is found
+   !! number of parts of each interval of the motion in a verifying run
+   real(wp), parameter :: perturb_step = 1.0e-6_wp
+   !! relative change of the motion for the sensitivity of the peak
 
 contains
 
-   !> Run until the estimated relative error of the peak is at most what the case asks for.
+   !> Tighten the tolerance until the estimated relative error of the peak is small enough.
    !>
-   !> When that is impossible the best run is returned with its estimate and a warning.
+   !> If the requested accuracy is out of reach, return the best run with its estimate and a
+   !> warning.
    subroutine run_to_accuracy(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       !! with `solver%accuracy`
@@ -68,7 +69,7 @@ contains
          found = relative_difference(case, result, tight)
          if (is_close_enough(found, case%solver%accuracy)) exit
          if (trial%solver%rtol <= tightest) exit
-         ! the history is moved: it can be the largest array
+         ! move the history: it can be the largest array
          call move_alloc(tight%history, history)
          result = tight
          call move_alloc(history, result%history)
@@ -82,15 +83,15 @@ contains
       end if
    end subroutine run_to_accuracy
 
-   !> Tolerance of the run that a result is compared with: much tighter, and at once as tight as the
-   !> error found before suggests.
+   !> Tolerance of the run for comparison: much tighter, and reduced further by the last error
+   !> estimate.
    elemental real(wp) function next_tolerance(accuracy, present, estimate) result(rtol)
       real(wp), intent(in) :: accuracy
-      !! relative error that the result may have [-]
+      !! requested relative error of the result [-]
       real(wp), intent(in) :: present
       !! tolerance of the result [-]
       real(wp), intent(in) :: estimate
-      !! of its error, not positive where there is none [-]
+      !! estimated relative error of the result; not positive if unknown [-]
 
       rtol = present*tighter
       if (estimate > 0) rtol = rtol*min(1.0_wp, accuracy/estimate)
@@ -100,48 +101,49 @@ contains
    !> Tolerance of the first run for a requested accuracy.
    pure real(wp) function first_tolerance(accuracy) result(rtol)
       real(wp), intent(in) :: accuracy
-      !! relative error that the result may have [-]
+      !! requested relative error of the result [-]
 
       rtol = min(loosest, max(tightest, 0.5_wp*accuracy))
    end function first_tolerance
 
-   !> Is an estimated error below the requested accuracy, with what the estimate itself may err?
+   !> Return whether an estimated error is below the requested accuracy, with a margin for the error
+   !> of the estimate itself.
    elemental logical function is_close_enough(estimate, accuracy)
       real(wp), intent(in) :: estimate
-      !! of the relative error of the result [-]
+      !! estimated relative error of the result [-]
       real(wp), intent(in) :: accuracy
-      !! relative error that the result may have [-]
+      !! requested relative error of the result [-]
 
       is_close_enough = estimate <= 0.7_wp*accuracy
    end function is_close_enough
 
-   !> Tolerance of the run that verifies one.
+   !> Tolerance of the verifying run.
    elemental real(wp) function verifying_tolerance(rtol) result(tight)
       real(wp), intent(in) :: rtol
-      !! relative tolerance of the run that is verified [-]
+      !! relative tolerance of the verified run [-]
 
       tight = max(tightest, 1.0e-3_wp*min(rtol, 1.0e-6_wp))
    end function verifying_tolerance
 
-   !> An initial state grows as the motion does whose influence is looked for.
-   pure subroutine shake(case, factor)
+   !> Scale the initial state like the motion, for the sensitivity of the peak.
+   pure subroutine perturb(case, factor)
       class(structure_t), intent(inout) :: case
       real(wp), intent(in) :: factor
-      !! of the motion [-]
+      !! factor of the motion [-]
 
       if (.not. allocated(case%initial)) return
       case%initial%theta_over_alpha = case%initial%theta_over_alpha*factor
       case%initial%theta_dot = case%initial%theta_dot*factor
-   end subroutine shake
+   end subroutine perturb
 
-   !> Estimate the error of a finished run by an independent, much tighter one, and the sensitivity
-   !> of its peak to the motion by two more.
+   !> Estimate the error of a finished run by one independent, much tighter run. A third, slightly
+   !> stronger run gives the sensitivity of its peak to the motion.
    subroutine verify_run(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in), target :: motion
       type(control_t), intent(in) :: control
       type(result_t), intent(inout) :: result
-      !! gains estimate and sensitivity
+      !! receives estimate and sensitivity
       type(error_t), allocatable, intent(out) :: error
       type(result_t) :: tight
       type(result_t) :: larger
@@ -162,16 +164,17 @@ contains
          found = relative_difference(case, result, tight)
          if (found > 0) result%estimated_relative_error = found
       end if
-      refined = scaled_motion(refined, 1 + shake_step)
-      call shake(trial, 1 + shake_step)
+      refined = scaled_motion(refined, 1 + perturb_step)
+      call perturb(trial, 1 + perturb_step)
       call run_once(trial, refined, control, larger, error)
       if (allocated(error)) return
-      result%sensitivity = relative_difference(case, larger, tight)/shake_step
+      result%sensitivity = relative_difference(case, larger, tight)/perturb_step
       if (.not. allocated(result%estimate_seconds)) result%estimate_seconds = 0
       result%estimate_seconds = result%estimate_seconds + tight%seconds + larger%seconds
    end subroutine verify_run
 
-   !> Difference of two peaks over the second; 1 when they ended differently [-].
+   !> Relative difference of two peaks with respect to the second; 1 if the runs end differently
+   !> [-].
    pure real(wp) function relative_difference(case, one, other) result(difference)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: one
@@ -182,12 +185,12 @@ contains
          peak_of(case, other))
    end function relative_difference
 
-   !> Difference of two peaks over the second [-].
+   !> Relative difference of two peaks with respect to the second [-].
    pure real(wp) function relative_change(one, other) result(change)
       real(wp), intent(in) :: one
-      !! peak of any unit
+      !! peak, in any unit
       real(wp), intent(in) :: other
-      !! that of the run that it is compared with, in the same unit
+      !! peak of the run for comparison, in the same unit
 
       change = abs(one - other)
       if (change > 0) change = change/max(abs(other), tiny(change))

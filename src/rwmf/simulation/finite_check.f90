@@ -1,4 +1,4 @@
-!> No result with a number that is not finite is delivered: every path to one asks here.
+!> Checks that all delivered results are finite.
 module rwmf_simulation_finite_check
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -14,30 +14,31 @@ module rwmf_simulation_finite_check
 
 contains
 
-   !> Is a number neither infinite nor NaN?
+   !> Return whether a number is neither infinite nor NaN.
    elemental logical function is_finite(number)
       real(wp), intent(in) :: number
-      !! of any unit
+      !! in any unit
 
       is_finite = abs(number) <= huge(number)
    end function is_finite
 
-   !> May a number be reported? No friction suffices where the pivot lifts: that demand is infinite.
+   !> Return whether a number may be reported: finite, or an infinite friction demand of a pivot
+   !> that lifts.
    elemental logical function may_report(quantity, number)
       integer, intent(in) :: quantity
-      !! its number in the table
+      !! number of the quantity in the table
       real(wp), intent(in) :: number
-      !! in the unit of the key
+      !! value in the unit of the key
 
       may_report = is_finite(number) .or. (quantity == id%friction_demand_max .and. number > 0)
    end function may_report
 
-   !> Fails with `err_numerical` if a number of a name is not finite.
+   !> Fail with `err_numerical` if one of the numbers is not finite.
    subroutine check_numbers(name, numbers, error)
       character(*), intent(in) :: name
-      !! of the numbers, for the message
+      !! name of the numbers, for the message
       real(wp), intent(in) :: numbers(:)
-      !! of any unit
+      !! in any unit
       type(error_t), allocatable, intent(inout) :: error
 
       if (allocated(error) .or. all(is_finite(numbers))) return
@@ -45,7 +46,7 @@ contains
          //'is beyond what double precision can represent', 'not_finite')
    end subroutine check_numbers
 
-   !> Fails with `err_numerical` if a scalar that a result reports, or its last state, is no number.
+   !> Fail with `err_numerical` if a reported scalar or the final state is not finite.
    subroutine check_result(case, result, error)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result

@@ -1,5 +1,5 @@
-!> The long time after the motion in which a bare linear frame only vibrates freely: in closed form,
-!> as soon as nothing that is recorded can grow any more.
+!> Closed-form free vibration of a bare linear frame after the motion, used as soon as no recorded
+!> maximum can grow any more.
 module rwmf_simulation_free_vibration
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_assembly, only: equation_t, interval_of
@@ -13,11 +13,11 @@ module rwmf_simulation_free_vibration
    public :: follow_free_vibration, long_rest
 
    real(wp), parameter :: long_rest = 1000
-   !! time after the motion that is worth it [s]
+   !! shortest remaining time for which the closed form saves work [s]
 
 contains
 
-   !> Go to t_target in closed form if the largest values are known; else look again after two
+   !> Advance to t_target in closed form if the maxima are final; otherwise check again after two
    !> periods.
    pure subroutine follow_free_vibration(hybrid, equation, recorder, t_target, t_limit)
       type(hybrid_t), intent(inout) :: hybrid
@@ -26,15 +26,15 @@ contains
       real(wp), intent(in) :: t_target
       !! [s]
       real(wp), intent(inout) :: t_limit
-      !! of the next step [s]
+      !! limit of the next step [s]
       real(wp), parameter :: died_out = 1.0e-18_wp
-      !! part of the largest displacement below which forces and energies do not count either [-]
+      !! relative displacement below which forces and energies are negligible, too [-]
       real(wp) :: share
 
       if (t_target - hybrid%t <= long_rest .or. .not. is_free(equation, hybrid)) return
       if (recorder%keeps_history .or. .not. is_known_until(equation%motion, &
          interval_of(equation), t_target)) return
-      ! energy that grows is an error of the integration
+      ! a growth of the energy is an integration error
       share = 1 + hybrid%rtol
       if (recorder%keeps_energy .or. sees_forces(recorder)) share = died_out
       associate (omega => equation%p%omega_s)
@@ -46,7 +46,7 @@ contains
       end associate
    end subroutine follow_free_vibration
 
-   !> Is the scene a linear frame alone, after its motion?
+   !> Return whether the scene is only a linear frame whose ground motion has ended.
    pure logical function is_free(equation, hybrid)
       type(equation_t), intent(in) :: equation
       type(hybrid_t), intent(in) :: hybrid
@@ -57,7 +57,7 @@ contains
       if (is_free) is_free = all(equation%scene%terms%effect == frame_term)
    end function is_free
 
-   !> Displacement and velocity after a free vibration.
+   !> Displacement [m] and velocity [m/s] after a free vibration.
    pure function vibrated(equation, y, span) result(y_end)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(2)
@@ -68,7 +68,7 @@ contains
       complex(wp) :: root(2), part(2)
 
       associate (omega => equation%p%omega_s, xi => equation%p%xi_s)
-         ! roots of the characteristic equation, kept apart where they meet
+         ! roots of the characteristic equation, kept apart near critical damping
          root(1) = sqrt(cmplx(xi**2 - 1, 0.0_wp, wp))
          if (abs(root(1)) < 1.0e-6_wp) root(1) = 1.0e-6_wp
          root = omega*(-xi + [root(1), -root(1)])

@@ -1,9 +1,9 @@
 !> Steps of the hybrid system: rest, rocking on either corner, overturned or collapsed.
 !>
-!> Between events an integrator follows the equation of motion of one side in one interval of the
-!> ground motion. Each of its steps is searched for events (`step_events`), so that two returns in
-!> one step, or a peak and an impact, are found as well. A flight knows its side, so that a start on
-!> theta = 0 is no event.
+!> Between events an integrator solves the equation of motion for one side and one interval of the
+!> ground motion. The event search (`step_events`) covers each of its steps, so that it also finds
+!> two impacts in one step, or a peak and an impact. The hybrid state stores the side of a flight,
+!> so that a start at theta = 0 is no event.
 module rwmf_simulation_hybrid_loop
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_error, only: err_interrupt, err_numerical, error_t, fail
@@ -17,7 +17,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_effects_storeys_yielding_storeys, only: start_storeys
    use rwmf_model_hysteresis_bouc_wen, only: load_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: fuse_uplift, load_to, reset_springs
-   use rwmf_model_lift_off, only: find_bearing, find_lift_off, find_uplift_acceleration
+   use rwmf_model_lift_off, only: find_uplift_capacity, find_lift_off, find_uplift_acceleration
    use rwmf_model_rest, only: release_wall
    use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
    use rwmf_simulation_elastic_chatter, only: skip_chatter
@@ -28,7 +28,7 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_free_vibration, only: follow_free_vibration
    use rwmf_simulation_hybrid_state, only: count_steps, has_ended, hybrid_t, mode_collapsed, &
-      mode_held, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, pass_knot
+      mode_held, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, advance_interval
    use rwmf_simulation_recorder_recorder, only: observe_piece, observe_rest, recorder_t, sees_rest
    use rwmf_simulation_result, only: event_lift_off
    use rwmf_simulation_transitions, only: apply_event, begin_piece, change_storey, enter_rest, &
@@ -42,10 +42,10 @@ module rwmf_simulation_hybrid_loop
 
 contains
 
-   !> Set out at time t with the state y.
+   !> Start the hybrid system at time t with the state y.
    subroutine start_hybrid(hybrid, equation, t, y)
       type(hybrid_t), intent(inout) :: hybrid
-      !! with restitution, overturning_angle, rtol and max_steps set
+      !! hybrid system with restitution, overturning_angle, rtol and max_steps set
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
       !! [s]
@@ -83,8 +83,8 @@ contains
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
    end subroutine start_hybrid
 
-   !> Smooth hysteresis that has not moved before, at the initial rotation; from rest the
-   !> acceleration says where it goes.
+   !> Start smooth hysteresis without previous motion at the initial rotation. From rest, the
+   !> acceleration gives the loading direction.
    subroutine start_hysteresis(hybrid, equation)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -96,7 +96,7 @@ contains
          hybrid%t, hybrid%y)))
    end subroutine start_hysteresis
 
-   !> Follow the system to the time t_target, or to overturning or collapse.
+   !> Integrate the system up to t_target, overturning or collapse.
    subroutine advance_hybrid(hybrid, equation, integrator, recorder, t_target, control, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -120,13 +120,13 @@ contains
       end do
    end subroutine advance_hybrid
 
-   !> Bound on the work, and the caller's wish to stop.
+   !> Check the number of steps and the caller's request to stop.
    subroutine check_work(hybrid, integrator, control, error)
       type(hybrid_t), intent(in) :: hybrid
       class(integrator_t), intent(in) :: integrator
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
-      !! `err_interrupt` when the caller wishes to stop, `err_numerical` after too many steps
+      !! `err_interrupt` on the caller's request, `err_numerical` after too many steps
 
       if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
       if (is_cancelled(control)) then
@@ -138,7 +138,7 @@ contains
       end if
    end subroutine check_work
 
-   !> Rest until the ground motion lifts the wall.
+   !> Keep the wall at rest until the ground motion lifts it.
    subroutine stay_at_rest(hybrid, equation, recorder, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -157,23 +157,25 @@ contains
       do while (side == 0 .and. hybrid%t < t_target)
          t_begin = hybrid%t
          t_limit = t_target
-         ! One interval at a time, where history and reactions show the ground motion as well.
+         ! Advance interval by interval if history or reactions show the ground motion.
          if (sees_rest(recorder)) t_limit = min(t_target, interval_end(equation%motion, interval))
          call find_lift_off(equation, t_limit, hybrid%t, interval, side)
-         ! A motion that begins with a jump lifts the wall at once: that is no rest.
+         ! A motion that begins with a jump lifts the wall at once, without any rest.
          if (hybrid%t > t_begin) call observe_rest(recorder, equation, hybrid%y, t_begin, hybrid%t)
          call enter_interval(equation%model_t, equation%state, interval)
       end do
       if (side /= 0) call lift_off(hybrid, equation, recorder, side, error)
    end subroutine stay_at_rest
 
-   !> Fuses that have been drawn out push both corners up on the way back. A wall that one of them
-   !> holds up at one corner rocks on the other; together stronger than weight and cable, they lift
-   !> it off both, and it stands on its fuses. Fails at the first such time of the step.
+   !> Fail at the first time in the step at which the wall rests on its fuses.
+   !>
+   !> After yielding in tension, fuses push both corners up on the way back. A wall that one fuse
+   !> holds up at one corner rocks on the other corner. If both fuses together exceed weight and
+   !> cable force, they lift the wall off both corners.
    subroutine check_fuses(equation, piece, error)
       type(equation_t), intent(in) :: equation
       type(step_view_t), intent(in) :: piece
-      !! up to the end of the step, or to the event that cuts it
+      !! up to the end of the step, or up to the event that ends it
       type(error_t), allocatable, intent(out) :: error
       type(bracket_t) :: bracket
       real(wp) :: y(equation%n)
@@ -193,8 +195,8 @@ contains
          //'(1 + eta_0)/2 never do that while the cable keeps its prestress', 'wall_on_fuses')
    end subroutine check_fuses
 
-   !> May the fuses lift the wall off the ground? Their forces grow with the stroke: what they are
-   !> on the base mostly says that all is well.
+   !> Return whether the fuses may lift the wall off the ground. The fuse forces grow with the
+   !> stroke, so the cheap check at theta = 0 excludes most cases.
    pure logical function may_stand_on_fuses(equation)
       type(equation_t), intent(in) :: equation
 
@@ -204,7 +206,7 @@ contains
          > equation%p%g
    end function may_stand_on_fuses
 
-   !> Do the fuses push the wall up with more than weight and cable, beyond round-off?
+   !> Return whether the fuse force exceeds weight plus cable force beyond round-off.
    logical function stands_on_fuses(equation, theta)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -215,7 +217,7 @@ contains
       stands_on_fuses = fuse_uplift(equation, theta) > (1 + cable%force)*(1 + sqrt(epsilon(theta)))
    end function stands_on_fuses
 
-   !> One step of the integrator, cut at the first event that ends the flight.
+   !> Take one step of the integrator and end it at the first event.
    subroutine integrate_step(hybrid, equation, integrator, recorder, t_target, error)
       type(hybrid_t), intent(inout), target :: hybrid
       type(equation_t), intent(inout), target :: equation
@@ -238,14 +240,14 @@ contains
 
    !> Longest step under a pulse far shorter than the periods of the scene, else no limit [s].
    !>
-   !> Such a pulse leaves much less velocity than it has given in between; the tolerance, which goes
-   !> by the largest one, would let long steps err by all of what is left.
+   !> Such a pulse leaves much less velocity than its largest value. The tolerance is relative to
+   !> the largest value, so long steps could lose all of the remaining velocity.
    pure real(wp) function longest_step(equation) result(longest)
       type(equation_t), intent(in) :: equation
       real(wp), parameter :: short = 10
-      !! rate of the pulse over those of the scene [-]
+      !! ratio of the pulse's rate to the frequencies of the scene [-]
       real(wp), parameter :: angle = 0.1_wp
-      !! of the pulse in a step [rad]
+      !! phase angle of the pulse per step [rad]
       real(wp) :: rate
 
       longest = huge(longest)
@@ -257,19 +259,19 @@ contains
       if (is_curved(equation%motion, interval_of(equation))) longest = angle/rate
    end function longest_step
 
-   !> Prepare the next step: what a new piece of motion depends on, and how far it may go.
+   !> Prepare the next step: its limit, and the discrete state if a new piece of motion begins.
    subroutine begin_step(hybrid, equation, recorder, steps, t_target, t_limit, span, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
       integer(i8), intent(in) :: steps
-      !! that the integrator has taken
+      !! number of steps of the integrator so far
       real(wp), intent(in) :: t_target
       !! [s]
       real(wp), intent(out) :: t_limit
-      !! equals the present time where a held wall lifts off or a knot has been passed [s]
+      !! limit of the step; equals the current time if a held wall lifts off or a knot is passed [s]
       real(wp), intent(out) :: span
-      !! within which the motion is expected to change its course, where it begins anew [s]
+      !! expected time until the motion changes its course, if a new piece begins [s]
       type(error_t), allocatable, intent(out) :: error
       !! the wall jumps
       integer :: side
@@ -286,24 +288,24 @@ contains
          negligible*hybrid%rtol*max(recorder%theta_max, -recorder%theta_min), t_limit)
       call follow_free_vibration(hybrid, equation, recorder, t_target, t_limit)
       if (t_limit - hybrid%t <= 8*epsilon(t_limit)*t_limit) then
-         ! An event within round-off of a knot: no integrator can step that far.
+         ! An event within round-off of a knot: the remaining interval is too short for a step.
          hybrid%flight = 0
          hybrid%t = t_limit
-         call pass_knot(hybrid, equation, steps)
+         call advance_interval(hybrid, equation, steps)
          return
       end if
       if (hybrid%must_restart) call begin_piece(hybrid, equation, span)
-      if (hybrid%mode == mode_held) call find_bearing(equation%model_t, equation%state)
+      if (hybrid%mode == mode_held) call find_uplift_capacity(equation%model_t, equation%state)
    end subroutine begin_step
 
-   !> Look at the integrator's last step, and let what happens first in it happen.
+   !> Search the integrator's last step and apply its first event.
    subroutine end_step(hybrid, equation, integrator, recorder, error)
       type(hybrid_t), intent(inout), target :: hybrid
       type(equation_t), intent(inout), target :: equation
       class(integrator_t), intent(inout), target :: integrator
       type(recorder_t), intent(inout) :: recorder
       type(error_t), allocatable, intent(out) :: error
-      !! the integrator fails, the wall jumps or stands on its fuses
+      !! the integrator fails, the wall jumps or rests on its fuses
       type(storey_end_t) :: ending
       type(step_view_t) :: step
       integer :: event
@@ -317,15 +319,15 @@ contains
       step%y_b => hybrid%y
       if (equation%has_fuses) call check_fuses(equation, step, error)
       if (allocated(error)) return
-      ! a motion that jumps where the step begins lifts a held wall at once: that is no rest
+      ! A motion that jumps at the start of the step lifts a held wall at once, without any rest.
       if (event /= event_lift_off .or. step%t_b > step%t_a) call observe_piece(recorder, step, &
          error)
       if (allocated(error)) return
       call apply_event(hybrid, equation, recorder, event, error)
       if (allocated(error)) return
-      ! When nothing else happened, the flight goes on with the next step.
+      ! Without any other event, the flight continues with the next step.
       if (event == 0 .and. ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
-      call pass_knot(hybrid, equation, integrator%steps)
+      call advance_interval(hybrid, equation, integrator%steps)
    end subroutine end_step
 
 end module rwmf_simulation_hybrid_loop

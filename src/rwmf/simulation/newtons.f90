@@ -1,5 +1,6 @@
-!> Weights for forces in N and moments in N m from those that runs report over a weight:
-!> `wall_shear_max_N` is `wall_shear_max_over_m_w_g` times m_w g.
+!> Weights that convert reported force ratios to N and moment ratios to N m.
+!>
+!> For example, `wall_shear_max_N` is `wall_shear_max_over_m_w_g` times m_w g.
 module rwmf_simulation_newtons
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: structure_t
@@ -11,14 +12,14 @@ module rwmf_simulation_newtons
 
 contains
 
-   !> Weight that the forces of a quantity are over; 0 where the case has no mass [N].
+   !> Reference weight of a force ratio; 0 if the case has no mass [N].
    pure real(wp) function weight_under(case, number) result(weight)
       class(structure_t), intent(in) :: case
-      !! with its period and mass ratio
+      !! case with its period and mass ratio
       integer, intent(in) :: number
-      !! of a quantity over a weight
+      !! number of a quantity with a weight in its denominator
       real(wp) :: frame, floors
-      !! masses of its spring and of all its floors over the unit of mass [-]
+      !! mass of the frame and total mass of its floors over the unit of mass [-]
 
       frame = 0
       if (allocated(case%frame)) frame = 1

@@ -1,10 +1,12 @@
-!> The peak that `accuracy` and `verify` are about: that which `&solver accuracy_of` names, else the
-!> largest displacement of the frame, and without one the largest rotation.
+!> Peak for `accuracy` and `verify`.
+!>
+!> `&solver accuracy_of` selects the peak. The default is the largest displacement of the frame or,
+!> without a frame, the largest rotation.
 module rwmf_simulation_peak
    use rwmf_core_kinds, only: wp
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t, output_t
-   use rwmf_problem_quantity_table, only: all_quantities, asked_by, look_up, of_demands, &
+   use rwmf_problem_quantity_table, only: all_quantities, requested_by, look_up, of_demands, &
       of_envelopes
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
@@ -15,14 +17,14 @@ module rwmf_simulation_peak
 
 contains
 
-   !> Let a case keep what the peak takes, whether or not its `&output` asks for it.
+   !> Request the outputs that the peak needs, in addition to those of `&output`.
    pure subroutine ask_for_peak(case)
       type(case_t), intent(inout) :: case
       integer :: place, number
 
       call look_up(trim(case%solver%accuracy_of), place, number)
       if (place == 0) return
-      if (asked_by(all_quantities(place)) /= 'reactions') return
+      if (requested_by(all_quantities(place)) /= 'reactions') return
       if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
       if (all_quantities(place)%observed == of_demands) then
          case%output%demands = .true.
@@ -33,7 +35,7 @@ contains
       end if
    end subroutine ask_for_peak
 
-   !> Does a result report the peak that a case names?
+   !> Return whether a result contains the peak named in the case.
    pure logical function reports_peak(case, result) result(reports)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
@@ -47,11 +49,11 @@ contains
       reports = is_present(values, all_quantities(place)%id, number)
    end function reports_peak
 
-   !> The peak of a run; 0 for what has not happened in it.
+   !> Peak of a run; 0 if its event does not occur.
    pure real(wp) function peak_of(case, result) result(peak)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
-      !! of a run of the case
+      !! result of a run of the case
       type(values_t) :: values
       integer :: place, number
 
@@ -68,15 +70,15 @@ contains
       end if
    end function peak_of
 
-   !> Keys that a result reports, of those of the table that are wanted.
+   !> List the wanted keys that a result reports.
    pure subroutine list_reported(case, result, is_wanted, keys)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
-      !! of a run of the case
+      !! result of a run of the case
       logical, intent(in) :: is_wanted(:)
-      !! (quantities of the table)
+      !! (quantities of the table) true for wanted quantities
       character(40), allocatable, intent(out) :: keys(:)
-      !! (keys) with the number of a floor or storey in the place of '{i}'
+      !! (keys) with the number of a floor or storey in place of '{i}'
       character(40), allocatable :: more(:)
       type(values_t) :: values
       integer, allocatable :: floors(:)

@@ -1,4 +1,4 @@
-!> Words of the field for output quantities, for messages about a quantity that is not known.
+!> Common engineering terms for output quantities, for messages about unknown quantities.
 module rwmf_simulation_quantity_words
    use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up
    use rwmf_text_strings, only: nearest_name, to_lower
@@ -7,15 +7,15 @@ module rwmf_simulation_quantity_words
 
    public :: meant_quantity
 
-   !> A word and the key that it means.
+   !> Term and corresponding key.
    type :: word_t
       character(32) :: word
-      !! in small letters, '_' between its parts, without 'peak', 'max' and number
+      !! term in lower case, with '_' between its parts, without 'peak', 'max' and number
       character(40) :: key
-      !! of the table of quantities
+      !! key in the table of quantities
    end type word_t
 
-   !> Letters of a word that is looked for as the beginning of a key.
+   !> Smallest number of letters for a match with the beginning of a key.
    integer, parameter :: shortest = 4
 
    type(word_t), parameter :: words(*) = [ &
@@ -53,11 +53,11 @@ module rwmf_simulation_quantity_words
 
 contains
 
-   !> Key of the quantity that a word may mean, by the words of the field, else by its spelling;
-   !> blank for none.
+   !> Key of the quantity that a word may mean, by common terms or by similar spelling; blank if
+   !> none matches.
    pure character(40) function meant_quantity(word) result(key)
       character(*), intent(in) :: word
-      !! as a user writes it
+      !! word as the user writes it
       character(len(word)) :: plain
       integer :: place, number
 
@@ -85,10 +85,10 @@ contains
       if (place == 0) key = ''
    end function meant_quantity
 
-   !> A word without 'peak' and 'max', and without the number of a storey or floor behind it.
+   !> Word without 'peak' and 'max', and without a final storey or floor number.
    pure function without_extremes(word) result(plain)
       character(*), intent(in) :: word
-      !! in small letters
+      !! word in lower case
       character(len(word)) :: plain
       character(8), parameter :: before(*) = [character(8) :: 'peak_', 'max_', 'maximum_', &
          'largest_']

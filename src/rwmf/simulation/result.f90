@@ -1,4 +1,4 @@
-!> What one simulation returns: maxima, counts, the history and the events that were asked for.
+!> Result of one simulation: maxima, counts, and the requested history and events.
 module rwmf_simulation_result
    use rwmf_core_kinds, only: i8, wp
    implicit none
@@ -16,15 +16,15 @@ module rwmf_simulation_result
    integer, parameter :: event_rest = 4
    integer, parameter :: event_overturned = 5
    integer, parameter :: event_branch = 6
-   !! a spring begins to yield, goes slack or is taut again
+   !! a spring starts to yield, becomes slack or becomes taut again
    integer, parameter :: event_rupture = 7
-   !! the tendon breaks
+   !! the tendon ruptures
    integer, parameter :: event_passage = 8
-   !! the hysteretic force of the frame passes zero: ends a piece of motion, is not reported
+   !! the hysteretic force of the frame passes zero; ends a piece of motion and is not reported
    integer, parameter :: event_collapsed = 9
-   !! a drift passes the limit at which the scene has collapsed
+   !! a drift exceeds the collapse limit
 
-   !> An instant at which the regime of motion changes, or a peak of the rotation.
+   !> Change of the regime of motion, or a peak of the rotation.
    type :: event_t
       integer :: kind
       !! one of the `event_` numbers
@@ -33,7 +33,8 @@ module rwmf_simulation_result
       real(wp) :: theta
       !! rotation [rad]; for the bare frame the displacement u_s [m]
       real(wp) :: theta_dot
-      !! angular velocity [rad/s], at an impact the one before it; bare frame [m/s]
+      !! angular velocity [rad/s], at an impact the value before it; velocity of the bare frame
+      !! [m/s]
    end type event_t
 
    !> Response on a uniform grid of times.
@@ -41,140 +42,142 @@ module rwmf_simulation_result
       character(32), allocatable :: names(:)
       !! (columns), with unit suffix as in the CSV file: 't_s', 'theta_rad', ...
       real(wp), allocatable :: values(:, :)
-      !! (rows, columns) in the units of the names; after overturning or collapse there are no more
-      !! rows
+      !! (rows, columns) in the units of the names; rows end at overturning or collapse
    end type history_t
 
-   !> Energy ledger per unit m_w (bare frame: per unit m_s) [J/kg].
+   !> Energy balance per unit m_w (bare frame: per unit m_s) [J/kg].
    type :: energy_t
       real(wp) :: initial
       !! at t = 0
       real(wp) :: final
-      !! kinetic and potential at the end
+      !! kinetic and potential energy at the end
       real(wp) :: input
-      !! work of the ground motion in the end
+      !! total work of the ground motion
       real(wp) :: input_max
-      !! largest magnitude of that work at any time
+      !! largest magnitude of that work over time
       real(wp) :: viscous
-      !! dissipated by the frame's damper and further dampers
+      !! dissipated by the frame's damper and by additional dampers
       real(wp) :: impact
       !! dissipated by impacts
       real(wp) :: hysteretic = 0
-      !! dissipated by yielding and rupture in the end
+      !! dissipated by yielding and rupture
       real(wp) :: flow = 0
-      !! part of it that no state tells: of smooth hysteresis and of rupture
+      !! part of it that is not a function of the state: smooth hysteresis and rupture
       real(wp) :: bending = 0
-      !! dissipated by the dampers of a bent wall's modes
+      !! dissipated by the dampers of the modes
       character(32), allocatable :: names(:)
-      !! of the parts that apply to the scene
+      !! names of the energy terms that apply to the scene
       integer, allocatable :: numbers(:)
-      !! (parts) in the table of quantities
+      !! (terms) numbers in the table of quantities
       real(wp), allocatable :: values(:)
-      !! (parts) in the end
+      !! (terms) values at the end
    end type energy_t
 
-   !> Extrema of what the foundation bears. A component that is not allocated does not apply.
+   !> Extrema of the reactions of the foundation. Components that do not apply are not allocated.
    type :: reaction_extremes_t
       real(wp) :: base_shear_max
-      !! of wall and frame over their weight [-]
+      !! base shear of wall and frame over their weight [-]
       real(wp) :: t_base_shear_max
-      !! its first time [s]
+      !! time of its first occurrence [s]
       real(wp), allocatable :: normal_min
-      !! smallest pivot reaction N over m_w g [-]; absent without a wall, as the following
+      !! smallest pivot reaction N over m_w g [-]; absent without a wall, as are the following
       real(wp), allocatable :: t_normal_min
       !! [s]
       logical, allocatable :: pivot_lifts
-      !! N was not positive at some time: the model no longer holds
+      !! true if N <= 0 at some time, where the model is not valid
       real(wp), allocatable :: demand_max
-      !! largest |H|/N [-]; infinite when the pivot lifts; absent with a shear key, as the next
+      !! largest |H|/N [-]; infinite if the pivot lifts; absent with a shear key, as is the next
       real(wp), allocatable :: t_demand_max
-      !! [s]; absent when the pivot lifts
+      !! [s]; absent if the pivot lifts
       real(wp), allocatable :: shear_key_max
-      !! largest |H| over m_w g [-]; absent without a shear key, as the next
+      !! largest |H| over m_w g [-]; absent without a shear key, as is the next
       real(wp), allocatable :: t_shear_key_max
       !! [s]
       logical, allocatable :: is_exceeded
-      !! the demand exceeded the limit; absent without one
+      !! true if the demand exceeds the limit; absent without a limit
       real(wp), allocatable :: t_exceeded
-      !! first time of that [s]
+      !! first time of exceedance [s]
       real(wp), allocatable :: wall_drift_max
-      !! displacement of the middle of the wall's top over its height [-]
+      !! displacement of the mid-width of the wall's top over its height [-]
       real(wp), allocatable :: frame_drift_max
       !! displacement of the frame over the same height [-]
       real(wp), allocatable :: tendon_force_max
-      !! largest force of the cable over m_w g [-]; absent without a cable
+      !! largest cable force over m_w g [-]; absent without a cable
       real(wp), allocatable :: tendon_stress_max
-      !! the same over the area of its strands [Pa]; absent without strands
+      !! largest cable stress in the area of its strands [Pa]; absent without strands
    end type reaction_extremes_t
 
-   !> The largest demands. A component that is not allocated does not apply.
+   !> Largest demands on the building. Components that do not apply are not allocated.
    type :: demand_extremes_t
       real(wp), allocatable :: drift_max(:)
-      !! (storeys) over their heights [-]
+      !! (storeys) peak interstorey drifts over the storey heights [-]
       real(wp), allocatable :: t_drift_max
-      !! time of the largest of them [s]
+      !! time of the largest value [s]
       real(wp), allocatable :: acceleration_max(:)
-      !! (floors) absolute, over g [-]
+      !! (floors) peak absolute accelerations over g [-]
       real(wp), allocatable :: t_acceleration_max
-      !! time of the largest of them [s]
+      !! time of the largest value [s]
       real(wp), allocatable :: shear_max(:)
-      !! (storeys) of columns without dampers, over g and the unit of the floors' masses [-]
+      !! (storeys) peak shears of the columns, without dampers, over g and the unit of the floor
+      !! masses [-]
       real(wp), allocatable :: roof_drift_max
-      !! displacement of the roof over its height [-]; absent where that is unknown
+      !! peak roof displacement over the roof's height [-]; absent if the height is unknown
       real(wp), allocatable :: t_roof_drift_max
-      !! its time [s]
+      !! time of the peak [s]
       real(wp), allocatable :: overturning_max
-      !! moment of the horizontal forces of inertia about the ground over the weight [m]; likewise
+      !! peak moment of the horizontal inertia forces about the ground over the weight [m]; absent
+      !! if the height is unknown
       real(wp), allocatable :: t_overturning_max
-      !! its time [s]
+      !! time of the peak [s]
       real(wp), allocatable :: residual_drift(:)
-      !! (storeys) what unloading would leave in the end over the height of each [-]; absent unless
-      !! the frame yields
+      !! (storeys) residual drifts after unloading at the end over the storey heights [-]; absent
+      !! unless the frame yields
       real(wp), allocatable :: roof_residual_drift
-      !! the same of the roof over its height [-]
+      !! residual roof displacement over the roof's height [-]
       real(wp), allocatable :: roof_at_rest
-      !! displacement of the roof in static equilibrium after the motion over its height [-]; absent
-      !! unless frame or fuses yield, and where there is none
+      !! roof displacement in static equilibrium after the motion over the roof's height [-]; absent
+      !! without an equilibrium, and unless frame or fuses yield
       real(wp), allocatable :: wall_shear_max
-      !! inside the wall over m_w g [-]; absent without a wall, as the following
+      !! peak shear in the wall over m_w g [-]; absent without a wall, as are the following
       real(wp), allocatable :: wall_shear_height
-      !! where, above the base [m]
+      !! its height above the base [m]
       real(wp), allocatable :: wall_moment_max
-      !! bending moment inside the wall over m_w g [m]
+      !! peak bending moment in the wall over m_w g [m]
       real(wp), allocatable :: wall_moment_height
-      !! where, above the base [m]
+      !! its height above the base [m]
    end type demand_extremes_t
 
-   !> Envelopes of forces, all over m_w g. A component that is not allocated does not apply.
+   !> Envelopes of forces over m_w g. Components that do not apply are not allocated.
    type :: envelope_extremes_t
       real(wp), allocatable :: velocity_max(:)
-      !! (floors) absolute [m/s]; absent without a frame
+      !! (floors) peak absolute velocities [m/s]; absent without a frame
       real(wp), allocatable :: fuse_stroke_max
-      !! [m]; absent without fuses, as the next
+      !! [m]; absent without fuses, as is the next
       real(wp), allocatable :: fuse_stroke_sum
-      !! travel of the fuse that has the longer one [m]
+      !! total travel of the fuse with the longer travel [m]
       real(wp), allocatable :: normal_max
-      !! largest pivot reaction [-]; absent without a wall, as the following
+      !! largest pivot reaction [-]; absent without a wall, as are the following
       real(wp), allocatable :: base(:), middle(:)
       !! shear [-] and moment [m] at the base and at mid-height of the wall
       real(wp), allocatable :: shear_below(:), shear_above(:)
-      !! (floors) just below and just above each [-]; absent without a frame, as the following
+      !! (floors) peak wall shears just below and just above each floor [-]; absent without a frame,
+      !! as are the following
       real(wp), allocatable :: moment_below(:), moment_above(:)
-      !! (floors) likewise [m]
+      !! (floors) peak wall moments at the same places [m]
       real(wp), allocatable :: link_max(:)
-      !! (links) axial forces, that of the roof is the last [-]
+      !! (links) peak axial forces, the roof link last [-]
    end type envelope_extremes_t
 
-   !> Result of one simulation. A component that is not allocated does not apply to the scene.
+   !> Result of one simulation. Components that do not apply to the scene are not allocated.
    type :: result_t
       real(wp), allocatable :: u_s_max
       !! supremum of |u_s| over [0, t_end] [m]; absent without a frame
       real(wp), allocatable :: tip_deflection_max
       !! largest deflection of a bent wall's top from its straight axis [m]; absent without `&bending`
       real(wp), allocatable :: t_u_s_max
-      !! its first time [s]
+      !! time of its first occurrence [s]
       real(wp), allocatable :: theta_max
-      !! largest theta [rad]; absent without a wall, as the following
+      !! largest theta [rad]; absent without a wall, as are the following
       real(wp), allocatable :: theta_min
       !! smallest theta [rad]
       real(wp), allocatable :: theta_max_over_alpha
@@ -184,46 +187,49 @@ module rwmf_simulation_result
       real(wp), allocatable :: cable_increment_max
       !! maximum of P/(m_w g) - eta_0 [-]; absent without a cable
       real(wp), allocatable :: prestress_loss
-      !! eta_0 less P/(m_w g) at theta = 0 in the end [-]; absent unless the tendon can yield or
+      !! eta_0 minus P/(m_w g) at theta = 0 at the end [-]; absent unless the tendon can yield or
       !! break
       logical, allocatable :: has_ruptured
-      !! the tendon has broken; absent unless it can
+      !! true if the tendon has ruptured; absent unless it can rupture
       real(wp), allocatable :: ductility
-      !! u_s_max over u_y, of storeys that yield one by one the largest [-]; absent unless the frame
-      !! yields
+      !! u_s_max over u_y, or the largest storey ductility if storeys yield individually [-]; absent
+      !! unless the frame yields
       real(wp), allocatable :: residual_displacement
-      !! of the frame without force in the end [m]; absent unless the frame yields
+      !! displacement of the frame without force at the end [m]; absent unless the frame yields
       real(wp), allocatable :: storey_ductility(:)
-      !! (storeys) largest |u_i - u_(i-1)| over that at first yield [-]; absent unless they yield
-      !! one by one
+      !! (storeys) largest |u_i - u_(i-1)| over its value at first yield [-]; absent unless storeys
+      !! yield individually
       real(wp), allocatable :: storey_residual_drift(:)
-      !! (storeys) what unloading would leave in the end over the height of each [-]; likewise
+      !! (storeys) residual drifts after unloading at the end over the storey heights [-]; absent
+      !! unless storeys yield individually
       real(wp), allocatable :: storey_at_rest(:)
-      !! (storeys) drift in static equilibrium after the motion [-]; likewise, absent without one
+      !! (storeys) drifts in static equilibrium after the motion [-]; absent without an equilibrium,
+      !! and unless storeys yield individually
       real(wp), allocatable :: theta_end_over_alpha
-      !! theta/alpha in the end [-]; absent unless fuses may hold the wall up
+      !! theta/alpha at the end [-]; absent unless fuses may hold the wall up
       real(wp), allocatable :: e
       !! velocity factor at impact [-]; absent without impacts
       real(wp), allocatable :: e_max
-      !! what the momentum balance allows [-]
+      !! upper bound of e by the momentum balance [-]
       integer(i8) :: impacts
       integer(i8) :: lift_offs
       logical :: has_impacts
-      !! the scene has a rocking wall: impacts and lift-offs apply
+      !! true if the scene has a rocking wall, with impacts and lift-offs
       logical :: overturned
       logical, allocatable :: collapsed
-      !! a drift passed the limit of an effect; absent unless an effect has one
+      !! true if a drift exceeds the limit of an effect; absent without such a limit
       real(wp), allocatable :: t_collapse
-      !! when it did [s]; absent unless it has
+      !! time of collapse [s]; absent without collapse
       real(wp), allocatable :: t_grazing
-      !! when the wall first turned back on its base, or hardly above it [s]; absent unless it has
+      !! first time at which the wall turns back on its base or just above it [s]; absent if it
+      !! never does
       real(wp), allocatable :: t_chatter
-      !! when bounces below the resolution were first averaged [s]; absent unless they were
+      !! first time of averaged bounces below the resolution [s]; absent without such bounces
       integer(i8) :: steps
-      !! accepted steps of the integrator
+      !! number of accepted steps of the integrator
       integer(i8) :: rhs_evaluations
       real(wp) :: t_end
-      !! where the simulation ended: the case's end, overturning or collapse [s]
+      !! end of the simulation: the case's end, overturning or collapse [s]
       real(wp), allocatable :: final_state(:)
       !! state at that time
       real(wp) :: seconds
@@ -231,32 +237,32 @@ module rwmf_simulation_result
       character(:), allocatable :: method
       !! integrator in use
       real(wp) :: rtol
-      !! its relative tolerance [-]
+      !! relative tolerance of the integrator [-]
       real(wp), allocatable :: estimated_relative_error
-      !! of u_s_max (without a frame: of theta_max) [-]; only when an estimate was asked for
+      !! error of u_s_max (without a frame: of theta_max) [-]; absent unless requested
       real(wp), allocatable :: estimate_seconds
-      !! wall-clock time that the estimate took beyond `seconds` [s]
+      !! additional wall-clock time for the estimate, beyond `seconds` [s]
       real(wp), allocatable :: sensitivity
-      !! relative change of the same peak per relative change of the motion [-]
+      !! relative change of this peak per relative change of the motion [-]
       real(wp) :: peak_sensitivity = 0
-      !! the same of the largest rotation, estimated along the run of a rocking wall whose steps are
-      !! all observed; else 0 [-]
+      !! estimated sensitivity of the largest rotation, along the run of a rocking wall with all
+      !! steps observed; else 0 [-]
       type(energy_t), allocatable :: energy
       type(reaction_extremes_t), allocatable :: reactions
-      !! only when they were asked for, as the energy
+      !! absent unless requested, as is the energy
       type(demand_extremes_t), allocatable :: demands
-      !! likewise
+      !! absent unless requested
       type(envelope_extremes_t), allocatable :: envelopes
-      !! likewise
+      !! absent unless requested
       type(history_t), allocatable :: history
       type(event_t), allocatable :: events(:)
-      !! in order of time; kept only together with a history
+      !! in chronological order; stored only with a history
       character(256), allocatable :: warnings(:)
    end type result_t
 
 contains
 
-   !> Name of an event as it stands in the outputs.
+   !> Name of an event in the outputs.
    pure function event_name(kind) result(name)
       integer, intent(in) :: kind
       !! one of the `event_` numbers
@@ -267,7 +273,7 @@ contains
       name = names(merge(kind, 0, kind > 0 .and. kind <= ubound(names, 1)))
    end function event_name
 
-   !> How a simulation ended: 'ok' at the end of its time, 'overturned' or 'collapsed'.
+   !> Ending of a simulation: 'ok' at its end time, 'overturned' or 'collapsed'.
    pure function ending_name(result) result(name)
       type(result_t), intent(in) :: result
       character(10) :: name
@@ -277,7 +283,7 @@ contains
       if (result%overturned) name = 'overturned'
    end function ending_name
 
-   !> Append to a list that doubles its room when full.
+   !> Append an event to a list; double the capacity if it is full.
    pure subroutine append_event(events, n, event)
       type(event_t), allocatable, intent(inout) :: events(:)
       !! (capacity >= n)
@@ -295,8 +301,10 @@ contains
       events(n) = event
    end subroutine append_event
 
-   !> Give back the room that a list does not use. On the heap: the events of a chatter are more
-   !> than a stack holds, where the compiler puts the right-hand side of an assignment to itself.
+   !> Release the unused capacity of an event list.
+   !>
+   !> The copy is on the heap: chatter can have more events than the stack holds, and compilers put
+   !> the right-hand side of a self-assignment there.
    pure subroutine shorten_events(events, n)
       type(event_t), allocatable, intent(inout) :: events(:)
       !! (capacity >= n)
@@ -309,11 +317,11 @@ contains
       call move_alloc(kept, events)
    end subroutine shorten_events
 
-   !> Add a sentence for the user.
+   !> Add a warning for the user.
    pure subroutine add_warning(result, text)
       type(result_t), intent(inout) :: result
       character(*), intent(in) :: text
-      !! the sentence, of at most 256 letters
+      !! warning of at most 256 characters
       character(256), allocatable :: longer(:)
       integer :: n
 

@@ -1,4 +1,4 @@
-!> One run of the hybrid system: from a valid case to its result, at the case's tolerances.
+!> A single run of the hybrid system at the tolerances of a valid case.
 module rwmf_simulation_run
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
@@ -25,7 +25,7 @@ module rwmf_simulation_run
    use rwmf_simulation_hybrid_loop, only: start_hybrid
    use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, is_at_rest, mode_collapsed, &
       mode_overturned
-   use rwmf_simulation_lanes_team, only: team_t
+   use rwmf_simulation_lanes_batch, only: batch_t
    use rwmf_problem_quantity_table, only: all_quantities
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_force_envelopes, only: envelope_extremes
@@ -48,8 +48,9 @@ module rwmf_simulation_run
 
 contains
 
-   !> Integrate a case under a ground motion that the caller holds (many runs share one).
-   !> Errors: no period of the frame, and those of the integration.
+   !> Integrate a case under a ground motion owned by the caller and shared by many runs.
+   !>
+   !> Errors: the frame has no period, or the integration fails.
    subroutine run_once(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in), target :: motion
@@ -78,9 +79,10 @@ contains
       result%seconds = real(finished - started, wp)/real(rate, wp)
    end subroutine run_once
 
-   !> Integrate with absolute tolerances for a guessed size of the response; when the response turns
-   !> out to be much smaller, integrate again for its true size. So tiny responses are as accurate
-   !> as large ones.
+   !> Integrate with absolute tolerances for an estimated size of the response.
+   !>
+   !> If the response is much smaller, integrate again for its true size. Tiny responses are then as
+   !> accurate as large ones.
    subroutine repeat_until_scaled(case, equation, integrator, control, result, error)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout), target :: equation
@@ -108,9 +110,9 @@ contains
       real(wp) :: guess(2)
       !! [rad], [rad/s] or [m], [m/s]
       real(wp) :: rate
-      !! angular frequency that relates both [rad/s]
+      !! ratio of the two sizes, an angular frequency [rad/s]
       real(wp) :: length
-      !! from rotation to displacement [m/rad]
+      !! displacement per unit of rotation [m/rad]
 
       length = frame_travel(equation)
       rate = sqrt(equation%p%g/equation%p%R)
@@ -137,7 +139,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
-      type(team_t), target :: team
+      type(batch_t), target :: batch
 
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
@@ -147,8 +149,8 @@ contains
          allocate (recorder%nearby)
          call begin_nearby(recorder%nearby, equation%n)
       end if
-      call begin_advance(hybrid, equation, integrator, case%solver%t_end, team)
-      call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, team, error)
+      call begin_advance(hybrid, equation, integrator, case%solver%t_end, batch)
+      call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, batch, error)
       if (allocated(error)) return
       call finish_recorder(recorder, equation, hybrid%t, hybrid%y, is_at_rest(hybrid))
       size_found = response_size(recorder)
@@ -160,17 +162,18 @@ contains
       call check_result(case, result, error)
    end subroutine integrate
 
-   !> Everything at t = 0, for the tolerances of an expected size.
+   !> Initialise integrator, hybrid state and recorder at t = 0, with tolerances for an expected
+   !> size.
    subroutine begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: size_guess(2)
-      !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
+      !! expected sizes of theta and theta' [rad], [rad/s], or of u and u' [m], [m/s]
       type(equation_t), intent(inout), target :: equation
       class(integrator_t), intent(inout) :: integrator
       type(hybrid_t), intent(out) :: hybrid
       type(recorder_t), intent(out) :: recorder
       type(error_t), allocatable, intent(out) :: error
-      !! as `create` of the integrator and `create_recorder`
+      !! errors of the integrator's `create` and of `create_recorder`
 
       equation%rhs_evaluations = 0
       call integrator%create(equation, above_round_off(tolerances(case, equation, size_guess), &
@@ -192,26 +195,26 @@ contains
       found = [max(recorder%theta_max, -recorder%theta_min), recorder%theta_dot_ends]
    end function response_size
 
-   !> Has the response turned out to be much smaller than expected, so that it has to be repeated?
+   !> Return whether the response is so much smaller than expected that the run must be repeated.
    pure logical function is_much_smaller(case, size_found, size_guess) result(is_smaller)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: size_found(2)
       !! largest |theta| and |theta'| of the run [rad], [rad/s]; bare frame |u|, |u'| [m], [m/s]
       real(wp), intent(in) :: size_guess(2)
-      !! those that were expected [rad], [rad/s] or [m], [m/s]
+      !! expected sizes [rad], [rad/s] or [m], [m/s]
 
       is_smaller = .not. allocated(case%solver%atol) .and. any(size_found > 0) &
          .and. any(size_found <= 0.1_wp*size_guess)
    end function is_much_smaller
 
-   !> Local error per step from the tolerance that the case asks for.
+   !> Tolerances of the local error per step for the tolerance of the case.
    type(tolerance_t) function tolerances(case, equation, size_guess) result(tolerance)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
       !! expected largest |theta| and |theta'| [rad], [rad/s]; bare frame |u|, |u'| [m], [m/s]
       real(wp), parameter :: tightest = 1.0e-14_wp
-      !! below, round-off governs
+      !! below this value round-off governs
 
       tolerance%rtol = case%solver%rtol
       if (equation%floors%yields) tolerance%rtol = max(min(tolerance%rtol, tightest), &
@@ -226,14 +229,14 @@ contains
       end if
    end function tolerances
 
-   !> Displacement of the stiffest storey over that of the roof, under equal accelerations of all
-   !> floors [-].
+   !> Displacement of the stiffest storey over the roof displacement, under equal accelerations of
+   !> all floors [-].
    !>
-   !> A storey's displacement is the difference of two states, so that their errors are this much
-   !> larger relative to it. Its shear governs the accelerations of both floors.
+   !> The displacement of a storey is the difference of two states, so this ratio amplifies their
+   !> relative errors. The storey shear governs the accelerations of both floors.
    pure real(wp) function stiffest_share(m, k) result(share)
       real(wp), intent(in) :: m(:), k(:)
-      !! masses of the floors and stiffnesses of the storeys, from the ground up, over any mass
+      !! floor masses and storey stiffnesses from the ground up, over any reference mass
       real(wp) :: d(size(m))
       real(wp) :: shear
       integer :: i
@@ -246,11 +249,11 @@ contains
       share = minval(d)/sum(d)
    end function stiffest_share
 
-   !> Tolerances that the round-off of the acceleration allows.
+   !> Raise tolerances to the round-off of the acceleration.
    !>
-   !> A wall that hardly lifts off is driven by the small difference of large accelerations. When
-   !> its round-off, over the time that the response takes, exceeds the tolerance, no step is short
-   !> enough.
+   !> A small difference of large accelerations drives a wall that hardly lifts off. If its
+   !> round-off, integrated over the duration of the response, exceeds the tolerance, no step is
+   !> short enough.
    pure type(tolerance_t) function above_round_off(tolerance, equation, size_guess) result(floored)
       type(tolerance_t), intent(in) :: tolerance
       type(equation_t), intent(in) :: equation
@@ -267,7 +270,7 @@ contains
       floored%atol(:2) = max(floored%atol(:2), noise*duration*[duration, 1.0_wp])
    end function above_round_off
 
-   !> State at t = 0 that `&initial` gives, at rest without it.
+   !> State at t = 0 from `&initial`; zero without it.
    pure function initial_state(case, equation) result(y)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -281,7 +284,7 @@ contains
       end if
    end function initial_state
 
-   !> What applies to the scene, and only that.
+   !> Fill the components of the result that apply to the scene.
    subroutine fill_result(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -294,7 +297,7 @@ contains
       result%has_impacts = equation%has_impacts
       result%overturned = hybrid%mode == mode_overturned
       if (hybrid%drifts > 0) result%collapsed = hybrid%mode == mode_collapsed
-      ! a pass at coarser tolerances may have ended differently
+      ! a pass at coarser tolerances may have a different ending
       if (allocated(result%t_collapse)) deallocate (result%t_collapse)
       if (hybrid%mode == mode_collapsed) result%t_collapse = hybrid%t
       if (allocated(result%t_grazing)) deallocate (result%t_grazing)
@@ -322,6 +325,7 @@ contains
       if (allocated(recorder%forces)) then
          result%reactions = force_extremes(recorder%forces, equation, recorder%theta_min, &
             recorder%theta_max, recorder%u_max)
+         if (allocated(recorder%top)) result%reactions%wall_drift_max = recorder%top(3)
          if (equation%has_cable) call fill_tendon(case, equation, result)
       end if
       if (allocated(recorder%demands)) then
@@ -342,13 +346,13 @@ contains
       end if
    end subroutine fill_result
 
-   !> Largest force of the cable, and stress of its strands.
+   !> Add the largest cable force and the largest stress of its strands.
    subroutine fill_tendon(case, equation, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
-      !! with a cable
+      !! equation with a cable
       type(result_t), intent(inout) :: result
-      !! with the reactions
+      !! result with reactions
 
       associate (force => equation%cable%eta_0 + result%cable_increment_max)
          result%reactions%tendon_force_max = force
@@ -357,7 +361,7 @@ contains
       end associate
    end subroutine fill_tendon
 
-   !> What yielding and rupture leave behind.
+   !> Add the residual values after yielding and rupture.
    subroutine fill_hysteresis(case, equation, hybrid, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -380,11 +384,11 @@ contains
       end if
    end subroutine fill_hysteresis
 
-   !> Residual drifts of roof and storeys. Storeys that yield together keep their shares.
+   !> Add residual drifts of roof and storeys. Storeys that yield together keep their shares.
    subroutine fill_residuals(building, result)
       type(building_t), intent(in) :: building
       type(result_t), intent(inout) :: result
-      !! with the demands
+      !! result with demands
 
       associate (demands => result%demands, u => result%residual_displacement)
          if (building%roof_height > 0) demands%roof_residual_drift = u/building%roof_height
@@ -396,17 +400,19 @@ contains
       end associate
    end subroutine fill_residuals
 
-   !> What yielding of the single storeys leaves behind. Where a straight line links them all to the
-   !> roof, they have their shares of its displacement.
+   !> Add ductilities and residual drifts of individually yielding storeys.
+   !>
+   !> If a straight line links all storeys to the roof, the residual displacement of the roof gives
+   !> their shares.
    subroutine fill_storeys(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
-      !! with `&yielding storey_u_y`
+      !! case with `&yielding storey_u_y`
       type(equation_t), intent(in) :: equation
       type(hybrid_t), intent(in) :: hybrid
       type(recorder_t), intent(in) :: recorder
       type(result_t), intent(inout) :: result
       real(wp) :: share(size(case%storeys%frame%m))
-      !! of each storey in the height [-]
+      !! share of each storey in the height [-]
 
       associate (height => case%storeys%frame%height)
          if (equation%floors%yields) then
@@ -423,8 +429,8 @@ contains
       result%ductility = maxval(result%storey_ductility)
    end subroutine fill_storeys
 
-   !> Drifts in static equilibrium after the motion, where something has yielded that can hold the
-   !> frame away from its place.
+   !> Add the drifts in static equilibrium after the motion, if yielding can leave the frame
+   !> displaced.
    subroutine fill_rest(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -436,7 +442,7 @@ contains
       real(wp) :: d(equation%floors%n), d_dot(equation%floors%n)
       logical :: of_storeys, of_roof, is_found
 
-      ! a pass at coarser tolerances may have ended differently
+      ! a pass at coarser tolerances may have a different ending
       if (allocated(result%storey_at_rest)) deallocate (result%storey_at_rest)
       if (allocated(result%demands)) then
          if (allocated(result%demands%roof_at_rest)) deallocate (result%demands%roof_at_rest)
@@ -463,7 +469,7 @@ contains
       end associate
    end subroutine fill_rest
 
-   !> What the user should know about the case itself.
+   !> Collect the warnings about the case itself.
    subroutine collect_warnings(case, equation, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -477,6 +483,7 @@ contains
       call list_case_warnings(case, equation%motion, .false., keys, result%warnings)
    end subroutine collect_warnings
 
+   !> Add the maxima of the wall and its velocity factors to the result.
    subroutine fill_wall(case, equation, hybrid, recorder, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -489,7 +496,7 @@ contains
       result%theta_max_over_alpha = max(recorder%theta_max, -recorder%theta_min)/equation%p%alpha
       result%theta_dot_max = max(recorder%theta_dot_max, recorder%theta_dot_ends)
       if (equation%has_impacts) then
-         ! a table has no single factor
+         ! a velocity-dependent table has no single factor
          if (.not. allocated(hybrid%restitution%speed)) result%e = hybrid%restitution%e
          result%e_max = balanced_restitution(case, equation%p%alpha)
       end if

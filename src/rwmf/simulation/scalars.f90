@@ -1,5 +1,7 @@
-!> The scalars of a run by their numbers in the table of quantities: the one place that says which
-!> component of a result each number is. Summaries, spectra and sweeps read it.
+!> Scalars of a run by their numbers in the table of quantities.
+!>
+!> This module alone maps the components of a result to these numbers. Summaries, spectra and sweeps
+!> use it.
 module rwmf_simulation_scalars
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_kinds, only: i8, wp
@@ -14,24 +16,24 @@ module rwmf_simulation_scalars
 
    public :: values_t, scalars_of, is_present, value_of, floors_of
 
-   !> Scalars by the numbers of the table.
+   !> Scalars, indexed by the numbers of the table.
    type :: values_t
       integer :: count(size(all_quantities)) = 0
-      !! number of the highest storey or floor for a list, 1 for one number, 0 where it does not
-      !! apply
+      !! number of the highest storey or floor for a list, 1 for a single number, 0 if not
+      !! applicable
       integer, private :: below(size(all_quantities)) = 0
-      !! storeys or floors without a number, the lowest ones
+      !! number of the lowest storeys or floors without a value
       integer, private :: first(size(all_quantities)) = 0
-      !! place of the first of them
+      !! place of the first value
       integer, private :: n = 0
-      !! numbers in use
+      !! number of values in use
       real(wp), allocatable, private :: numbers(:)
-      !! [unit of each]; a count as it is, 1 for yes, 0 for no
+      !! [unit of each]; counts unchanged, 1 for true, 0 for false
    end type values_t
 
 contains
 
-   !> All scalars of a run that apply.
+   !> Collect all scalars of a run that apply.
    pure subroutine scalars_of(case, result, values)
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
@@ -50,42 +52,41 @@ contains
       if (case%unit_mass > 0) call keep_newtons(case, values)
    end subroutine scalars_of
 
-   !> Does a scalar apply?
+   !> Return whether a scalar applies.
    elemental logical function is_present(values, number, storey)
       type(values_t), intent(in) :: values
       integer, intent(in) :: number
-      !! of the quantity
+      !! number of the quantity
       integer, intent(in) :: storey
-      !! its number from the ground up, for a list; else any up to 1
+      !! number of the storey from the ground up for a list; otherwise any number up to 1
 
       is_present = values%count(number) >= max(1, storey) .and. max(1, storey) &
          > values%below(number)
    end function is_present
 
-   !> Numbers of the storeys or floors that a quantity is known of; 1 for one number.
+   !> Numbers of the storeys or floors with a value; 1 for a single number.
    pure function floors_of(values, number) result(floors)
       type(values_t), intent(in) :: values
       integer, intent(in) :: number
-      !! of the quantity
+      !! number of the quantity
       integer :: floors(values%count(number) - values%below(number))
       integer :: i
 
       floors = values%below(number) + [(i, i=1, size(floors))]
    end function floors_of
 
-   !> A scalar [unit of its key]: a count as it is, 1 for yes, 0 for no; NaN where it does not
-   !> apply.
+   !> Scalar [unit of its key]: counts unchanged, 1 for true, 0 for false; NaN if not applicable.
    elemental real(wp) function value_of(values, number, storey) result(value)
       type(values_t), intent(in) :: values
       integer, intent(in) :: number, storey
-      !! of the quantity in the table, and of the storey from the ground
+      !! numbers of the quantity in the table, and of the storey from the ground up
 
       value = ieee_value(1.0_wp, ieee_quiet_nan)
       if (is_present(values, number, storey)) value = values%numbers(values%first(number) &
          + max(1, storey) - 1 - values%below(number))
    end function value_of
 
-   !> Suprema of the response and their times, the end of the run, and its effort.
+   !> Store the response maxima and their times, the end of the run and its cost.
    pure subroutine keep_response(result, values)
       type(result_t), intent(in) :: result
       type(values_t), intent(inout) :: values
@@ -121,7 +122,7 @@ contains
       call keep(values, id%sensitivity, result%sensitivity)
    end subroutine keep_response
 
-   !> What the foundation bears.
+   !> Store the reactions of the foundation.
    pure subroutine keep_reactions(reactions, values)
       type(reaction_extremes_t), intent(in) :: reactions
       type(values_t), intent(inout) :: values
@@ -143,7 +144,7 @@ contains
       call keep(values, id%tendon_stress_max_Pa, reactions%tendon_stress_max)
    end subroutine keep_reactions
 
-   !> What the building is designed for.
+   !> Store the design demands of the building.
    pure subroutine keep_demands(demands, values)
       type(demand_extremes_t), intent(in) :: demands
       type(values_t), intent(inout) :: values
@@ -168,7 +169,7 @@ contains
       call keep(values, id%wall_moment_max_height_m, demands%wall_moment_height)
    end subroutine keep_demands
 
-   !> What the members are designed for.
+   !> Store the design forces of the members.
    pure subroutine keep_envelopes(envelopes, values)
       type(envelope_extremes_t), intent(in) :: envelopes
       type(values_t), intent(inout) :: values
@@ -193,7 +194,7 @@ contains
          size(envelopes%velocity_max) - links)
    end subroutine keep_envelopes
 
-   !> The ledger: its parts in the end, and the residual over initial plus largest input energy.
+   !> Store the energy terms at the end, and the residual over initial plus largest input energy.
    pure subroutine keep_energies(energy, values)
       type(energy_t), intent(in) :: energy
       type(values_t), intent(inout) :: values
@@ -211,7 +212,7 @@ contains
       call keep(values, id%energy_balance_relative, balance)
    end subroutine keep_energies
 
-   !> The first mode of the frame's storeys, and its share in the mass: what a reduction keeps.
+   !> Store the properties of the frame's first mode, including its modal mass ratio.
    pure subroutine keep_storeys(storeys, values)
       type(storeys_t), intent(in) :: storeys
       type(values_t), intent(inout) :: values
@@ -224,7 +225,7 @@ contains
       end associate
    end subroutine keep_storeys
 
-   !> Forces in N and moments in N m, from those over a weight.
+   !> Convert force ratios to N and moment ratios to N m.
    pure subroutine keep_newtons(case, values)
       type(case_t), intent(in) :: case
       type(values_t), intent(inout) :: values
@@ -243,15 +244,15 @@ contains
       end do
    end subroutine keep_newtons
 
-   !> Keep a list. A component that is not allocated does not apply: it is an absent argument.
+   !> Store a list; skip absent arguments, such as unallocated components.
    pure subroutine keep_list(values, number, list, below)
       type(values_t), intent(inout) :: values
       integer, intent(in) :: number
-      !! of the quantity
+      !! number of the quantity
       real(wp), intent(in), optional :: list(:)
       !! (storeys or floors)
       integer, intent(in), optional :: below
-      !! storeys or floors without a number, the lowest ones; absent: none
+      !! number of the lowest storeys or floors without a value; absent: 0
       real(wp), allocatable :: longer(:)
 
       if (.not. present(list)) return
@@ -267,6 +268,7 @@ contains
       values%n = values%n + size(list)
    end subroutine keep_list
 
+   !> Store one number if it is present.
    pure subroutine keep(values, number, value)
       type(values_t), intent(inout) :: values
       integer, intent(in) :: number
@@ -275,7 +277,7 @@ contains
       if (present(value)) call keep_list(values, number, [value])
    end subroutine keep
 
-   !> The largest magnitude in a list.
+   !> Store the largest magnitude of a list.
    pure subroutine keep_largest(values, number, list)
       type(values_t), intent(inout) :: values
       integer, intent(in) :: number
@@ -284,6 +286,7 @@ contains
       if (present(list)) call keep_list(values, number, [maxval(abs(list))])
    end subroutine keep_largest
 
+   !> Store a count.
    pure subroutine keep_count(values, number, count)
       type(values_t), intent(inout) :: values
       integer, intent(in) :: number
@@ -292,6 +295,7 @@ contains
       call keep_list(values, number, [real(count, wp)])
    end subroutine keep_count
 
+   !> Store a logical value, if present, as 1 for true and 0 for false.
    pure subroutine keep_logical(values, number, value)
       type(values_t), intent(inout) :: values
       integer, intent(in) :: number

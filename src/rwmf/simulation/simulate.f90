@@ -1,4 +1,4 @@
-!> One simulation: from a valid case to its result, with the accuracy or the estimate asked for.
+!> A single simulation of a valid case, with the requested accuracy or error estimate.
 module rwmf_simulation_simulate
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: err_input, error_t, fail
@@ -21,7 +21,7 @@ contains
    !> Compute the response of the scene that a case describes.
    subroutine simulate(case, result, error, control)
       type(case_t), intent(in) :: case
-      !! valid (from `rwmf_input_reader`)
+      !! valid case (from `rwmf_input_reader`)
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
       !! numerical failure or interruption, with time and state
@@ -37,29 +37,29 @@ contains
       end if
    end subroutine simulate
 
-   !> The same with a ground motion that the caller holds (many simulations share one).
+   !> Compute the response under a ground motion owned by the caller and shared by many simulations.
    subroutine simulate_with_motion(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
-      !! as `simulate`
+      !! errors of `simulate`
       type(case_t), allocatable :: asking
 
       if (case%solver%accuracy_of == '') then
-         call run_as_asked(case, motion, control, result, error)
+         call run_requested(case, motion, control, result, error)
       else
          call check_peak(case, motion, error)
          if (allocated(error)) return
          asking = case
          call ask_for_peak(asking)
-         call run_as_asked(asking, motion, control, result, error)
+         call run_requested(asking, motion, control, result, error)
       end if
    end subroutine simulate_with_motion
 
-   !> Run a case that keeps all that its error is asked of.
-   subroutine run_as_asked(case, motion, control, result, error)
+   !> Run a case that stores all outputs that the error estimate needs.
+   subroutine run_requested(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       type(control_t), intent(in) :: control
@@ -73,9 +73,11 @@ contains
       end if
       if (allocated(error)) return
       if (case%solver%verify) call verify_run(case, motion, control, result, error)
-   end subroutine run_as_asked
+   end subroutine run_requested
 
-   !> Does the scene have the peak that accuracy is asked of? Errors: it has not; as `simulate`.
+   !> Check that the scene has the peak of `accuracy_of`.
+   !>
+   !> Errors: the peak does not apply to the scene, or an error of `simulate`.
    subroutine check_peak(case, motion, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
@@ -109,25 +111,26 @@ contains
       end if
    end subroutine check_peak
 
-   !> What a case reports at the beginning: the result of the same case when it ends as it begins.
-   !> Errors: as `simulate`.
+   !> Compute the initial outputs of a case: the result of a run with zero duration.
+   !>
+   !> Errors: those of `simulate`.
    subroutine simulate_instant(case, motion, instant, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       type(case_t), intent(out) :: instant
-      !! without any duration
+      !! case with zero duration
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
       type(control_t) :: no_control
 
-      ! the instant does not know where its values stand
+      ! check the original case: the instant has no input locations for messages
       call check_peak(case, motion, error)
       if (allocated(error)) return
       call begin_instant(case, instant)
       call simulate_with_motion(instant, motion, no_control, result, error)
    end subroutine simulate_instant
 
-   !> A case that ends as it begins.
+   !> Create a case with zero duration.
    subroutine begin_instant(case, instant)
       type(case_t), intent(in) :: case
       type(case_t), intent(out) :: instant
@@ -137,7 +140,7 @@ contains
       if (allocated(case%output)) instant%output = case%output
       instant%solver%t_end = 0
       if (allocated(instant%frame)) then
-         ! each period of a spectrum reports the same
+         ! all periods of a spectrum give the same initial outputs
          if (.not. allocated(instant%frame%T_s)) instant%frame%T_s = 1
       end if
    end subroutine begin_instant

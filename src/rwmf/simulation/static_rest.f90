@@ -1,10 +1,12 @@
-!> Static equilibrium after the motion: where wall and frame stay once everything has come to rest.
+!> Static equilibrium of wall and frame after the motion.
 !>
-!> Ground motion and velocities are taken away. What is then out of balance falls to zero in
-!> proportion (Newton's method along straight pieces), and springs go over to their next branch, or
-!> unload, on the way. Where the stiffness is not positive, or branches end in a circle, the path
-!> follows the damped motion instead (implicit Euler steps in a fictitious time): it finds no
-!> unstable equilibrium, and each piece releases energy.
+!> The search removes ground motion and velocities. It then reduces the remaining unbalanced forces
+!> to zero in proportion, by Newton's method along straight pieces. On the way, springs enter their
+!> next branch or unload.
+!>
+!> If the stiffness is not positive or branch changes form a cycle, the path follows damped
+!> motion instead (implicit Euler steps in a fictitious time). This path releases energy in each
+!> piece and cannot converge to an unstable equilibrium.
 module rwmf_simulation_static_rest
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates
@@ -21,64 +23,67 @@ module rwmf_simulation_static_rest
    public :: come_to_rest
 
    integer, parameter :: most_pieces = 2000
-   !! of a path, each up to the end of a branch
+   !! largest number of pieces of a path, each up to the end of a branch
    real(wp), parameter :: still = 1.0e-13_wp
-   !! change of a position over the largest one that ends the path [-]
+   !! relative change of a position below which the path ends [-]
    real(wp), parameter :: short = 0.1_wp
-   !! change in one piece, of a smooth spring over its yield displacement, of theta over alpha [-]
+   !! largest change in one piece: of a smooth spring over its yield displacement, of theta over
+   !! alpha [-]
 
-   !> A path through states of rest.
+   !> Path through static states.
    type :: path_t
       type(discrete_state_t) :: state
       real(wp), allocatable :: y(:)
-      !! (states) without velocities
+      !! (states) with zero velocities
       logical :: is_held = .false.
-      !! the wall stands on its base
+      !! both corners of the wall are on the base
       integer, allocatable :: q(:)
-      !! (free positions) their places among the states
+      !! (free positions) their indices among the states
       integer, allocatable :: v(:)
-      !! (free positions) places of their velocities
+      !! (free positions) indices of their velocities
       integer, allocatable :: z(:)
-      !! (smooth springs) places of their states
+      !! (smooth springs) indices of their states
       real(wp) :: damping = 0
-      !! of the masses over the fictitious time of a piece [1/s2]
+      !! damping of the masses over the fictitious time of a piece [1/s2]
       integer :: ends = 0
-      !! of branches that have followed each other without a way between them
+      !! number of consecutive branch ends without displacement between them
       integer :: solutions = 0
-      !! of linear systems so far
+      !! number of linear systems solved so far
    end type path_t
 
-   !> The branch that ends first.
+   !> First branch end in a piece.
    type :: branch_end_t
       real(wp) :: part = 1
-      !! of the piece up to it [-]
+      !! fraction of the piece up to the branch end [-]
       integer :: storey = 0
-      !! whose branch ends
+      !! number of the storey whose branch ends
       logical :: of_window = .false.
-      !! springs that follow the rotation
+      !! the branch of a spring that follows the rotation ends
       logical :: of_flight = .false.
-      !! the wall is on its base again
+      !! the wall returns to its base
       logical :: is_rising = .false.
-      !! its displacement grows
+      !! the displacement increases
    end type branch_end_t
 
 contains
 
-   !> Follow a state to rest. Not found: the wall overturns, nothing balances the loads, or the
-   !> search takes too long in a frame of hundreds of storeys.
+   !> Find the static equilibrium that a state reaches.
+   !>
+   !> The search fails if the wall overturns, if no equilibrium exists, or if it takes too long for
+   !> hundreds of storeys.
    subroutine come_to_rest(model, state, overturning_angle, y, is_found)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
-      !! in the end, with the side of y
+      !! state at the end of the run, with the side of y; on return at rest
       real(wp), intent(in) :: overturning_angle
       !! [rad]
       real(wp), intent(inout) :: y(:)
-      !! (states) in the end; at rest
+      !! (states) at the end of the run; on return at rest
       logical, intent(out) :: is_found
-      !! y is an equilibrium
+      !! true if y is an equilibrium
       type(path_t) :: path
       real(wp) :: largest
-      !! displacement so far [m]
+      !! largest displacement so far [m]
       real(wp), allocatable :: change(:)
       integer :: i
       logical :: lifts
@@ -111,7 +116,7 @@ contains
       y = path%y
    end subroutine come_to_rest
 
-   !> Places of the states of smooth springs.
+   !> List the indices of the states of smooth springs.
    pure subroutine list_smooth(model, z)
       type(model_t), intent(in) :: model
       integer, allocatable, intent(out) :: z(:)
@@ -121,8 +126,8 @@ contains
       if (allocated(model%floors%laws)) z = model%floors%laws%place
    end subroutine list_smooth
 
-   !> Positions that are not held: the wall, or the bare frame, and floors below the roof.
-   !> Velocities are taken away.
+   !> List the free positions: the wall or the bare frame, and the floors below the roof. Set their
+   !> velocities to zero.
    pure subroutine free_positions(model, path)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
@@ -149,7 +154,7 @@ contains
       where (path%q == 1) unit = frame_travel(model)
    end function unit_lengths
 
-   !> Displacements of all positions, held or not [m].
+   !> Displacements of all positions, free or held [m].
    pure function lengths(model, path) result(u)
       type(model_t), intent(in) :: model
       type(path_t), intent(in) :: path
@@ -158,7 +163,7 @@ contains
       u = [frame_travel(model)*path%y(1), path%y(path%q)*unit_lengths(model, path)]
    end function lengths
 
-   !> Rates at a state without motion of the ground.
+   !> Rates of a state without ground motion.
    subroutine rates_of(model, path, y, rates)
       type(model_t), intent(in) :: model
       type(path_t), intent(in) :: path
@@ -173,8 +178,8 @@ contains
       call lane_rates(model%scene, path%state%coef, y, motion, rates)
    end subroutine rates_of
 
-   !> Change of the free positions to where nothing is out of balance, were all branches to go on.
-   !> Springs that it turns back unload.
+   !> Compute the change of the free positions to equilibrium on the current branches. Springs whose
+   !> velocity reverses in this change unload.
    subroutine find_change(model, path, change)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
@@ -187,7 +192,7 @@ contains
 
       allocate (change(size(path%q)), stiffness(size(path%q), size(path%q)))
       if (model%has_bilinear_springs) call renew_window(model, path%state)
-      ! each spring turns at most once, and smooth ones perhaps back again
+      ! each spring unloads at most once; smooth springs may reverse again
       do i = 1, 2*(size(path%q) + 2)
          path%solutions = path%solutions + 1
          if (takes_too_long(path)) exit
@@ -200,7 +205,8 @@ contains
       end do
    end subroutine find_change
 
-   !> Whether the solutions so far have taken some seconds: each costs the cube of the positions.
+   !> Return whether the linear solutions so far exceed a few seconds; each costs the cube of the
+   !> positions.
    pure logical function takes_too_long(path)
       type(path_t), intent(in) :: path
       real(wp), parameter :: most_operations = 3.0e9_wp
@@ -208,7 +214,7 @@ contains
       takes_too_long = path%solutions > max(2.0_wp, most_operations/(size(path%q) + 1.0_wp)**3)
    end function takes_too_long
 
-   !> Directions in which the branches of all springs are loaded, 0 for either.
+   !> Loading directions of the current branches of all springs, 0 for either direction.
    pure function directions(model, state) result(direction)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
@@ -224,7 +230,7 @@ contains
          state%storey_signs%loading_direction]
    end function directions
 
-   !> Let springs unload that a change of the positions moves against their loading direction.
+   !> Unload springs whose displacement changes against their loading direction.
    subroutine turn_springs(model, path, change)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
@@ -243,8 +249,8 @@ contains
       call follow_loading_direction(model, path%state, y)
    end subroutine turn_springs
 
-   !> Decrease of the accelerations with the free positions, by central differences; states of
-   !> smooth springs follow the positions [1/s2].
+   !> Stiffness over mass: decrease of the accelerations with the free positions, by central
+   !> differences. States of smooth springs follow the positions [1/s2].
    subroutine stiffness_of(model, path, stiffness)
       type(model_t), intent(in) :: model
       type(path_t), intent(in) :: path
@@ -270,14 +276,16 @@ contains
       end associate
    end subroutine stiffness_of
 
-   !> Solve for the change; where the stiffness is not positive, over a fictitious time so short
-   !> that the damped motion moves away from its unstable equilibrium.
+   !> Solve for the change of the positions.
+   !>
+   !> If the stiffness is not positive, use a fictitious time step so short that the damped motion
+   !> leaves its unstable equilibrium.
    pure subroutine solve_stable(stiffness, least_damping, push, change)
       real(wp), intent(in) :: stiffness(:, :)
       real(wp), intent(in) :: least_damping
-      !! of the masses over that time [1/s2]
+      !! damping of the masses over the fictitious time [1/s2]
       real(wp), intent(in) :: push(:)
-      !! accelerations
+      !! accelerations of the free positions
       real(wp), intent(out) :: change(:)
       real(wp), allocatable :: a(:, :)
       real(wp) :: damping
@@ -292,7 +300,7 @@ contains
          end do
          call eliminate(a, push, change, is_positive)
          if (is_positive) return
-         ! a stiffness that is not finite has no solution
+         ! a stiffness that is not finite gives no solution
          if (.not. damping < huge(damping)) then
             change = huge(change)
             return
@@ -301,15 +309,17 @@ contains
       end do
    end subroutine solve_stable
 
-   !> Gaussian elimination in the given order: all pivots are positive when a symmetric matrix,
-   !> whose rows may have been divided by masses, is positive definite.
+   !> Gaussian elimination in the given order.
+   !>
+   !> All pivots are positive if the symmetric matrix is positive definite; its rows may have been
+   !> divided by masses.
    pure subroutine eliminate(a, b, x, is_positive)
       real(wp), intent(inout) :: a(:, :)
       real(wp), intent(in) :: b(:)
       real(wp), intent(out) :: x(:)
       logical, intent(out) :: is_positive
       real(wp), parameter :: negligible = 1.0e-9_wp
-      !! pivot over its diagonal: errors of the difference quotients [-]
+      !! pivot over its diagonal, for errors of the difference quotients [-]
       real(wp) :: diagonal(size(b))
       integer :: i, j
 
@@ -319,7 +329,7 @@ contains
          is_positive = a(i, i) > negligible*diagonal(i)
          if (.not. is_positive) return
          do j = i + 1, size(b)
-            ! floors meet their neighbours only
+            ! only neighbouring floors are coupled
             if (abs(a(j, i)) <= 0) cycle
             associate (factor => a(j, i)/a(i, i))
                x(j) = x(j) - factor*x(i)
@@ -333,7 +343,7 @@ contains
       end do
    end subroutine eliminate
 
-   !> Follow a change of the positions up to the first end of a branch.
+   !> Apply a change of the positions up to the first branch end.
    subroutine follow_piece(model, path, change)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
@@ -356,16 +366,18 @@ contains
       end if
    end subroutine follow_piece
 
-   !> Springs whose directions depend on each other may send each other back for ever: damping,
-   !> which decides by the forces alone, ends that.
+   !> Adapt the damping if consecutive branch ends form a cycle.
+   !>
+   !> Springs whose loading directions depend on each other may reverse each other without end.
+   !> Damping ends this cycle, because the forces alone then determine the change.
    pure subroutine adapt_damping(path, part)
       type(path_t), intent(inout) :: path
       real(wp), intent(in) :: part
-      !! of the piece up to its end [-]
+      !! fraction of the piece up to its end [-]
       integer, parameter :: most_ends = 8
-      !! per position
+      !! largest number of consecutive branch ends per position
       real(wp), parameter :: least = 1.0_wp, most = 1.0e9_wp
-      !! damping [1/s2]
+      !! bounds of the damping [1/s2]
 
       path%ends = path%ends + 1
       if (part > 0) then
@@ -378,7 +390,7 @@ contains
       end if
    end subroutine adapt_damping
 
-   !> Which branch ends first, and where.
+   !> Find the first branch end of a piece.
    subroutine find_end(model, path, change, ending)
       type(model_t), intent(in) :: model
       type(path_t), intent(in) :: path
@@ -420,7 +432,7 @@ contains
       end do
    end subroutine find_end
 
-   !> Let a piece be no longer than a limit.
+   !> Shorten a piece to a largest displacement.
    pure subroutine cut(distance, limit, ending)
       real(wp), intent(in) :: distance
       real(wp), intent(in) :: limit
@@ -429,13 +441,13 @@ contains
       if (distance*ending%part > limit) ending = branch_end_t(part=limit/distance)
    end subroutine cut
 
-   !> Let a piece end where a displacement comes to a limit.
+   !> End a piece where a displacement reaches a limit.
    pure subroutine cut_at(from, to, limit, candidate, ending)
       real(wp), intent(in) :: from, to
-      !! displacement at both ends of the whole piece
+      !! displacements at both ends of the whole piece
       real(wp), intent(in) :: limit
       type(branch_end_t), intent(in) :: candidate
-      !! what ends there
+      !! branch end at this limit
       type(branch_end_t), intent(inout) :: ending
       real(wp) :: part
 
@@ -445,13 +457,13 @@ contains
       ending%part = part
    end subroutine cut_at
 
-   !> Move the free positions; states of smooth springs follow them (Runge and Kutta, fourth order).
+   !> Move the free positions and integrate the states of smooth springs (fourth-order Runge-Kutta).
    subroutine move_along(model, path, change)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
       real(wp), intent(in) :: change(:)
       integer, parameter :: n = 16
-      !! steps, for a change of `short`
+      !! number of steps for a change of `short`
       real(wp), parameter :: halves(4) = [0.0_wp, 0.5_wp, 0.5_wp, 1.0_wp]
       real(wp), parameter :: weights(4) = [1.0_wp, 2.0_wp, 2.0_wp, 1.0_wp]/6
       real(wp), dimension(size(path%y)) :: y, rates, total
@@ -475,13 +487,13 @@ contains
       if (size(path%z) == 0) path%y(path%q) = path%y(path%q) + change
    end subroutine move_along
 
-   !> Does a wall on its base lift off on a side? It is then free to.
+   !> Release a wall on its base if it lifts off on a side.
    subroutine lift_wall(model, path, lifts)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
       logical, intent(out) :: lifts
       real(wp), parameter :: negligible = 1.0e-12_wp
-      !! acceleration over that of gravity [-]
+      !! angular acceleration over g/R [-]
       real(wp) :: rates(size(path%y))
       integer :: side
 

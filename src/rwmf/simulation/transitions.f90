@@ -1,5 +1,6 @@
-!> Transitions of the hybrid system at its events: impact, rest, lift-off, ends of branches, turns,
-!> overturning and collapse. Every method, spectrum and host uses them.
+!> Transitions of the hybrid system at events, shared by all methods, spectra and hosts.
+!>
+!> The events are impact, rest, lift-off, branch ends, turns, overturning and collapse.
 module rwmf_simulation_transitions
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
@@ -17,7 +18,7 @@ module rwmf_simulation_transitions
    use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
    use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_held, &
       mode_overturned, mode_rest, mode_rocking
-   use rwmf_simulation_recorder_nearby_motion, only: meet_impact
+   use rwmf_simulation_recorder_nearby_motion, only: note_impact
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
       observe_state, observe_still, recorder_t, sees_forces
    use rwmf_simulation_result, only: event_branch, event_collapsed, event_impact, event_lift_off, &
@@ -29,17 +30,17 @@ module rwmf_simulation_transitions
    public :: apply_event, begin_piece, change_storey, enter_rest, lift_off, observe_peak, negligible
 
    real(wp), parameter :: negligible = 0.01_wp
-   !! part of the tolerance below which a motion may be put to rest
+   !! fraction of the tolerance below which a motion may be set to rest
 
 contains
 
-   !> Change the system by the event at the present time.
+   !> Apply the event at the current time.
    subroutine apply_event(hybrid, equation, recorder, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
       integer, intent(in) :: event
-      !! one of the `event_` numbers, or 0
+      !! one of the `event_` numbers, or 0 without an event
       type(error_t), allocatable, intent(out) :: error
       !! the wall jumps
 
@@ -64,17 +65,17 @@ contains
          hybrid%mode = mode_overturned
          call observe_event(recorder, event_overturned, hybrid%t, hybrid%y)
       case default
-         ! nothing
+         ! no change
       end select
    end subroutine apply_event
 
-   !> The resting wall lifts off on a side.
+   !> Apply the lift-off of the resting wall on a side.
    subroutine lift_off(hybrid, equation, recorder, side, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
       integer, intent(in) :: side
-      !! +1 or -1
+      !! side of the lift-off, +1 or -1
       type(error_t), allocatable, intent(out) :: error
       !! the wall jumps
 
@@ -89,7 +90,7 @@ contains
       call observe_event(recorder, event_lift_off, hybrid%t, hybrid%y)
    end subroutine lift_off
 
-   !> A wall that stands on its base and would leave it on both sides at once jumps.
+   !> Fail if a wall on its base would leave it on both sides at once.
    subroutine check_ground(hybrid, equation, error)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
@@ -102,7 +103,7 @@ contains
          //'wall in the air is not in the model', 'wall_jumps')
    end subroutine check_ground
 
-   !> Both corners of the wall are on the base from now on.
+   !> Place both corners of the wall on the base.
    pure subroutine enter_rest(hybrid, equation)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -114,8 +115,7 @@ contains
       call hold_wall(equation%state)
    end subroutine enter_rest
 
-   !> Prepare what a new piece of motion depends on: windows of the branches, directions of
-   !> loading, and the time within which it is expected to change its course.
+   !> Initialise a new piece of motion: branch windows, loading directions and expected duration.
    subroutine begin_piece(hybrid, equation, span)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -130,8 +130,8 @@ contains
       hybrid%flight = 0
    end subroutine begin_piece
 
-   !> The sign that theta' has in the piece of motion that begins, and what follows from it; after a
-   !> peak it is known already.
+   !> Set the loading direction from the sign of theta' in the new piece; after a peak it is already
+   !> set.
    pure subroutine set_loading_direction(hybrid, equation)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -144,14 +144,15 @@ contains
       call follow_loading_direction(equation%model_t, equation%state, hybrid%y)
    end subroutine set_loading_direction
 
-   !> Estimated duration of a flight that begins at theta = 0: a little more than 2 v/a against an
-   !> acceleration that pulls it back, or twice the time for which the motion pulls it off; else no
-   !> limit [s].
+   !> Estimated duration of a flight that begins at theta = 0; infinite if unknown [s].
+   !>
+   !> It is slightly more than 2 v/a if the deceleration a pulls the wall back. Otherwise it is
+   !> twice the time during which the motion pulls the wall off its base.
    real(wp) function flight_time(hybrid, equation) result(time)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
       real(wp) :: pull
-      !! towards the base [rad/s2]
+      !! acceleration towards the base [rad/s2]
 
       time = huge(time)
       if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0) return
@@ -165,7 +166,7 @@ contains
       if (time <= 0) time = huge(time)
    end function flight_time
 
-   !> A spring enters another branch.
+   !> Move a spring to its next branch.
    subroutine enter_branch(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -183,7 +184,7 @@ contains
       end if
    end subroutine enter_branch
 
-   !> The branch of a storey ends at the present state, or the scene collapses there.
+   !> End the branch of a storey at the current state, or end the run by collapse.
    subroutine change_storey(hybrid, equation, recorder, ending)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -203,13 +204,13 @@ contains
       hybrid%must_restart = .true.
    end subroutine change_storey
 
-   !> A turn of the rotation for the record.
+   !> Record a peak of the rotation.
    subroutine observe_peak(hybrid, equation, recorder, v, t, y)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: v
-      !! rate of the rotation before it [rad/s]
+      !! angular velocity before the peak [rad/s]
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
@@ -222,48 +223,48 @@ contains
       call observe_event(recorder, event_peak, t, y)
    end subroutine observe_peak
 
-   !> At an impact the velocity falls by the factor e, the other side's equation takes over, or the
-   !> wall comes to rest.
+   !> Apply an impact: reduce the velocity by the factor e, then change the side or set the wall to
+   !> rest.
    !>
-   !> When one side is pressed hard and the other hardly at all, a flight can be over within a few
-   !> spacings of the time: the wall is then back with the velocity that it left with, at once.
+   !> If one side is strongly pressed and the other hardly at all, a flight may last only a few
+   !> spacings of the time. The wall then returns at once with its initial velocity.
    subroutine apply_impact(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
       real(wp), parameter :: followable = 64
-      !! least duration of a flight in spacings of the time [-]
+      !! shortest duration of a flight in spacings of the time [-]
 
       hybrid%must_restart = .true.
       do
          call apply_one_impact(hybrid, equation, recorder)
          if (is_at_rest(hybrid) .or. abs(hybrid%y(2)) <= 0) return
          hybrid%flight = flight_time(hybrid, equation)
-         ! a spacing is at most epsilon*t, and costs a call
+         ! a spacing is at most epsilon*t; this test saves a call
          if (hybrid%flight > followable*epsilon(hybrid%t)*hybrid%t) return
          if (hybrid%flight > followable*spacing(hybrid%t)) return
          hybrid%y(2) = -hybrid%y(2)
       end do
    end subroutine apply_impact
 
-   !> One impact and what follows from it.
+   !> Apply one impact and choose the following side or rest.
    subroutine apply_one_impact(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
       real(wp), parameter :: slow = 1000
-      !! impacts faster than that over the largest velocity, times sqrt(rtol), do not graze [-]
+      !! ratio to the largest velocity, over sqrt(rtol), above which impacts do not graze [-]
       real(wp) :: after, energy
       logical :: stays
 
-      ! a warning that ordinates of peaks alone do not have
+      ! spectrum ordinates of peaks alone have no such warning
       if (hybrid%settled_angle <= 0 &
           .and. abs(hybrid%y(2)) < slow*sqrt(hybrid%rtol)*recorder%theta_dot_ends) then
-         call look_for_grazing(hybrid, equation, recorder)
+         call check_grazing(hybrid, equation, recorder)
       end if
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
-      if (allocated(recorder%nearby)) call meet_impact(recorder%nearby, equation, hybrid%y, &
+      if (allocated(recorder%nearby)) call note_impact(recorder%nearby, equation, hybrid%y, &
          factor_at(hybrid%restitution, abs(hybrid%y(2))))
       energy = 0
       if (recorder%keeps_energy .and. equation%beam%n > 0) energy = mechanical_energy(equation, &
@@ -283,17 +284,17 @@ contains
       if (stays) then
          call end_chatter(hybrid, equation, recorder)
       else if (abs(after) <= 0) then
-         ! Nothing bounces (e = 0) and the motion pulls: the drive says to which side.
+         ! Without a bounce (e = 0), the uplift demand gives the side of the next motion.
          call leave_without_velocity(hybrid, equation)
       end if
    end subroutine apply_one_impact
 
-   !> Let the effects that balance momentum on their own change their states at an impact.
+   !> Apply the effects that change further states by their own momentum balance at an impact.
    subroutine land_effects(equation, y, after, stays)
       type(equation_t), intent(in) :: equation
-      !! on the side that the wall comes from
+      !! equation on the side before the impact
       real(wp), intent(inout) :: y(:)
-      !! (states) before the impact; the further ones change to those after it
+      !! (states) before the impact; on return, further states have their values after it
       real(wp), intent(inout) :: after
       !! angular velocity after the impact [rad/s]
       logical, intent(out) :: stays
@@ -333,15 +334,15 @@ contains
       call land_on(equation, y, after, stays)
    end subroutine stop_effects
 
-   !> Does the wall come to rest after an impact?
+   !> Return whether the wall rests after an impact.
    logical function settles(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
-      !! after the impact
+      !! hybrid system after the impact
       type(equation_t), intent(inout) :: equation
-      !! returns as it was
+      !! equation, unchanged on return
       type(recorder_t), intent(inout) :: recorder
       real(wp) :: v, e, small(2)
-      !! velocity, largest velocity factor of further impacts, negligible rotation and velocity
+      !! velocity; largest velocity factor of further impacts; negligible rotation and velocity
 
       v = abs(hybrid%y(2))
       e = largest_factor(hybrid%restitution, v)
@@ -357,7 +358,7 @@ contains
       end associate
    end function settles
 
-   !> The wall comes to rest after an impact.
+   !> Set the wall to rest after an impact.
    subroutine end_chatter(hybrid, equation, recorder)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
@@ -371,17 +372,19 @@ contains
       call observe_event(recorder, event_rest, hybrid%t, hybrid%y)
    end subroutine end_chatter
 
-   !> Reactions at the end of the chatter that a wall at rest is spared: those of a wall that leaves
-   !> its base on either side without velocity, when the flights, of 2 v/a each, will have ended.
+   !> Record the reactions at the end of the chatter that the rest omits.
+   !>
+   !> The wall leaves its base on either side without velocity. The time is the end of the omitted
+   !> flights, of duration 2 v/a each.
    subroutine observe_end_of_chatter(hybrid, equation, recorder)
       type(hybrid_t), intent(in) :: hybrid
-      !! after the impact
+      !! hybrid system after the impact
       type(equation_t), intent(inout) :: equation
-      !! returns as it was
+      !! equation, unchanged on return
       type(recorder_t), intent(inout) :: recorder
       real(wp), dimension(equation%n) :: y, rates
       real(wp) :: pull(2)
-      !! towards the base on the side that the wall leaves to, and on the other [rad/s2]
+      !! acceleration towards the base on the next side, and on the other side [rad/s2]
       real(wp) :: t, e
       integer :: i
 
@@ -397,7 +400,7 @@ contains
       e = largest_factor(hybrid%restitution, abs(hybrid%y(2)))
       t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e/pull(2))/(1 - e**2)
       t = min(t, interval_end(equation%motion, interval_of(equation)))
-      ! the floors go on meanwhile
+      ! the floors move in the meantime
       y(3:) = y(3:) + (t - hybrid%t)*rates(3:)
       do i = 1, 2
          call observe_still(recorder, equation, t, y)
@@ -405,19 +408,20 @@ contains
       end do
    end subroutine observe_end_of_chatter
 
-   !> An impact so slow that the acceleration away from the base would have ended the way at once.
-   subroutine look_for_grazing(hybrid, equation, recorder)
+   !> Record a grazing impact: so slow that the acceleration away from the base nearly prevents
+   !> contact.
+   subroutine check_grazing(hybrid, equation, recorder)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
       type(recorder_t), intent(inout) :: recorder
       real(wp) :: away
-      !! from the base [rad/s2]
+      !! acceleration away from the base [rad/s2]
 
       away = equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
       if (away > 0) call observe_grazing(recorder, hybrid%rtol, hybrid%t, hybrid%y(2)**2/(2*away))
-   end subroutine look_for_grazing
+   end subroutine check_grazing
 
-   !> The wall touches its base without velocity while one side is pulled.
+   !> Start the motion of a wall that touches its base without velocity while one side is pulled up.
    subroutine leave_without_velocity(hybrid, equation)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation

@@ -1,5 +1,4 @@
-!> What the user should know about a case or a run: slips of the input, and what the model does not
-!> follow to its end.
+!> Warnings about a case or a run: unusual input, and behaviour outside the model.
 module rwmf_simulation_warnings
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_vertical_motion, only: lowest_vertical
@@ -17,7 +16,7 @@ module rwmf_simulation_warnings
 
 contains
 
-   !> A pivot that lifts or slides is not in the equation of motion.
+   !> Warn of a pivot that lifts or slides, which the equation of motion does not include.
    subroutine warn_of_reactions(result)
       type(result_t), intent(inout) :: result
 
@@ -37,7 +36,7 @@ contains
       end associate
    end subroutine warn_of_reactions
 
-   !> Whether the wall touches its base may be decided by the errors of the run.
+   !> Warn if numerical errors may decide on contact between wall and base.
    subroutine warn_of_grazing(result)
       type(result_t), intent(inout) :: result
 
@@ -47,11 +46,12 @@ contains
          //'on the tolerance; &solver verify = .true. shows how much')
    end subroutine warn_of_grazing
 
-   !> Peaks that a small change of the motion changes a lot: their digits mean little.
+   !> Warn of peaks that a small change of the motion changes strongly.
    subroutine warn_of_sensitivity(result)
       type(result_t), intent(inout) :: result
       real(wp), parameter :: many = 100
-      !! relative change of a peak per relative change of the motion [-]
+      !! largest sensitivity without warning: relative change of a peak per relative change of the
+      !! motion [-]
 
       if (result%peak_sensitivity <= many) return
       call add_warning(result, 'sensitive: a slightly stronger motion changes the course so much ' &
@@ -60,7 +60,7 @@ contains
          //'); compare many similar motions, &solver verify = .true. measures it')
    end subroutine warn_of_sensitivity
 
-   !> What follows bounces that have been averaged depends on where in a flight they end.
+   !> Warn of averaged bounces, after which the phase of the flights is unknown.
    subroutine warn_of_chatter(result)
       type(result_t), intent(inout) :: result
 
@@ -70,10 +70,10 @@ contains
          //'left out (e near 1): the instants of later lift-offs are not those of single bounces')
    end subroutine warn_of_chatter
 
-   !> Rows of the history end with the motion.
+   !> Warn of a history that ends early with the motion.
    subroutine warn_of_short_history(t_end, result)
       real(wp), intent(in) :: t_end
-      !! until when the case asks for it [s]
+      !! requested end of the history [s]
       type(result_t), intent(inout) :: result
 
       if (.not. (allocated(result%history) .and. result%t_end < t_end)) return
@@ -82,14 +82,14 @@ contains
          result%overturned)))
    end subroutine warn_of_short_history
 
-   !> What the user should know about a case before it is simulated, one line each.
+   !> List the warnings about a case before its simulation, one line each.
    subroutine list_case_warnings(case, motion, in_grid, keys, lines)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       logical, intent(in) :: in_grid
-      !! anywhere in its `&spectrum`; otherwise in the run of the case
+      !! check all points of its `&spectrum`; otherwise only the single run of the case
       character(*), intent(in) :: keys(:)
-      !! (quantities) that are reported
+      !! (quantities) keys of the reported quantities
       character(256), allocatable, intent(out) :: lines(:)
       !! (warnings)
       real(wp), allocatable :: gamma(:), b(:)
@@ -130,19 +130,19 @@ contains
       if (line /= '') lines = [character(256) :: lines, line]
    end subroutine add_line
 
-   !> Is a quantity underestimated beside a wall that does not bend?
+   !> Return whether a rigid wall leads to an underestimate of a quantity.
    elemental logical function depends_on_bending(key)
       character(*), intent(in) :: key
-      !! of a quantity, with the number of a floor or '{i}'
+      !! key of a quantity, with the number of a floor or '{i}'
 
       depends_on_bending = (index(key, 'floor_') == 1 .and. index(key, 'acceleration') > 0) &
          .or. index(key, 'wall_shear') == 1 .or. index(key, 'wall_moment') == 1
    end function depends_on_bending
 
-   !> A pivot that lifts is not in the equation of motion.
+   !> Warn of a vertical motion that exceeds weight and cable force: the pivot would lift.
    subroutine warn_of_weight(case, motion, lines)
       type(case_t), intent(in) :: case
-      !! with a rocking wall
+      !! case with a rocking wall
       type(motion_t), intent(in) :: motion
       character(256), allocatable, intent(inout) :: lines(:)
       real(wp) :: lowest
@@ -156,10 +156,10 @@ contains
          lines)
    end subroutine warn_of_weight
 
-   !> Fuses that may hold the wall up when they have been drawn out.
+   !> Warn of fuses that may hold the wall up after yielding in tension.
    subroutine warn_of_fuses(case, lines)
       type(case_t), intent(in) :: case
-      !! with a rocking wall
+      !! case with a rocking wall
       character(256), allocatable, intent(inout) :: lines(:)
 
       if (.not. allocated(case%fuse)) return
@@ -171,7 +171,7 @@ contains
       end associate
    end subroutine warn_of_fuses
 
-   !> Prestress of the cable over m_w g, 0 without one [-].
+   !> Prestress of the cable over m_w g, 0 without a cable [-].
    pure real(wp) function prestress(case)
       type(case_t), intent(in) :: case
 
@@ -179,11 +179,12 @@ contains
       if (allocated(case%cable)) prestress = case%cable%eta_0
    end function prestress
 
-   !> Velocity factors that are zero, or that exceed what the momentum balance allows; of several
-   !> mass ratios and slendernesses that which exceeds it most.
+   !> Warn of velocity factors that are zero or exceed the bound of the momentum balance.
+   !>
+   !> For several mass ratios and slendernesses, report the largest excess.
    subroutine warn_of_impacts(case, gamma, alpha, lines)
       type(case_t), intent(in) :: case
-      !! with a rocking wall
+      !! case with a rocking wall
       real(wp), intent(in) :: gamma(:)
       real(wp), intent(in) :: alpha(:)
       !! [rad]
@@ -214,21 +215,21 @@ contains
          //', the most that the momentum balance of wall and frame allows', lines)
    end subroutine warn_of_impacts
 
-   !> Does the case itself ask to break the conservation of energy, of angular momentum?
+   !> List the conservation laws that the input of a case violates: energy, angular momentum.
    !>
-   !> Of a rocking wall with the mass of a frame. `published` gives the frame's force another lever
-   !> arm than its displacement has where theta < 0. A velocity factor below that of the momentum
-   !> balance takes more than the contact at the new corner can: it damps the frame. One that
-   !> exceeds it has a warning of its own.
+   !> This applies to a rocking wall with a frame that has mass. For theta < 0, `published` gives
+   !> the frame's force a lever arm that differs from that of its displacement. A velocity factor
+   !> below the momentum balance removes more velocity than the contact at the new corner can: it
+   !> damps the frame. `warn_of_impacts` reports a larger factor.
    pure function broken_laws(case, gamma, alpha) result(text)
       type(case_t), intent(in) :: case
-      !! with a rocking wall
+      !! case with a rocking wall
       real(wp), intent(in) :: gamma(:)
       !! mass ratios [-]
       real(wp), intent(in) :: alpha(:)
       !! slendernesses [rad]
       character(256) :: text
-      !! one line, '' for neither
+      !! one line; '' if no law is violated
       type(case_t) :: one
       logical :: is_broken(2)
       !! energy, angular momentum
@@ -252,7 +253,7 @@ contains
          //'(e < e_max)'
    end function broken_laws
 
-   !> Does an impact take more than the momentum balance of wall and frame?
+   !> Return whether an impact removes more velocity than the momentum balance of wall and frame.
    pure logical function loses_momentum(case, alpha)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: alpha

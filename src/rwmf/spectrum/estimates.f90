@@ -1,14 +1,15 @@
-!> Ordinates that estimate their own error, as runs do (`rwmf_simulation_error_control`): all of
-!> them at one tolerance, then those that need it again at tighter ones.
+!> Error estimates of ordinates, as for single runs (`rwmf_simulation_error_control`).
+!>
+!> All ordinates run at one tolerance; those above the accuracy limit run again at tighter ones.
 module rwmf_spectrum_estimates
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
-      next_tolerance, refinement, relative_change, shake_step, tightest, verifying_tolerance
+      next_tolerance, refinement, relative_change, perturb_step, tightest, verifying_tolerance
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, run_ordinates
-   use rwmf_spectrum_quantities, only: asked_of
+   use rwmf_spectrum_quantities, only: request_of
    implicit none
    private
 
@@ -16,7 +17,7 @@ module rwmf_spectrum_estimates
 
 contains
 
-   !> Run all ordinates, and as often again as the case's `accuracy` or what is asked for need.
+   !> Run all ordinates, and repeat them as the case's `accuracy` or requested quantities require.
    subroutine run_with_estimates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
@@ -30,22 +31,22 @@ contains
       else
          call run_ordinates(queue, threads, control, ordinates)
       end if
-      if (queue%asked%has_sensitivity) call verify_ordinates(queue, threads, control, ordinates)
+      if (queue%request%has_sensitivity) call verify_ordinates(queue, threads, control, ordinates)
       do i = 1, size(ordinates)
          if (.not. allocated(ordinates(i)%values)) cycle
-         ! equal peaks are no estimate
+         ! equal peaks give no estimate
          if (.not. ordinates(i)%estimate > 0) ordinates(i)%estimate = ieee_value(1.0_wp, &
             ieee_quiet_nan)
-         where (queue%asked%keys == 'estimated_relative_error') ordinates(i)%values = &
+         where (queue%request%keys == 'estimated_relative_error') ordinates(i)%values = &
             ordinates(i)%estimate
-         where (queue%asked%keys == 'sensitivity') ordinates(i)%values = ordinates(i)%sensitivity
+         where (queue%request%keys == 'sensitivity') ordinates(i)%values = ordinates(i)%sensitivity
       end do
    end subroutine run_with_estimates
 
-   !> Run each until the estimated error of its peak is at most what the case asks for.
+   !> Repeat each ordinate until the estimated error of its peak is at most the case's `accuracy`.
    subroutine run_to_accuracy(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
-      !! whose case has `solver%accuracy`
+      !! its case sets `solver%accuracy`
       integer, intent(in) :: threads
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
@@ -59,7 +60,7 @@ contains
       integer :: i, m, round
 
       accuracy = queue%rows%case%solver%accuracy
-      ! an ordinate is done when it needs no further run
+      ! count an ordinate as done only when it needs no further run
       silent%cancel => control%cancel
       ordinates%rtol = first_tolerance(accuracy)
       call run_ordinates(queue, threads, silent, ordinates)
@@ -94,8 +95,9 @@ contains
       ordinates%is_inaccurate = ordinates%estimate > accuracy
    end subroutine run_to_accuracy
 
-   !> Estimate what no run before has estimated, and the sensitivity to the motion, by much tighter
-   !> runs.
+   !> Estimate the sensitivity to the motion, and any missing error estimates.
+   !>
+   !> Both follow from runs at a much tighter tolerance.
    subroutine verify_ordinates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
@@ -109,7 +111,7 @@ contains
 
       silent%cancel => control%cancel
       trial = queue
-      trial%asked = asked_of(queue%rows%case, [character(40) ::])
+      trial%request = request_of(queue%rows%case, [character(40) ::])
       trial%verifies = .true.
       trial%parts = refinement
       refined = refined_motion(queue%motion, refinement)
@@ -119,7 +121,7 @@ contains
       tight%rtol = verifying_tolerance(tight%rtol)
       call run_ordinates(trial, threads, silent, tight)
       larger = tight
-      trial%shaken = 1 + shake_step
+      trial%shaken = 1 + perturb_step
       refined = scaled_motion(refined, trial%shaken)
       call run_ordinates(trial, threads, silent, larger)
       do i = 1, size(ordinates)
@@ -128,13 +130,14 @@ contains
             if (larger(i)%failure /= '') ordinates(i)%failure = larger(i)%failure
          end if
          if (ordinates(i)%estimate <= 0) ordinates(i)%estimate = difference(ordinates(i), tight(i))
-         ordinates(i)%sensitivity = difference(larger(i), tight(i))/shake_step
+         ordinates(i)%sensitivity = difference(larger(i), tight(i))/perturb_step
          ordinates(i)%rhs_evaluations = larger(i)%rhs_evaluations
       end do
    end subroutine verify_ordinates
 
-   !> Difference of the peaks of two runs over that of the second; 1 when they ended differently
-   !> [-].
+   !> Difference of the peaks of two runs over the peak of the second [-].
+   !>
+   !> The result is 1 if the runs ended differently.
    pure real(wp) function difference(one, other)
       type(ordinate_t), intent(in) :: one
       type(ordinate_t), intent(in) :: other

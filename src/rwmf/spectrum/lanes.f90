@@ -1,13 +1,14 @@
-!> Rows in lanes: runs of one scene, sixteen at a time, each with its own numbers, clock, step and
-!> events. A lane whose run is over takes the next ordinate from the queue, the shortest periods
-!> first.
+!> Rows in lanes: runs of one scene, sixteen at a time.
+!>
+!> Each lane has its own numbers, time, step and events. When its run ends, it takes the next
+!> ordinate from the queue, the shortest periods first.
 module rwmf_spectrum_lanes
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: of_length
-   use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, team_width
+   use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, batch_width
    use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, &
       tsitouras_papakostas_64, tsitouras_papakostas_75
    use rwmf_model_assembly, only: build_equation, equation_t
@@ -15,18 +16,18 @@ module rwmf_spectrum_lanes
    use rwmf_motion_ground_motion, only: is_piecewise_linear, motion_t, refined_motion, &
       scaled_motion
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_error_control, only: shake
+   use rwmf_simulation_error_control, only: perturb
    use rwmf_simulation_finite_check, only: is_finite
    use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_overturned
-   use rwmf_simulation_lanes_loop, only: join_team, step_team
-   use rwmf_simulation_lanes_team, only: create_team, lane_t, leave_team, &
-      tabulate_lines, team_t
+   use rwmf_simulation_lanes_loop, only: join_batch, step_batch
+   use rwmf_simulation_lanes_batch, only: create_batch, lane_state_t, leave_batch, &
+      tabulate_lines, batch_t
    use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
    use rwmf_simulation_peak, only: peak_of
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
       most_passes, response_size
-   use rwmf_spectrum_quantities, only: asked_t, take_values
+   use rwmf_spectrum_quantities, only: request_t, take_values
    use rwmf_spectrum_rows, only: row_motion, rows_t, take_row
    implicit none
    private
@@ -34,61 +35,61 @@ module rwmf_spectrum_lanes
    public :: ordinate_t, queue_t, run_ordinates, refused
 
    character(*), parameter :: refused = 'refused'
-   !! name of the failure of a row whose numbers the rules of the case do not allow
+   !! failure name of a row whose numbers the rules of the case do not allow
 
    character(*), parameter :: not_finite = 'not_finite'
-   !! name of the failure of a row with a number that is infinite or NaN
+   !! failure name of a row with an infinite or NaN result
 
    integer, parameter :: most_storeys = 64
-   !! of frames in a team: vectors of its states lie on the stack of a thread
+   !! storeys of a frame in a batch: its state vectors are on the stack of a thread
    integer, parameter :: few_lanes = 2
-   !! that are faster alone than in a team
+   !! number of lanes that run faster one by one than in a batch
 
-   !> A row that is to be run, and what comes of it.
+   !> A row to run, and its results.
    type :: ordinate_t
       integer :: row = 0
-      !! its number
+      !! number of the row
       real(wp) :: peak = 0
-      !! u_s_max [m], without a frame the largest |theta| [rad], or what `accuracy_of` names
+      !! u_s_max [m], without a frame the largest |theta| [rad], or the quantity of `accuracy_of`
       logical :: overturned = .false.
       logical :: collapsed = .false.
       integer(i8) :: rhs_evaluations = 0
       real(wp) :: rtol = 0
-      !! tolerance, where it is not that of the case [-]
+      !! relative tolerance; 0 for that of the case [-]
       real(wp) :: estimate = -1
-      !! of the relative error of the peak; not positive: there is none [-]
+      !! estimate of the relative error of the peak; not positive: none [-]
       real(wp) :: sensitivity = -1
-      !! relative change of the peak per relative change of the motion, likewise [-]
+      !! relative change of the peak per relative change of the motion; negative: none [-]
       logical :: is_inaccurate = .false.
-      !! no tolerance has brought the error down to what is asked for
+      !! no tolerance has reduced the error to the requested accuracy
       character(24) :: failure = ''
-      !! name of the error
+      !! name of the error; blank: none
       real(wp), allocatable :: values(:)
-      !! (quantities) that were asked for, in their units, where it is more than the displacement
+      !! (quantities) requested values in their units; not allocated for the displacement only
    end type ordinate_t
 
-   !> What all runs of a queue have in common.
+   !> Common data of all runs of a queue.
    type :: queue_t
       type(rows_t), pointer :: rows => null()
       type(motion_t), pointer :: motion => null()
-      !! of all of them that have none of their own
-      type(asked_t) :: asked
+      !! motion of all runs without a separate one
+      type(request_t) :: request
       logical :: verifies = .false.
-      !! by the pair of the higher order, at the tolerance of the ordinate alone
+      !! runs use the pair of the highest order and the tolerance of the ordinate only
       integer :: parts = 1
-      !! into which the intervals of its motion are divided
+      !! number of parts of each interval of the motion
       real(wp) :: shaken = 1
-      !! factor on motions that rows have of their own, and on their initial states [-]
+      !! factor on separate motions of rows, and on their initial states [-]
    end type queue_t
 
-   !> The run of a lane.
+   !> Run of a lane.
    type :: lane_run_t
       integer :: ordinate = 0
-      !! its number; 0: the lane is idle
+      !! number of the ordinate; 0: the lane is idle
       integer :: pass = 0
       type(case_t) :: case
       type(motion_t) :: motion
-      !! of a row that has its own
+      !! motion of a row with a separate one
       type(equation_t) :: equation
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
@@ -96,15 +97,15 @@ module rwmf_spectrum_lanes
       real(wp) :: size_guess(2)
    end type lane_run_t
 
-   !> What the runs of a team must have in common.
+   !> Common properties of all runs of a batch.
    type :: kind_t
       type(scene_t) :: scene
       logical :: has_vertical
       logical :: has_loading_direction
       integer :: place
-      !! of the hysteretic state
+      !! place of the hysteretic state
       integer :: stages
-      !! of the pair
+      !! number of stages of the pair
       integer :: max_steps
       real(wp) :: t_end
       !! [s]
@@ -112,7 +113,7 @@ module rwmf_spectrum_lanes
 
 contains
 
-   !> Run all ordinates of a queue; the number of threads changes no bit.
+   !> Run all ordinates of a queue. The result is bitwise identical for every number of threads.
    subroutine run_ordinates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
@@ -124,28 +125,30 @@ contains
       if (size(ordinates) == 0) return
       next = 0
       width = 1
-      if (size(ordinates) >= 2*threads) width = team_width
+      if (size(ordinates) >= 2*threads) width = batch_width
       if (allocated(queue%rows%case%storeys)) then
          if (size(queue%rows%case%storeys%frame%m) > most_storeys) width = 1
       end if
       !$omp parallel num_threads(min(threads, size(ordinates))) default(shared)
-      call run_team(queue, control, width, next, ordinates)
+      call run_batch(queue, control, width, next, ordinates)
       !$omp end parallel
    end subroutine run_ordinates
 
-   !> Steps of one team, until the queue is empty and its lanes are idle; the last ones go on alone,
-   !> because a step of sixteen lanes takes as long as two to three of one.
-   subroutine run_team(queue, control, width, next, ordinates)
+   !> Step one batch until the queue is empty and its lanes are idle.
+   !>
+   !> The last few lanes run one by one, because a step of sixteen lanes takes as long as two to
+   !> three steps of one.
+   subroutine run_batch(queue, control, width, next, ordinates)
       type(queue_t), intent(in) :: queue
       type(control_t), intent(in) :: control
       integer, intent(in) :: width
       !! number of lanes
       integer, intent(inout) :: next
-      !! number of ordinates that have been taken, by all threads
+      !! number of ordinates taken by all threads
       type(ordinate_t), intent(inout) :: ordinates(:)
-      type(lane_t), allocatable, target :: lanes(:)
+      type(lane_state_t), allocatable, target :: lanes(:)
       type(lane_run_t), allocatable, target :: runs(:)
-      type(team_t), target :: team, alone
+      type(batch_t), target :: batch, alone
       type(kind_t), allocatable :: kind
       integer :: i
 
@@ -154,65 +157,67 @@ contains
          call take_ordinate(queue, control, next, ordinates, kind, runs(i), lanes(i))
       end do
       if (runs(1)%ordinate == 0) return
-      call create_team(runs(1)%equation, pair_for(runs(1)%case, runs(1)%equation), &
-         runs(1)%hybrid%max_steps, width, team)
-      team%kernels = lane_kernels_of(best_level())
-      ! lanes with motions of their own follow them without a table
+      call create_batch(runs(1)%equation, pair_for(runs(1)%case, runs(1)%equation), &
+         runs(1)%hybrid%max_steps, width, batch)
+      batch%kernels = lane_kernels_of(best_level())
+      ! lanes with separate motions use no table
       if (.not. queue%rows%has_own_motion) call tabulate_lines(queue%motion, kind%has_vertical, &
-         kind%t_end, team)
-      team%keeps_more = queue%asked%is_watched
+         kind%t_end, batch)
+      batch%keeps_more = queue%request%is_watched
       do i = 1, width
-         if (runs(i)%ordinate > 0) call join_team(lanes(i), i, team)
+         if (runs(i)%ordinate > 0) call join_batch(lanes(i), i, batch)
       end do
-      call step_lanes(lanes, runs, few_lanes, team)
+      call step_lanes(lanes, runs, few_lanes, batch)
       do i = 1, width
-         if (.not. team%is_busy(i)) cycle
-         call leave_team(lanes(i), i, team, alone)
+         if (.not. batch%is_busy(i)) cycle
+         call leave_batch(lanes(i), i, batch, alone)
          call step_lanes(lanes(i:i), runs(i:i), 0, alone)
       end do
 
    contains
 
       !> Step until the queue is empty and no more lanes than `fewest` are busy.
-      subroutine step_lanes(lanes, runs, fewest, team)
-         type(lane_t), intent(inout), target :: lanes(:)
+      subroutine step_lanes(lanes, runs, fewest, batch)
+         type(lane_state_t), intent(inout), target :: lanes(:)
          type(lane_run_t), intent(inout), target :: runs(:)
          integer, intent(in) :: fewest
-         type(team_t), intent(inout) :: team
+         type(batch_t), intent(inout) :: batch
          integer :: i
 
          do
-            if (team%has_ended) then
-               do i = 1, team%width
-                  do while (team%is_busy(i) .and. .not. team%table(i, of_length) > 0)
-                     call finish_ordinate(queue%asked, control, runs(i), lanes(i)%error, &
+            if (batch%has_ended) then
+               do i = 1, batch%width
+                  do while (batch%is_busy(i) .and. .not. batch%table(i, of_length) > 0)
+                     call finish_ordinate(queue%request, control, runs(i), lanes(i)%error, &
                         ordinates(runs(i)%ordinate))
                      if (runs(i)%ordinate == 0) call take_ordinate(queue, control, next, &
                         ordinates, kind, runs(i), lanes(i))
-                     team%is_busy(i) = runs(i)%ordinate > 0
-                     if (team%is_busy(i)) call join_team(lanes(i), i, team)
+                     batch%is_busy(i) = runs(i)%ordinate > 0
+                     if (batch%is_busy(i)) call join_batch(lanes(i), i, batch)
                   end do
                end do
-               if (count(team%is_busy) <= fewest) return
-               team%has_ended = .false.
+               if (count(batch%is_busy) <= fewest) return
+               batch%has_ended = .false.
             end if
             if (is_cancelled(control)) return
-            call step_team(lanes, team)
+            call step_batch(lanes, batch)
          end do
       end subroutine step_lanes
-   end subroutine run_team
+   end subroutine run_batch
 
-   !> Take the next ordinate from the queue and begin its run; none: the lane stays idle. Rows that
-   !> are refused, and those that cannot step with the team, are done on the way.
+   !> Take the next ordinate from the queue and begin its run.
+   !>
+   !> If the queue is empty, the lane stays idle. Refused rows, and rows that cannot step with the
+   !> batch, are completed here.
    subroutine take_ordinate(queue, control, next, ordinates, kind, run, lane)
       type(queue_t), intent(in) :: queue
       type(control_t), intent(in) :: control
       integer, intent(inout) :: next
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(kind_t), allocatable, intent(inout) :: kind
-      !! of the team; not allocated: that of this run
+      !! kind of the batch; not allocated: this run sets it
       type(lane_run_t), intent(inout), target :: run
-      type(lane_t), intent(inout) :: lane
+      type(lane_state_t), intent(inout) :: lane
       type(error_t), allocatable :: error
       integer :: number
 
@@ -238,12 +243,12 @@ contains
       end do
    end subroutine take_ordinate
 
-   !> Put the run of a row together. Errors: as `take_row`.
+   !> Set up the run of a row. Errors: those of `take_row`.
    subroutine set_up(queue, ordinate, run, lane, error)
       type(queue_t), intent(in) :: queue
       type(ordinate_t), intent(in) :: ordinate
       type(lane_run_t), intent(inout), target :: run
-      type(lane_t), intent(inout) :: lane
+      type(lane_state_t), intent(inout) :: lane
       type(error_t), allocatable, intent(out) :: error
       type(motion_t), pointer :: motion
 
@@ -254,9 +259,9 @@ contains
          run%case%solver%method = 'dop853'
          if (allocated(run%case%solver%atol)) deallocate (run%case%solver%atol)
       end if
-      call shake(run%case, queue%shaken)
+      call perturb(run%case, queue%shaken)
       if (allocated(run%case%output)) deallocate (run%case%output)
-      if (allocated(queue%asked%output)) run%case%output = queue%asked%output
+      if (allocated(queue%request%output)) run%case%output = queue%request%output
       motion => queue%motion
       if (queue%rows%has_own_motion) then
          run%motion = row_motion(queue%rows, run%case)
@@ -272,7 +277,7 @@ contains
       call build_equation(run%case, motion, run%equation)
       run%size_guess = guess_size(run%case, run%equation)
       run%pass = 1
-      call begin_lane(queue%asked, run, lane%error)
+      call begin_lane(queue%request, run, lane%error)
    end subroutine set_up
 
    type(kind_t) function kind_of(run) result(kind)
@@ -285,7 +290,7 @@ contains
          run%case%solver%max_steps, run%case%solver%t_end)
    end function kind_of
 
-   !> Can a run step with those of a kind?
+   !> True if a run can step in a batch of this kind.
    logical function is_of_kind(run, kind)
       type(lane_run_t), intent(in) :: run
       type(kind_t), intent(in) :: kind
@@ -299,53 +304,54 @@ contains
          .and. own%max_steps == kind%max_steps .and. abs(own%t_end - kind%t_end) <= 0
    end function is_of_kind
 
-   !> Run an ordinate in a team of its own.
+   !> Run an ordinate in a separate batch of one lane.
    subroutine run_alone(queue, control, run, lane, ordinate)
       type(queue_t), intent(in) :: queue
       type(control_t), intent(in) :: control
       type(lane_run_t), intent(inout), target :: run
-      type(lane_t), intent(in) :: lane
+      type(lane_state_t), intent(in) :: lane
       type(ordinate_t), intent(inout) :: ordinate
-      type(lane_t), target :: lanes(1)
-      type(team_t), target :: team
+      type(lane_state_t), target :: lanes(1)
+      type(batch_t), target :: batch
 
       lanes(1) = lane
-      call create_team(run%equation, pair_for(run%case, run%equation), run%hybrid%max_steps, 1, &
-         team)
-      team%keeps_more = queue%asked%is_watched
+      call create_batch(run%equation, pair_for(run%case, run%equation), run%hybrid%max_steps, 1, &
+         batch)
+      batch%keeps_more = queue%request%is_watched
       do while (run%ordinate > 0)
-         call join_team(lanes(1), 1, team)
-         do while (team%table(1, of_length) > 0)
+         call join_batch(lanes(1), 1, batch)
+         do while (batch%table(1, of_length) > 0)
             if (is_cancelled(control)) return
-            call step_team(lanes, team)
+            call step_batch(lanes, batch)
          end do
-         call finish_ordinate(queue%asked, control, run, lanes(1)%error, ordinate)
+         call finish_ordinate(queue%request, control, run, lanes(1)%error, ordinate)
       end do
    end subroutine run_alone
 
-   !> Begin the run of a lane for its expected size.
-   subroutine begin_lane(asked, run, error)
-      type(asked_t), intent(in) :: asked
+   !> Begin the run of a lane, with tolerances for its expected response.
+   subroutine begin_lane(request, run, error)
+      type(request_t), intent(in) :: request
       type(lane_run_t), intent(inout), target :: run
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: settled = 0.03_wp
-      !! part of the largest rotation so far that chatter may have where it is not followed [-]
+      !! chatter below this part of the largest rotation so far is not resolved [-]
 
       run%integrator%pair = pair_for(run%case, run%equation)
       call begin_run(run%case, run%size_guess, run%equation, run%integrator, run%hybrid, &
          run%recorder, error)
       associate (equation => run%equation)
-         ! by name dop853 has the bits of single runs, which follow all impacts
-         if (asked%has_only_peaks .and. run%case%solver%method /= 'dop853' .and. equation%n == 2 &
+         ! an explicit dop853 is bitwise identical to single runs, which resolve all impacts
+         if (request%has_only_peaks .and. run%case%solver%method /= 'dop853' .and. equation%n == 2 &
              .and. .not. (equation%has_bilinear_springs .or. equation%has_loading_direction &
              .or. equation%creep > 0)) run%hybrid%settled_angle = settled
       end associate
    end subroutine begin_lane
 
-   !> The pair for a tolerance, unless the case names it; the one of the highest order for runs at
-   !> several tolerances, under motions without knots that limit the steps, for laws with a corner,
-   !> and for frames alone, which add up the errors of many steps. So does smooth hysteresis: it
-   !> gets one order more.
+   !> Runge-Kutta pair for a tolerance, unless the case names one.
+   !>
+   !> Some runs need the highest order: runs at several tolerances, motions without knots that limit
+   !> the steps, and laws with a corner. Frames without a wall need it, too, because they accumulate
+   !> the errors of many steps. For the same reason smooth hysteresis gets at least one order more.
    pure type(pair_t) function pair_for(case, equation) result(pair)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -363,13 +369,13 @@ contains
       end if
    end function pair_for
 
-   !> The run of a lane is over: keep its result, or run it again for a smaller response.
-   subroutine finish_ordinate(asked, control, run, error, ordinate)
-      type(asked_t), intent(in) :: asked
+   !> Keep the result of a completed run, or restart it for a smaller response.
+   subroutine finish_ordinate(request, control, run, error, ordinate)
+      type(request_t), intent(in) :: request
       type(control_t), intent(in) :: control
       type(lane_run_t), intent(inout), target :: run
       type(error_t), allocatable, intent(inout) :: error
-      !! that ended the run
+      !! error that ended the run
       type(ordinate_t), intent(inout) :: ordinate
       real(wp) :: size_found(2)
 
@@ -388,10 +394,10 @@ contains
              .and. run%pass < most_passes) then
             run%pass = run%pass + 1
             run%size_guess = merge(size_found, run%size_guess, size_found < 0.1_wp*run%size_guess)
-            call begin_lane(asked, run, error)
+            call begin_lane(request, run, error)
             return
          end if
-         if (.not. asked%is_displacement) call report(asked, run, ordinate)
+         if (.not. request%is_displacement) call report(request, run, ordinate)
          if (.not. is_finite(ordinate%peak)) ordinate%failure = not_finite
       else
          ordinate%failure = error%name
@@ -401,21 +407,21 @@ contains
       run%ordinate = 0
    end subroutine finish_ordinate
 
-   !> All that is asked for, as a run reports it.
-   subroutine report(asked, run, ordinate)
-      type(asked_t), intent(in) :: asked
+   !> Compute the requested quantities, as a single run does.
+   subroutine report(request, run, ordinate)
+      type(request_t), intent(in) :: request
       type(lane_run_t), intent(inout) :: run
       type(ordinate_t), intent(inout) :: ordinate
       type(result_t) :: result
       logical :: are_finite
 
-      ! its warnings are no quantities
+      ! a spectrum reports no warnings of single ordinates
       allocate (result%warnings(0))
       call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
-      if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(asked%place)))
-      call take_values(asked, run%case, result, ordinate%values, are_finite)
+      if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(request%place)))
+      call take_values(request, run%case, result, ordinate%values, are_finite)
       if (.not. are_finite) ordinate%failure = not_finite
-      if (asked%has_peak) ordinate%peak = peak_of(run%case, result)
+      if (request%has_peak) ordinate%peak = peak_of(run%case, result)
    end subroutine report
 
 end module rwmf_spectrum_lanes

@@ -1,5 +1,6 @@
-!> What each ordinate of a spectrum reports: `&spectrum quantities`, keys of the table of quantities
-!> with the numbers of a run (`rwmf_simulation_scalars`).
+!> Quantities that each ordinate of a spectrum reports (`&spectrum quantities`).
+!>
+!> Their keys are in the table of quantities, their values come from `rwmf_simulation_scalars`.
 module rwmf_spectrum_quantities
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -18,38 +19,41 @@ module rwmf_spectrum_quantities
    implicit none
    private
 
-   public :: asked_t, asked_of, keys_asked_by, check_asked, default_quantity, list_applicable
+   public :: request_t, request_of, requested_keys_of, check_request, default_quantity, &
+      list_applicable
    public :: take_values
 
    character(*), parameter :: displacement = 'u_s_max_m'
-   !! what is reported where nothing is asked for
+   !! default quantity of a scene with a frame
 
-   !> What is asked for.
-   type :: asked_t
+   !> Requested quantities.
+   type :: request_t
       character(40), allocatable :: keys(:)
-      !! (quantities) as they stand in the outputs
+      !! (quantities) keys as in the outputs
       integer, allocatable :: place(:)
-      !! (quantities) in the table
+      !! (quantities) index in the table
       integer, allocatable :: storey(:)
-      !! (quantities) its number, for a key that has one
+      !! (quantities) number of the storey, for keys that have one
       type(output_t), allocatable :: output
-      !! what a run has to keep for them; not allocated: nothing
+      !! outputs that a run must record for them; not allocated: none
       logical :: is_displacement = .true.
-      !! the largest displacement of the frame and nothing else
+      !! only the largest displacement of the frame is requested
       logical :: has_only_peaks = .false.
-      !! all of them follow from the largest rotations, whatever smaller ones there are
+      !! all of them depend on the largest rotations only
       logical :: is_watched = .false.
       !! some of them have peaks inside steps
       logical :: has_sensitivity = .false.
-      !! more runs have to be made for them, by `verify`
+      !! `verify` must make more runs for them
       logical :: has_peak = .false.
-      !! their error is that of a peak which the case names
-   end type asked_t
+      !! their error is that of a peak named by the case
+   end type request_t
 
 contains
 
-   !> What is reported where nothing is asked for: the largest displacement of the frame, and
-   !> without one the largest rotation of the wall.
+   !> Key of the default quantity.
+   !>
+   !> This is the largest displacement of the frame, or without a frame the largest rotation of the
+   !> wall.
    pure function default_quantity(case) result(key)
       class(structure_t), intent(in) :: case
       character(20) :: key
@@ -58,8 +62,8 @@ contains
       if (allocated(case%frame)) key = displacement
    end function default_quantity
 
-   !> What the `&spectrum` of a case asks for.
-   pure function keys_asked_by(case) result(keys)
+   !> Keys of the quantities that the `&spectrum` group of a case requests.
+   pure function requested_keys_of(case) result(keys)
       type(case_t), intent(in) :: case
       character(40), allocatable :: keys(:)
       !! (quantities)
@@ -67,96 +71,99 @@ contains
       keys = [character(40) :: default_quantity(case)]
       if (.not. allocated(case%spectrum)) return
       if (allocated(case%spectrum%quantities)) keys = case%spectrum%quantities
-   end function keys_asked_by
+   end function requested_keys_of
 
-   !> What a case is asked for.
-   pure type(asked_t) function asked_of(case, keys) result(asked)
+   !> Describe the requested quantities of a case.
+   pure type(request_t) function request_of(case, keys) result(request)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: keys(:)
-      !! (quantities) keys that apply to its scene (`check_asked`)
+      !! (quantities) keys that apply to its scene, as checked by `check_request`
       type(output_t) :: output
       character(12), allocatable :: observed(:)
-      !! (quantities, and the peak of `accuracy_of`)
+      !! (quantities, then the peak of `accuracy_of`) kind of output that each needs
       integer :: i, place, number
 
-      asked%keys = keys
-      allocate (asked%place(size(asked%keys)), asked%storey(size(asked%keys)))
-      do i = 1, size(asked%keys)
-         call look_up(trim(asked%keys(i)), asked%place(i), asked%storey(i))
+      request%keys = keys
+      allocate (request%place(size(request%keys)), request%storey(size(request%keys)))
+      do i = 1, size(request%keys)
+         call look_up(trim(request%keys(i)), request%place(i), request%storey(i))
       end do
       call look_up(trim(case%solver%accuracy_of), place, number)
-      asked%has_peak = place > 0
-      observed = all_quantities([asked%place, pack([place], asked%has_peak)])%observed
+      request%has_peak = place > 0
+      observed = all_quantities([request%place, pack([place], request%has_peak)])%observed
       output%reactions = any(observed == of_reactions)
       output%demands = any(observed == of_demands)
       output%envelopes = any(observed == of_envelopes)
       output%energy = any(observed == of_energy)
-      asked%is_watched = output%reactions .or. output%demands .or. output%envelopes &
+      request%is_watched = output%reactions .or. output%demands .or. output%envelopes &
          .or. any(observed == of_velocity .or. observed == of_storeys) .or. has_numbers(case, &
          'bending')
-      asked%is_displacement = all(asked%keys == displacement) .and. .not. asked%has_peak
-      asked%has_only_peaks = all(observed == of_displacement)
-      asked%has_sensitivity = case%solver%verify .and. any(observed == of_verification)
+      request%is_displacement = all(request%keys == displacement) .and. .not. request%has_peak
+      request%has_only_peaks = all(observed == of_displacement)
+      request%has_sensitivity = case%solver%verify .and. any(observed == of_verification)
       if (.not. (output%reactions .or. output%demands .or. output%envelopes &
          .or. output%energy)) return
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) output%friction_limit = &
             case%output%friction_limit
       end if
-      asked%output = output
-   end function asked_of
+      request%output = output
+   end function request_of
 
-   !> Does all that a case is asked for apply to its scene? Errors: a key that does not, with those
-   !> that do; as `simulate`.
-   subroutine check_asked(case, motion, asked_keys, error)
+   !> Check that all requested quantities apply to the scene of a case.
+   !>
+   !> Errors: a key that does not apply (the message lists those that do), and those of `simulate`.
+   subroutine check_request(case, motion, requested_keys, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
-      character(*), intent(in) :: asked_keys(:)
+      character(*), intent(in) :: requested_keys(:)
       !! (quantities)
       type(error_t), allocatable, intent(out) :: error
       character(40), allocatable :: keys(:)
       character(:), allocatable :: problem
       integer :: i, j
 
-      if (allocated(case%frame) .and. all(asked_keys == displacement)) return
+      if (allocated(case%frame) .and. all(requested_keys == displacement)) return
       call list_applicable(case, motion, keys, error)
       if (allocated(error)) return
-      do i = 1, size(asked_keys)
-         if (any(keys == asked_keys(i))) cycle
-         problem = trim(asked_keys(i))//' does not apply to this scene; allowed:'
+      do i = 1, size(requested_keys)
+         if (any(keys == requested_keys(i))) cycle
+         problem = trim(requested_keys(i))//' does not apply to this scene; allowed:'
          do j = 1, size(keys)
             problem = problem//' '//trim(keys(j))
          end do
-         if (is_of_spectrum(case, asked_keys)) then
+         if (is_of_spectrum(case, requested_keys)) then
             call fail_key(case%values, 'spectrum', 'quantities', problem, error)
          else
             call fail(error, err_input, 'quantities: '//problem)
          end if
          return
       end do
-   end subroutine check_asked
+   end subroutine check_request
 
-   !> Does the case itself ask for these, or the call?
-   pure logical function is_of_spectrum(case, asked_keys) result(is_own)
+   !> True if these quantities come from the case itself, not from the call.
+   pure logical function is_of_spectrum(case, requested_keys) result(is_own)
       type(case_t), intent(in) :: case
-      character(*), intent(in) :: asked_keys(:)
+      character(*), intent(in) :: requested_keys(:)
       !! (quantities)
 
       is_own = has_key(case%values, 'spectrum', 'quantities') .and. allocated(case%spectrum)
       if (.not. is_own) return
-      associate (own => keys_asked_by(case))
-         is_own = size(own) == size(asked_keys)
-         if (is_own) is_own = all(own == asked_keys)
+      associate (own => requested_keys_of(case))
+         is_own = size(own) == size(requested_keys)
+         if (is_own) is_own = all(own == requested_keys)
       end associate
    end function is_of_spectrum
 
-   !> Keys of what a spectrum of a scene may be asked for: what a run of it reports, and what it
-   !> reports where something happens. Errors: as `simulate`.
+   !> List the keys that apply to a spectrum of a scene.
+   !>
+   !> They include the quantities that a run reports only after certain events. Errors: those of
+   !> `simulate`.
    subroutine list_applicable(case, motion, keys, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
       character(40), allocatable, intent(out) :: keys(:)
-      !! (keys) with the number of a storey in the place of '{i}'
+      !! (keys) with the number of a storey in place of '{i}'
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: asking, instant
       type(result_t) :: result
@@ -164,7 +171,7 @@ contains
       asking%structure_t = case%structure_t
       asking%solver = case%solver
       asking%solver%accuracy_of = ''
-      ! the cheapest to begin with
+      ! the method that is cheapest to start
       asking%solver%method = 'dop853'
       asking%output = output_t(energy=.true., reactions=.true., demands=.true., &
          envelopes=.true.)
@@ -187,26 +194,29 @@ contains
       call list_reported(instant, result, is_of_ordinate(all_quantities), keys)
    end subroutine list_applicable
 
-   !> The numbers that were asked for; counts and yes (1) or no (0) as numbers; NaN for what there
-   !> is not, such as the time of what has not happened.
-   pure subroutine take_values(asked, case, result, values, are_finite)
-      type(asked_t), intent(in) :: asked
+   !> Fill in the values of the requested quantities.
+   !>
+   !> Counts and flags (1 or 0) are stored as reals. A quantity without a value, such as the time of
+   !> an event that did not occur, is NaN.
+   pure subroutine take_values(request, case, result, values, are_finite)
+      type(request_t), intent(in) :: request
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       real(wp), intent(inout) :: values(:)
-      !! (quantities, and others behind them that stay) [unit of each]
+      !! (quantities, then others that stay unchanged) [unit of each]
       logical, intent(out) :: are_finite
-      !! no number that there is is infinite or NaN
+      !! no value that is present is infinite or NaN
       type(values_t) :: found
       integer, allocatable :: numbers(:)
-      !! (quantities) in the table
+      !! (quantities) index in the table
 
       call scalars_of(case, result, found)
-      numbers = all_quantities(asked%place)%id
-      associate (asked_values => values(:size(numbers)))
-         asked_values = value_of(found, numbers, asked%storey)
-         are_finite = all(may_report(numbers, asked_values) .or. .not. is_present(found, numbers, &
-            asked%storey))
+      numbers = all_quantities(request%place)%id
+      associate (requested_values => values(:size(numbers)))
+         requested_values = value_of(found, numbers, request%storey)
+         are_finite = all(may_report(numbers, requested_values) .or. .not. is_present(found, &
+            numbers, &
+            request%storey))
       end associate
    end subroutine take_values
 

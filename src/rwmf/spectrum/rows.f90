@@ -1,5 +1,7 @@
-!> Runs of one scene whose numbers differ: those of a grid of axes, or those of a table. Each is a
-!> *row* with a number, from which its case follows: no row is kept, so that there may be millions.
+!> Runs of one scene with different numbers, from a grid of axes or from a table.
+!>
+!> Each run is a *row*. Its case is computed from the row number when needed, so millions of rows
+!> need no memory for cases.
 module rwmf_spectrum_rows
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
@@ -19,62 +21,62 @@ module rwmf_spectrum_rows
    public :: row_motion
 
    character(*), parameter :: axes(4) = [character(5) :: 'b', 'gamma', 'T_s', 'scale']
-   !! columns that are no keys: what `set_axes` sets, the size of a block after its width, and a
-   !! factor on the motion
+   !! columns that are not keys: the axes of `set_axes`, and a factor on the motion. `b` precedes
+   !! `T_s`, which scales a block of this width
    character(*), parameter :: axis_keys(3) = [character(11) :: 'wall.b', 'frame.gamma', &
       'frame.t_s']
-   !! keys that the first of them set, in small letters
+   !! keys set by the first three axes, in lower case
    integer, parameter :: axis_width = 1
    integer, parameter :: axis_period = 3
    integer, parameter :: axis_scale = 4
-   !! places among them
+   !! places in `axes`
    character(6), parameter :: sizes(2) = ['wall.h', 'wall.b']
 
-   !> Where the numbers of the runs come from.
+   !> Source of the numbers of the runs.
    type :: rows_t
       type(case_t), pointer :: case => null()
-      !! what they have in common
+      !! common data of the runs
       type(case_t), pointer :: origin => null()
-      !! with the samples of its records: the same, or that which it was changed from
+      !! case that holds the samples of the records: `case`, or its original if it was changed
       integer :: n = 0
       !! number of rows
       real(wp), allocatable :: T_s(:), gamma(:), b(:)
-      !! axes of a grid, T_s running fastest [s], [-], [m]; gamma not allocated without a frame
-      !! beside a wall, b without a wall
+      !! axes of a grid, T_s varying fastest [s], [-], [m]. gamma is allocated only with frame and
+      !! wall, b only with a wall
       real(wp), pointer :: table(:, :) => null()
-      !! (columns, rows) otherwise, each in the unit of its key
+      !! (columns, rows) numbers of a table, each in the unit of its key; null for a grid
       integer :: axis_column(4) = 0
       !! column of each of `axes`, 0 for none
       integer, allocatable :: key_columns(:)
       !! columns of the keys of `changes`
       type(changes_t) :: changes
       logical :: is_sized = .false.
-      !! masses follow the size of the wall, whose height and width are the last of `changes`
+      !! masses follow the size of the wall; its height and width are the last keys of `changes`
       integer :: size_columns(2) = 0
-      !! columns of these, 0 for none
+      !! columns of height and width, 0 for none
       logical :: has_own_motion = .false.
-      !! a number of the motion differs
+      !! the motion differs between rows
       logical :: has_own_shape = .false.
-      !! and not only its size
+      !! the motion differs in more than its amplitude
       logical :: has_own_method = .false.
-      !! a number of the solver differs
+      !! the solver settings differ between rows
       logical :: has_own_estimate = .false.
-      !! the accuracy asked for, or whether the error is estimated, differs
+      !! the requested accuracy or the use of error estimates differs between rows
       logical :: is_one_scene = .false.
-      !! nothing differs but the period and the size of the motion
+      !! rows differ only in the period and the amplitude of the motion
    end type rows_t
 
 contains
 
-   !> The grid of a case's `&spectrum` group.
+   !> Define the rows of a case's `&spectrum` group.
    subroutine rows_of_grid(case, rows, error, origin)
       type(case_t), intent(in), target :: case
       !! outlives the rows
       type(rows_t), intent(out) :: rows
       type(error_t), allocatable, intent(out) :: error
-      !! the keys of the size cannot change
+      !! the keys of the wall's size cannot vary
       type(case_t), intent(in), target, optional :: origin
-      !! of a changed case: that which keeps the samples of its records; outlives the rows
+      !! original of a changed case, which holds the samples of its records; outlives the rows
 
       rows%case => case
       rows%origin => case
@@ -93,8 +95,10 @@ contains
       if (rows%is_sized) call find_changes(case, sizes, rows%changes, error)
    end subroutine rows_of_grid
 
-   !> The rows of a table. Errors: a column that is neither an axis nor a key that may change, two
-   !> that set the same, a frame without a period that no column gives one.
+   !> Define the rows of a table.
+   !>
+   !> Errors: a column that is neither an axis nor a key that may vary, or two columns that set the
+   !> same key. A frame without a period and without a column for it is an error, too.
    subroutine rows_of_table(case, columns, values, rows, error)
       type(case_t), intent(in), target :: case
       !! outlives the rows
@@ -138,7 +142,7 @@ contains
       call check_single_run(case, error)
    end subroutine rows_of_table
 
-   !> The keys of a table whose masses follow the size of the wall, with that size.
+   !> Find the keys of a table whose masses follow the size of the wall, with height and width.
    subroutine find_sizes(case, columns, rows, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: columns(:)
@@ -154,11 +158,11 @@ contains
          error)
    end subroutine find_sizes
 
-   !> A column that is an axis.
+   !> Add a column that is an axis.
    subroutine add_axis(case, axis, column, rows, error)
       type(case_t), intent(in) :: case
       integer, intent(in) :: axis
-      !! its place in `axes`
+      !! place of the axis in `axes`
       integer, intent(in) :: column
       type(rows_t), intent(inout) :: rows
       type(error_t), allocatable, intent(out) :: error
@@ -180,7 +184,7 @@ contains
       rows%has_own_motion = rows%has_own_motion .or. axis == axis_scale
    end subroutine add_axis
 
-   !> Is no axis a column under the name of its key as well?
+   !> Check that no column sets an axis a second time by its key.
    subroutine check_once(columns, rows, error)
       character(*), intent(in) :: columns(:)
       !! (columns)
@@ -201,11 +205,11 @@ contains
       end do
    end subroutine check_once
 
-   !> What a column that is a key makes different.
+   !> Note which properties of the rows vary with a column that is a key.
    pure subroutine note_key(case, key, rows)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: key
-      !! 'group.key' in small letters
+      !! 'group.key' in lower case
       type(rows_t), intent(inout) :: rows
 
       rows%is_one_scene = rows%is_one_scene .and. (key == 'frame.t_s' .or. key == 'motion.scale' &
@@ -223,7 +227,7 @@ contains
       end if
    end subroutine note_key
 
-   !> Periods of a `&spectrum`: the list, or the grid with both ends included [s].
+   !> Periods of a `&spectrum` group, from its list or from its grid with both ends [s].
    pure function spectrum_periods(spec) result(T_s)
       type(spectrum_spec_t), intent(in) :: spec
       real(wp), allocatable :: T_s(:)
@@ -247,11 +251,11 @@ contains
       if (spec%n > 1) T_s(spec%n) = spec%T_s_max
    end function spectrum_periods
 
-   !> Period of a row, as far as its axes say [s].
+   !> Period of a row from its axes; 1 if none of them sets it [s].
    pure real(wp) function period_of(rows, number) result(T_s)
       type(rows_t), intent(in) :: rows
       integer, intent(in) :: number
-      !! of the row
+      !! number of the row
 
       T_s = 1
       if (.not. associated(rows%table)) then
@@ -261,27 +265,28 @@ contains
       end if
    end function period_of
 
-   !> Number of the scene of a row: rows of one scene differ only in the period and in the size of
-   !> the motion.
+   !> Number of the scene of a row.
+   !>
+   !> Rows of one scene differ only in the period and the amplitude of the motion.
    pure integer function scene_of(rows, number) result(scene)
       type(rows_t), intent(in) :: rows
       integer, intent(in) :: number
-      !! of the row
+      !! number of the row
 
       scene = number
       if (.not. associated(rows%table)) scene = (number - 1)/size(rows%T_s) + 1
       if (rows%is_one_scene) scene = 1
    end function scene_of
 
-   !> The case of a row: its structure, its solver and, where it has its own, its motion.
+   !> Construct the case of a row: structure, solver and, if it varies, motion.
    !>
-   !> Errors: a number that is not allowed, in the words of reading.
+   !> Errors: a number that is not allowed, with the message of the input reader.
    subroutine take_row(rows, number, row, error)
       type(rows_t), intent(in) :: rows
       integer, intent(in) :: number
-      !! of the row
+      !! number of the row
       type(case_t), intent(inout) :: row
-      !! without text and samples
+      !! case without text and samples
       type(error_t), allocatable, intent(out) :: error
       type(wall_t) :: wall
       integer :: i, n_gamma
@@ -302,29 +307,30 @@ contains
             call take_sized(rows, [real(dp) ::], wall, row, error, T_s)
             if (allocated(error) .or. .not. allocated(rows%case%frame)) return
          end if
-         ! without its axis the mass of the frame stays, not its ratio
+         ! without this axis, the mass of the frame is constant and not its ratio
          if (allocated(rows%gamma) .and. (allocated(rows%case%spectrum%gamma) &
                                           .or. .not. rows%is_sized)) then
             call set_axes(row, gamma=rows%gamma(mod(i, n_gamma) + 1))
          end if
          if (allocated(rows%b)) call set_axes(row, b=rows%b(i/n_gamma + 1))
-         ! the size of a block follows its width
+         ! the period of a block scales its width, so it is set last
          call set_axes(row, T_s=T_s)
       end associate
    end subroutine take_row
 
-   !> The case of a wall of another size, whose masses follow: of another width, and of a block of
-   !> another period.
+   !> Construct the case of a wall of another size, with its masses.
+   !>
+   !> The size changes with the width, and for a block also with the period.
    subroutine take_sized(rows, numbers, wall, row, error, T_s)
       type(rows_t), intent(in) :: rows
       real(dp), intent(in) :: numbers(:)
-      !! of the keys that change besides
+      !! values of the other keys that vary
       type(wall_t), intent(in) :: wall
-      !! with its size
+      !! wall with the new size
       type(case_t), intent(inout) :: row
       type(error_t), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: T_s
-      !! of a block 2 pi/p [s]; absent: its size is that of `wall`
+      !! period of a block, 2 pi/p [s]; absent: its size is that of `wall`
       type(wall_t) :: scaled
 
       call change_case(rows%case, rows%changes, [numbers, real([wall%h, wall%b], dp)], row, error)
@@ -335,7 +341,7 @@ contains
          error)
    end subroutine take_sized
 
-   !> The case of a line of a table.
+   !> Construct the case of a table row.
    subroutine take_line(rows, x, row, error)
       type(rows_t), intent(in) :: rows
       real(wp), intent(in) :: x(:)
@@ -373,7 +379,7 @@ contains
             case ('gamma')
                call set_axes(row, gamma=value)
             case ('T_s')
-               ! that of a block has set its size
+               ! the period of a block has already set its size
                if (.not. rows%is_sized .or. allocated(row%frame)) call set_axes(row, T_s=value)
             case default
                call scale_motion(rows%case, value, row, error)
@@ -383,8 +389,9 @@ contains
       end do
    end subroutine take_line
 
-   !> The case of a line whose masses follow the size of the wall. What is no axis of the line stays
-   !> as the case has it.
+   !> Construct the case of a table row whose masses follow the size of the wall.
+   !>
+   !> Dimensions without a column keep the values of the case.
    subroutine take_sized_line(rows, x, row, error)
       type(rows_t), intent(in) :: rows
       real(wp), intent(in) :: x(:)
@@ -399,11 +406,11 @@ contains
       if (rows%size_columns(2) > 0) wall%b = x(rows%size_columns(2))
       if (rows%axis_column(axis_width) > 0) wall%b = x(rows%axis_column(axis_width))
       if (rows%axis_column(axis_period) > 0) T_s = x(rows%axis_column(axis_period))
-      ! what is not allocated is an absent argument
+      ! an unallocated T_s is an absent argument
       call take_sized(rows, real(x(rows%key_columns), dp), wall, row, error, T_s)
    end subroutine take_sized_line
 
-   !> May an axis have a value? A frame may have no mass, storeys may not.
+   !> True if an axis allows a value. A frame may be massless; storeys need mass.
    pure logical function is_allowed(case, axis, value)
       type(case_t), intent(in) :: case
       integer, intent(in) :: axis
@@ -415,7 +422,7 @@ contains
          .and. .not. allocated(case%storeys))
    end function is_allowed
 
-   !> What describes the motion besides the samples of its records, as they are with the case.
+   !> Copy the description of the motion, without the samples of its records.
    pure subroutine take_motion(case, row)
       type(case_t), intent(in) :: case
       type(case_t), intent(inout) :: row
@@ -426,10 +433,10 @@ contains
       row%vertical_record%factor = case%vertical_record%factor
    end subroutine take_motion
 
-   !> A factor on the horizontal motion: on the scale of a record, on the size of a pulse.
+   !> Apply a factor to the horizontal motion: to the scale of a record or the size of a pulse.
    subroutine scale_motion(case, factor, row, error)
       type(case_t), intent(in) :: case
-      !! that the row comes from
+      !! source of the row
       real(wp), intent(in) :: factor
       !! [-]
       type(case_t), intent(inout) :: row
@@ -448,11 +455,11 @@ contains
       end if
    end subroutine scale_motion
 
-   !> The motion of a row that has its own.
+   !> Motion of a row with a separate motion.
    function row_motion(rows, row) result(motion)
       type(rows_t), intent(in) :: rows
       type(case_t), intent(in) :: row
-      !! from `take_row`
+      !! case from `take_row`
       type(motion_t) :: motion
 
       motion = motion_from_case(row, rows%origin)

@@ -1,5 +1,5 @@
-!> Response spectra: many runs over frame periods, mass ratios and widths of the wall, or over the
-!> rows of a table, in parallel.
+!> Response spectra: parallel runs over frame periods, mass ratios and wall widths, or over the
+!> rows of a table.
 module rwmf_spectrum_spectrum
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int8
@@ -11,13 +11,13 @@ module rwmf_spectrum_spectrum
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_tolerance
-   use rwmf_problem_quantity_table, only: spelled
+   use rwmf_problem_quantity_table, only: canonical_key
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: check_peak, simulate_with_motion
    use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_estimates, only: run_with_estimates
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, refused
-   use rwmf_spectrum_quantities, only: asked_of, check_asked, keys_asked_by, take_values
+   use rwmf_spectrum_quantities, only: request_of, check_request, requested_keys_of, take_values
    use rwmf_spectrum_rows, only: period_of, row_motion, rows_of_grid, &
       rows_of_table, rows_t, spectrum_periods, take_row
    use rwmf_spectrum_threads, only: choose_threads
@@ -27,45 +27,45 @@ module rwmf_spectrum_spectrum
    public :: spectrum_t, compute_spectrum, compute_rows, spectrum_periods, status_of
 
    integer, parameter :: block_size = 8192
-   !! rows that are in work at a time: what a row needs while it runs is not kept for millions
+   !! rows computed at a time, which bounds the memory for intermediate data of large tables
    character(*), parameter :: interrupted = 'interrupted'
 
-   !> What is reported over the grid of a `&spectrum` group, or over the rows of a table, which are
-   !> its first dimension then.
+   !> Results over the grid of a `&spectrum` group, or over the rows of a table.
+   !>
+   !> The rows of a table are the first dimension; the second and third then have size 1.
    type :: spectrum_t
       real(wp), allocatable :: T_s(:)
-      !! (n_T) periods [s]; not allocated of a table, as the following two
+      !! (n_T) periods [s]; not allocated for a table, like the following two
       real(wp), allocatable :: gamma(:)
       !! (n_gamma) mass ratios [-]; absent for the bare frame and for a block
       real(wp), allocatable :: b(:)
       !! (n_b) half widths [m]; absent for the bare frame
       character(40), allocatable :: quantities(:)
-      !! (n_quantities) keys of what was asked for
+      !! (n_quantities) keys of the requested quantities
       real(wp), allocatable :: values(:, :, :, :)
-      !! (n_T, n_gamma, n_b, n_quantities) [unit of each]; a count or yes (1) or no (0) is a number,
-      !! too; NaN where the simulation failed, or where there is nothing to report
+      !! (n_T, n_gamma, n_b, n_quantities) [unit of each]; counts and flags (1 or 0) are stored as
+      !! reals. NaN where the simulation failed or the quantity has no value
       integer(int8), allocatable :: status(:, :, :)
-      !! (n_T, n_gamma, n_b) number of the name in the following; `status_of` gives the names
+      !! (n_T, n_gamma, n_b) index into `status_names`; `status_of` returns the names
       character(24), allocatable :: status_names(:)
-      !! 'ok', 'overturned', 'collapsed', 'inaccurate' (the values are the best that there are, but
-      !! err by more than `accuracy`), 'refused' (numbers of a row that the rules of the case do not
-      !! allow) or the name of an error
+      !! 'ok', 'overturned', 'collapsed', 'inaccurate', 'refused' or the name of an error.
+      !! 'inaccurate': the values are the best available, but err by more than `accuracy`.
+      !! 'refused': the rules of the case do not allow the numbers of the row
       integer(i8) :: rhs_evaluations
       real(wp) :: seconds
       !! wall-clock time [s]
       integer :: threads
       !! number of threads used
       character(256), allocatable :: warnings(:)
-      !! what the user should know about all ordinates
+      !! warnings that concern all ordinates
    end type spectrum_t
 
 contains
 
    !> Compute the spectrum of a case's `&spectrum` group.
    !>
-   !> Each ordinate is a simulation of its own, so that the result has the same bits for every
-   !> number of threads. An ordinate that fails gets NaN and the name of its error; the others go
-   !> on.
+   !> Each ordinate is a separate simulation, so the result is bitwise identical for every number
+   !> of threads. An ordinate that fails gets NaN and the name of its error; the others continue.
    subroutine compute_spectrum(case, threads, spectrum, error, control, quantities, origin, &
       known_motion)
       type(case_t), intent(in), target :: case
@@ -76,11 +76,11 @@ contains
       !! no `&spectrum`, quantities that do not apply, too many threads, no memory, or interrupted
       type(control_t), intent(in), optional :: control
       character(*), intent(in), optional :: quantities(:)
-      !! keys of what each ordinate reports; none: what the case asks for
+      !! keys of the quantities of each ordinate; absent or empty: those of the case
       type(case_t), intent(in), target, optional :: origin
-      !! of a changed case: that which keeps the samples of its records
+      !! original of a changed case, which holds the samples of its records
       type(motion_t), intent(in), target, optional :: known_motion
-      !! of the case, when the caller holds it
+      !! motion of the case, if the caller has built it already
       type(rows_t), target :: rows
       integer :: sizes(3)
 
@@ -104,23 +104,25 @@ contains
          known_motion)
    end subroutine compute_spectrum
 
-   !> Compute the rows of a table: runs of one case whose numbers differ, each as if it were alone.
-   !> A row that the rules of the case refuse, or that fails, gets NaN; the others go on.
+   !> Compute the rows of a table: runs of one case with different numbers.
+   !>
+   !> Each row is bitwise identical to the same case run by itself. A row that the rules of the case
+   !> refuse, or that fails, gets NaN; the others continue.
    subroutine compute_rows(case, columns, values, quantities, threads, spectrum, error, control)
       type(case_t), intent(in), target :: case
-      !! what they have in common; of `&spectrum` only the quantities count
+      !! common data of the rows; only the quantities of `&spectrum` apply
       character(*), intent(in) :: columns(:)
       !! (columns) 'T_s', 'gamma', 'b', 'scale' (factor on the horizontal motion) or 'group.key'
       real(wp), intent(in), target, contiguous :: values(:, :)
       !! (columns, rows) each in the unit of its key
       character(*), intent(in) :: quantities(:)
-      !! keys of what each row reports; none: what the case asks for
+      !! keys of the quantities of each row; empty: those of the case
       integer, intent(in) :: threads
       !! number of threads; 0 for all that OpenMP offers
       type(spectrum_t), intent(out) :: spectrum
       !! (rows, 1, 1, quantities)
       type(error_t), allocatable, intent(out) :: error
-      !! columns that cannot change, and as `compute_spectrum`
+      !! columns that cannot vary, and the errors of `compute_spectrum`
       type(control_t), intent(in), optional :: control
       type(rows_t), target :: rows
       integer :: sizes(3)
@@ -131,23 +133,23 @@ contains
       call compute(rows, sizes, wanted_keys(case, quantities), threads, spectrum, error, control)
    end subroutine compute_rows
 
-   !> Keys of what is to be reported.
+   !> Keys of the quantities to report.
    pure function wanted_keys(case, quantities) result(keys)
       type(case_t), intent(in) :: case
       character(*), intent(in), optional :: quantities(:)
-      !! (quantities) keys; of size 0 for what the case asks for
+      !! (quantities) keys; of size 0 for those of the case
       character(40), allocatable :: keys(:)
 
-      keys = keys_asked_by(case)
+      keys = requested_keys_of(case)
       if (.not. present(quantities)) return
-      if (size(quantities) > 0) keys = spelled(quantities)
+      if (size(quantities) > 0) keys = canonical_key(quantities)
    end function wanted_keys
 
    !> Compute all rows.
    subroutine compute(rows, sizes, keys, threads, spectrum, error, control, known_motion)
       type(rows_t), intent(in), target :: rows
       integer, intent(in) :: sizes(3)
-      !! of the results
+      !! shape of the results
       character(*), intent(in) :: keys(:)
       !! (quantities)
       integer, intent(in) :: threads
@@ -155,7 +157,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(control_t), intent(in), optional :: control
       type(motion_t), intent(in), target, optional :: known_motion
-      !! common to all rows
+      !! motion common to all rows
       type(queue_t) :: queue
       type(motion_t), target :: motion
       type(control_t) :: signals
@@ -172,12 +174,12 @@ contains
          motion = motion_from_case(rows%case, rows%origin)
          queue%motion => motion
       end if
-      call check_asked(rows%case, queue%motion, keys, error)
+      call check_request(rows%case, queue%motion, keys, error)
       if (.not. allocated(error)) call check_peak(rows%case, queue%motion, error)
       if (.not. allocated(error)) call make_room(sizes, keys, spectrum, error)
       if (allocated(error)) return
       queue%rows => rows
-      queue%asked = asked_of(rows%case, keys)
+      queue%request = request_of(rows%case, keys)
       call list_case_warnings(rows%case, queue%motion, .not. associated(rows%table), keys, &
          spectrum%warnings)
       call run_rows(queue, signals, spectrum)
@@ -186,7 +188,7 @@ contains
       if (is_cancelled(signals)) call fail(error, err_interrupt, 'spectrum interrupted')
    end subroutine compute
 
-   !> Allocate the results: nothing has been computed yet.
+   !> Allocate the results and mark all of them as not computed.
    pure subroutine make_room(sizes, keys, spectrum, error)
       integer, intent(in) :: sizes(3)
       character(*), intent(in) :: keys(:)
@@ -209,7 +211,7 @@ contains
       spectrum%rhs_evaluations = 0_i8
    end subroutine make_room
 
-   !> Names of what became of the ordinates.
+   !> Status names of the ordinates.
    pure function status_of(spectrum) result(names)
       type(spectrum_t), intent(in) :: spectrum
       character(24) :: names(size(spectrum%status, 1), size(spectrum%status, 2), &
@@ -222,7 +224,7 @@ contains
       end do
    end function status_of
 
-   !> Compute all rows, a block after the other.
+   !> Compute all rows, one block after the other.
    subroutine run_rows(queue, control, spectrum)
       type(queue_t), intent(in) :: queue
       type(control_t), intent(in) :: control
@@ -250,7 +252,7 @@ contains
       end associate
    end subroutine run_rows
 
-   !> Number of a name in the table, which grows where it is not there yet.
+   !> Find the index of a status name; append the name if it is new.
    pure subroutine put_code(name, names, code)
       character(24), intent(in) :: name
       character(24), allocatable, intent(inout) :: names(:)
@@ -279,7 +281,7 @@ contains
       integer :: i
 
       associate (method => queue%rows%case%solver%method)
-         ! lanes share what is asked of their errors
+         ! lanes share the settings of their error estimates
          if ((spectrum_method(method) == 'auto' .or. method == 'dop853') &
             .and. .not. queue%rows%has_own_estimate) then
             call run_lanes(queue, first, threads, control, values, status, evaluations)
@@ -294,8 +296,9 @@ contains
       !$omp end parallel do
    end subroutine run_block
 
-   !> Compute the rows of a block in lanes, the shortest periods first: they take longest, and none
-   !> is left to the end.
+   !> Compute the rows of a block in lanes, the shortest periods first.
+   !>
+   !> These runs take longest; starting them first avoids a long run at the end.
    subroutine run_lanes(queue, first, threads, control, values, status, evaluations)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: first
@@ -331,11 +334,11 @@ contains
       end do
    end subroutine run_lanes
 
-   !> Compute one row by the general kernel, with local work space only: threads run it at once.
+   !> Compute one row by the general kernel. Thread-safe: all work space is local.
    subroutine run_one(queue, number, control, values, status, evaluations)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: number
-      !! of the row
+      !! number of the row
       type(control_t), intent(in) :: control
       real(wp), intent(inout) :: values(:)
       !! (quantities)
@@ -354,7 +357,7 @@ contains
          return
       end if
       if (allocated(row%output)) deallocate (row%output)
-      if (allocated(queue%asked%output)) row%output = queue%asked%output
+      if (allocated(queue%request%output)) row%output = queue%request%output
       if (queue%rows%has_own_motion) then
          call simulate_with_motion(row, row_motion(queue%rows, row), control, result, error)
       else
@@ -365,8 +368,8 @@ contains
          status = error%name
          return
       end if
-      ! the run has been checked already
-      call take_values(queue%asked, row, result, values, are_finite)
+      ! the run has already been checked for finite numbers
+      call take_values(queue%request, row, result, values, are_finite)
       status = ending_name(result)
       if (allocated(row%solver%accuracy) .and. allocated(result%estimated_relative_error)) then
          if (result%estimated_relative_error > row%solver%accuracy) status = 'inaccurate'

@@ -1,11 +1,11 @@
 !> Text files that appear complete or not at all.
 !>
-!> Lines go to a new file in the folder of the target, which takes its name when everything has
-!> reached the disk: write, fsync, rename, fsync of the folder. A failure (no permission, full
-!> disk) removes the new file and leaves an earlier target untouched. A link stays, its target is
-!> replaced; what is no regular file (a pipe, a device, an open descriptor as /dev/stdout) gets the
-!> lines as it is. docs/reference/files.md has the rules. C streams are used because `close` of
-!> gfortran does not report a failed last write.
+!> Lines are written to a new file in the folder of the target. When all data are on the disk, the
+!> new file takes the target's name: write, fsync, rename, fsync of the folder. A failure (no
+!> permission, full disk) removes the new file and leaves an earlier target untouched. If the path
+!> is a link, its target is replaced and the link stays. Lines for a pipe, a device or an open
+!> descriptor such as /dev/stdout are written directly. docs/reference/files.md has the rules. C
+!> streams are used because `close` of gfortran does not report a failed last write.
 module rwmf_text_atomic_file
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_loc, c_null_char, &
       c_null_ptr, c_ptr, c_size_t
@@ -17,26 +17,26 @@ module rwmf_text_atomic_file
    public :: atomic_file_t, open_atomic, write_line, finish, publish, discard
    public :: check_folder, check_not_folder, check_not_read, join_path, remove_leftovers, c_fileno
 
-   !> A file that is being written.
+   !> File that is being written.
    type :: atomic_file_t
       private
       type(c_ptr) :: stream = c_null_ptr
       !! C stream of the new file; null when it is not open
       character(:), allocatable :: path
-      !! the target as it is called
+      !! the target as the caller gave it
       character(:), allocatable :: target
-      !! the target behind the links
+      !! the target with all links resolved
       character(:), allocatable :: temporary
       !! name of the new file; unallocated when there is none
    end type atomic_file_t
 
    integer, parameter :: longest_path = 4096
-   !! characters, with the null that C needs
+   !! number of characters, including the terminating null of C
 
-   ! answers of `rwmf_find_target`
+   ! results of `rwmf_find_target`
    integer(c_int), parameter :: written_through = 1_c_int, refused = -1_c_int
 
-   ! allow(assumed-size): that is what a C string is
+   ! allow(assumed-size): C strings are arrays of assumed size
    interface
       function c_fdopen(descriptor, mode) bind(c, name='fdopen') result(stream)
          import :: c_char, c_int, c_ptr
@@ -157,7 +157,7 @@ module rwmf_text_atomic_file
 
 contains
 
-   !> Start a file. Fails when its folder does not exist or cannot be written.
+   !> Open a new file for writing. Fails if its folder does not exist or is not writable.
    subroutine open_atomic(file, path, error)
       type(atomic_file_t), intent(out) :: file
       character(*), intent(in) :: path
@@ -194,7 +194,7 @@ contains
       end if
    end subroutine open_atomic
 
-   !> Add a line. A failure stays with the stream and is reported by `finish`.
+   !> Add a line. The stream keeps a failure until `finish` reports it.
    subroutine write_line(file, line)
       type(atomic_file_t), intent(in) :: file
       character(*), intent(in) :: line
@@ -205,13 +205,13 @@ contains
       written = c_fwrite(new_line('a'), 1_c_size_t, 1_c_size_t, file%stream)
    end subroutine write_line
 
-   !> Bring everything to the disk. On failure the new file is removed.
+   !> Flush all lines to the disk. On failure the new file is removed.
    subroutine finish(file, error)
       type(atomic_file_t), intent(inout) :: file
       type(error_t), allocatable, intent(out) :: error
       logical :: failed
 
-      ! an error before, or that of writing what is still in the buffer
+      ! an earlier error, or a failure to write the rest of the buffer
       failed = c_ferror(file%stream) /= 0_c_int
       failed = c_fflush(file%stream) /= 0_c_int .or. failed
       if (allocated(file%temporary)) then
@@ -223,14 +223,14 @@ contains
          //': the disk may be full, or the file larger than is allowed')
    end subroutine finish
 
-   !> Give a finished file its name and close it. On failure the new file is removed.
+   !> Rename a finished file to its target and close it. On failure the new file is removed.
    subroutine publish(file, error)
       type(atomic_file_t), intent(inout) :: file
       type(error_t), allocatable, intent(out) :: error
       logical :: failed
 
       if (allocated(file%temporary)) then
-         ! before it is closed: under its lock nobody takes it for the file of a killed run
+         ! Rename before closing: the lock keeps other runs from removing it as a leftover.
          failed = c_rename(file%temporary//c_null_char, file%target//c_null_char) /= 0_c_int
          if (failed) then
             call fail(error, err_input, 'cannot write '//file%path &
@@ -246,12 +246,12 @@ contains
       call discard(file)
    end subroutine publish
 
-   !> Close a file, and drop it when it has not been published; harmless when there is none.
+   !> Close a file and delete it if it has not been published; harmless if no file is open.
    subroutine discard(file)
       type(atomic_file_t), intent(inout) :: file
       integer(c_int) :: status
 
-      ! the statuses do not matter: what counts has been brought to the disk before
+      ! The statuses are ignored: published data are already on the disk.
       if (c_associated(file%stream)) status = c_fclose(file%stream)
       file%stream = c_null_ptr
       if (allocated(file%temporary)) then
@@ -260,12 +260,12 @@ contains
       end if
    end subroutine discard
 
-   !> Can files be created in this folder? Asked before a long computation starts.
+   !> Check that files can be created in a folder, before a long computation starts.
    subroutine check_folder(folder, error)
       character(*), intent(in) :: folder
       !! '' is the current one
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` when they cannot
+      !! `err_input` if no file can be created
       integer(c_int), parameter :: exists = 0_c_int, writable_and_searchable = 3_c_int
       character(:), allocatable :: path
 
@@ -277,7 +277,7 @@ contains
       end if
    end subroutine check_folder
 
-   !> Fails when a file that is to be written is a folder.
+   !> Check that the path of an output file is not a folder.
    subroutine check_not_folder(path, error)
       character(*), intent(in) :: path
       !! of the file
@@ -289,7 +289,7 @@ contains
       call fail(error, err_input, 'cannot write '//path//': it is a folder')
    end subroutine check_not_folder
 
-   !> `folder/name`, where the folder may be '' (the current one).
+   !> Path `folder/name`, where the folder may be '' (the current one).
    pure function join_path(folder, name) result(path)
       character(*), intent(in) :: folder
       !! its path; '' is the current one
@@ -301,7 +301,7 @@ contains
       path = folder//repeat('/', len(path) - len(folder) - len(name))//name
    end function join_path
 
-   !> What stands before the last slash, with it; '' when there is none.
+   !> Part of a path up to and including its last slash; '' if it has none.
    pure function folder_of(path) result(folder)
       character(*), intent(in) :: path
       character(index(path, '/', back=.true.)) :: folder
@@ -309,19 +309,20 @@ contains
       folder = path
    end function folder_of
 
-   !> Fails when a file that is to be written is one that the run reads, under whatever name.
+   !> Check that an output file is not also an input file of the run, even under another name.
+   !> Fails with `err_input` if it is.
    subroutine check_not_read(path, input, error)
       character(*), intent(in) :: path
-      !! to be written
+      !! output file
       character(*), intent(in) :: input
-      !! read by the run
+      !! input file
       type(error_t), allocatable, intent(out) :: error
 
       if (c_is_same_file(path//c_null_char, input//c_null_char) == 0_c_int) return
       call fail(error, err_input, 'cannot write '//path//': it is read by this run, as '//input)
    end subroutine check_not_read
 
-   !> Remove what killed runs of this user have left unfinished in a folder, and nothing else.
+   !> Remove the unfinished files that killed runs of this user have left in a folder.
    subroutine remove_leftovers(folder)
       character(*), intent(in) :: folder
       !! '' is the current one

@@ -1,4 +1,4 @@
-!> CRC-32 of a sequence of bytes: the short name by which an output file identifies its record.
+!> CRC-32 of a sequence of bytes: the checksum by which an output file identifies its record.
 module rwmf_text_crc32
    use, intrinsic :: iso_fortran_env, only: int32
    use rwmf_core_kinds, only: dp, i8
@@ -11,8 +11,8 @@ module rwmf_text_crc32
    integer(int32), parameter :: polynomial = -306674912_int32
    !! IEEE 802.3 polynomial, bits reversed: hexadecimal EDB88320
 
-   !> CRC-32 with the IEEE polynomial, as zlib, gzip and PNG compute it: 8 hexadecimal digits in
-   !> small letters.
+   !> CRC-32 with the IEEE polynomial, as zlib, gzip and PNG compute it: 8 lower-case hexadecimal
+   !> digits.
    interface crc32
       module procedure :: crc32_of_text
       module procedure :: crc32_of_numbers
@@ -20,7 +20,7 @@ module rwmf_text_crc32
 
 contains
 
-   !> CRC-32 of the letters of a text, one byte each.
+   !> CRC-32 of the characters of a text, one byte each.
    pure character(8) function crc32_of_text(bytes) result(digits)
       character(*), intent(in) :: bytes
       !! the sequence
@@ -36,7 +36,7 @@ contains
       digits = digits_of(crc)
    end function crc32_of_text
 
-   !> CRC-32 of the bytes of numbers, the lowest byte first.
+   !> CRC-32 of the bytes of numbers, lowest byte first.
    pure character(8) function crc32_of_numbers(first, second) result(digits)
       real(dp), intent(in) :: first(:)
       real(dp), intent(in), optional :: second(:)
@@ -83,7 +83,7 @@ contains
       digits = to_lower(digits)
    end function digits_of
 
-   !> Contribution of each value of a byte.
+   !> Remainder of each byte value: the lookup table of the checksum.
    pure function remainders() result(table)
       integer(int32) :: table(0:255)
       integer(int32) :: value

@@ -8,26 +8,26 @@ module rwmf_text_decimal
    public :: shortest_digits, digit_count
 
    integer, parameter :: digit_count = 17
-   !! digits that tell every double precision number from its neighbours
+   !! number of digits that distinguish every double precision number from its neighbours
    integer, parameter :: most_exponent = 290
-   !! decimal exponents beyond which a number is left to the caller
+   !! largest magnitude of the decimal exponent that this module handles
 
 contains
 
-   !> Decimal with the fewest digits, 15 at least, that reads back as the same number.
+   !> Find the decimal with the fewest digits, at least 15, that reads back as the same number.
    !>
-   !> A count of digits qualifies when the decimal nearest to the number lies within half the gap
-   !> to the neighbouring numbers. Too close to a tie (and for powers of two, whose gaps differ) the
-   !> product does not decide.
+   !> A number of digits suffices if the nearest decimal lies within half the gap to the
+   !> neighbouring numbers. The product is not accurate enough close to a tie, or for powers of two,
+   !> whose two gaps differ.
    pure subroutine shortest_digits(x, digits, exponent, is_decided)
       real(dp), intent(in) :: x
       !! > 0, finite, of any unit [-]
       integer(i8), intent(out) :: digits
-      !! 10**16 <= digits < 10**17; zeros at its end replace the digits that are not needed
+      !! 10**16 <= digits < 10**17; trailing zeros replace the digits that are not needed
       integer, intent(out) :: exponent
       !! x = digits*10**(exponent - 16) to the accuracy of double precision
       logical, intent(out) :: is_decided
-      !! otherwise the caller has to find the digits
+      !! .false. if the caller has to find the digits by another method
       real(dp), parameter :: tie = 1.0e-9_dp
       integer(i8), parameter :: lowest = 10_i8**(digit_count - 1)
       integer :: i
@@ -41,7 +41,7 @@ contains
       is_decided = abs(exponent) <= most_exponent .and. fraction(x) > 0.5_dp
       if (.not. is_decided) return
       scaled = x*ten_to(digit_count - 1 - exponent)
-      ! log10 rounds
+      ! correct the rounding of log10
       if (scaled < lowest) exponent = exponent - 1
       if (scaled >= 10*lowest) exponent = exponent + 1
       scaled = x*ten_to(digit_count - 1 - exponent)

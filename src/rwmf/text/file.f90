@@ -1,4 +1,4 @@
-!> Whole files as text.
+!> Reading of whole files as text.
 module rwmf_text_file
    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_loc, c_null_char, &
       c_ptr, c_size_t
@@ -10,7 +10,7 @@ module rwmf_text_file
 
    public :: read_file, c_fopen, c_fclose
 
-   ! allow(assumed-size): that is what a C string is
+   ! allow(assumed-size): C strings are arrays of assumed size
    interface
       function c_fopen(path, mode) bind(c, name='fopen') result(stream)
          import :: c_char, c_ptr
@@ -40,15 +40,15 @@ module rwmf_text_file
 
 contains
 
-   !> The bytes of a regular file.
+   !> Read all bytes of a regular file.
    !>
-   !> Pipes and devices are refused without being opened, because reading them could wait for ever.
+   !> Pipes and devices are rejected before they are opened, because a read could block for ever.
    !> Errors: no such file, not a regular file, empty, 2 GB or more, not readable.
    subroutine read_file(path, bytes, error)
       character(*), intent(in) :: path
-      !! of the file
+      !! path of the file
       character(:), allocatable, intent(out) :: bytes
-      !! the whole file; nothing to rely on after an error
+      !! the whole file; undefined after an error
       type(error_t), allocatable, intent(out) :: error
       integer(i8) :: size
       logical :: exists
@@ -59,7 +59,7 @@ contains
       if (stat /= 0 .or. .not. exists .or. len_trim(path) == 0) then
          call fail(error, err_input, 'the file does not exist')
       else if (size <= 0) then
-         ! also the size of everything that is not a regular file
+         ! also the reported size of anything but a regular file
          call fail(error, err_input, 'the file is empty or not a regular file')
       else if (size >= huge(length)) then
          call fail(error, err_input, 'the file has '//trim(integer_to_text(size)) &
@@ -77,7 +77,7 @@ contains
 
    !> Fill the text from the beginning of the file.
    !>
-   !> With C streams: Fortran units refuse a file that another thread is reading.
+   !> C streams are used because Fortran units reject a file that another thread is reading.
    subroutine read_bytes(path, bytes, error)
       character(*), intent(in) :: path
       character(:), allocatable, intent(inout), target :: bytes

@@ -1,4 +1,4 @@
-!> Text helpers: numbers to text and back, words of a line, names that resemble each other.
+!> Text helpers: conversion of numbers, lines and words, and the nearest name to a typing error.
 module rwmf_text_strings
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
    use rwmf_core_kinds, only: dp, i8, wp
@@ -10,12 +10,12 @@ module rwmf_text_strings
    public :: integer_to_text, real_to_text, parse_real, parse_integer
    public :: to_lower, shown, next_line, next_word, is_separator, nearest_name
 
-   !> A text in an array of texts of different lengths.
+   !> Element of an array of texts of different lengths.
    type :: string_t
       character(:), allocatable :: text
    end type string_t
 
-   !> Integer as text, with blanks behind.
+   !> Integer as text, padded with blanks.
    interface integer_to_text
       module procedure :: default_integer_to_text
       module procedure :: long_integer_to_text
@@ -37,8 +37,8 @@ contains
       write (text, '(i0)') value
    end function long_integer_to_text
 
-   !> Real as the shortest text that gives the same double precision number when it is read, with
-   !> blanks behind.
+   !> Real as the shortest text that reads back as the same double precision number, padded with
+   !> blanks.
    pure function real_to_text(x) result(text)
       real(wp), intent(in) :: x
       !! [any]; in the quadruple build rounded to double precision
@@ -71,12 +71,13 @@ contains
       text = plain_number(sign(1.0_dp, value) < 0, letters, exponent)
    end function real_to_text
 
-   !> Shortest digits by trial, for zero and where a product does not decide.
+   !> Find the shortest digits by trial, for zero and for numbers that `shortest_digits` leaves
+   !> open.
    pure subroutine find_digits(x, digits, exponent)
       real(dp), intent(in) :: x
       !! >= 0, finite
       character(digit_count), intent(out) :: digits
-      !! with zeros at its end
+      !! with trailing zeros
       integer, intent(out) :: exponent
       !! of the first digit
       character(40) :: buffer
@@ -87,7 +88,7 @@ contains
       integer :: stat
       logical :: ok
 
-      ! with 15 digits the shortest text only has zeros behind, which plain_number drops
+      ! Fewer digits than 15 only add trailing zeros, which plain_number drops.
       do count = 15, digit_count
          write (form, '("(es40.", i0, "e3)")') count - 1
          write (buffer, form) x
@@ -100,20 +101,20 @@ contains
       digits = buffer(1:1)//buffer(3:letter - 1)//repeat('0', digit_count)
    end subroutine find_digits
 
-   !> Digits and exponent as -0.0125 or -1.25e-20: without exponent where that is easier to read.
+   !> Number from digits and exponent, as -0.0125 or -1.25e-20 depending on its size.
    pure function plain_number(is_negative, digits, exponent) result(text)
       logical, intent(in) :: is_negative
       character(digit_count), intent(in) :: digits
-      !! of which zeros at the end do not count
+      !! trailing zeros are ignored
       integer, intent(in) :: exponent
       !! of the first digit
       character(25) :: text
       integer :: at
-      !! last letter so far
+      !! position of the last character so far
       integer :: last
-      !! digit that is not zero
+      !! position of the last non-zero digit
       integer :: point
-      !! digits before the point
+      !! number of digits before the decimal point
 
       text = ''
       if (is_negative) text(1:1) = '-'
@@ -133,18 +134,18 @@ contains
       if (point == 1 .and. exponent /= 0) text(at + last + 2:) = 'e'//integer_to_text(exponent)
    end function plain_number
 
-   !> Read a decimal number, and nothing else: no list, no repeat, no NaN, no infinity.
+   !> Read a decimal number; reject lists, repeat counts, NaN and infinity.
    !>
-   !> Point and exponent (`e` or `d`) are optional, a zero before or after the point as well.
-   !> The nearest double precision number is returned, whatever the working precision is, so that
-   !> all builds see the same input.
+   !> The decimal point, the exponent (`e` or `d`) and a zero before or after the point are
+   !> optional. The result is the nearest double precision number in every working precision, so
+   !> that all builds read the same input.
    pure subroutine parse_real(text, value, ok)
       character(*), intent(in) :: text
       !! without blanks
       real(dp), intent(out) :: value
-      !! [any], zero when the text is not such a number
+      !! [any], zero if the text is not such a number
       logical, intent(out) :: ok
-      !! it is a number, and its magnitude below 1e308
+      !! the text is a number of magnitude below 1e308
       integer, parameter :: most_digits = 15, most_exponent = 22
       integer(i8) :: mantissa
       integer :: digits
@@ -159,7 +160,8 @@ contains
       else if (digits + exponent > range(value) + 1) then
          ok = .false.
       else if (digits <= most_digits .and. abs(exponent) <= most_exponent) then
-         ! both factors are exact, hence the result is correctly rounded; 20 times faster
+         ! Both factors are exact, hence the result is correctly rounded; 20 times faster than
+         ! `read`.
          value = real(mantissa, dp)
          if (exponent < 0) value = value/10.0_dp**(-exponent)
          if (exponent > 0) value = value*10.0_dp**exponent
@@ -170,7 +172,7 @@ contains
       end if
    end subroutine parse_real
 
-   !> The digits of a number as an integer, and its decimal exponent.
+   !> Split a number into its digits, as an integer, and its decimal exponent.
    pure subroutine split_number(text, mantissa, digits, exponent, ok)
       character(*), intent(in) :: text
       integer(i8), intent(out) :: mantissa
@@ -206,7 +208,7 @@ contains
             has_point = .true.
          case ('e', 'E', 'd', 'D')
             call parse_integer(text(i + 1:), shift, ok)
-            ! beyond the bound the result is zero or too large anyway
+            ! beyond this bound the result is zero or too large in any case
             exponent = exponent + max(-most_shift, min(most_shift, shift))
             exit
          case default
@@ -217,14 +219,14 @@ contains
       ok = ok .and. has_digit
    end subroutine split_number
 
-   !> Read an integer, and nothing else.
+   !> Read an integer; reject any other text.
    pure subroutine parse_integer(text, value, ok)
       character(*), intent(in) :: text
       !! without blanks
       integer, intent(out) :: value
-      !! zero when the text is not an integer or out of range
+      !! zero if the text is not an integer or out of range
       logical, intent(out) :: ok
-      !! the text is an integer that the default kind holds
+      !! the text is an integer in the range of the default kind
       integer(i8) :: long
       integer :: first
       integer :: i
@@ -244,10 +246,10 @@ contains
       if (text(1:1) == '-') value = -value
    end subroutine parse_integer
 
-   !> The same text with small letters.
+   !> Text converted to lower case.
    elemental function to_lower(text) result(lower)
       character(*), intent(in) :: text
-      !! of which A to Z change
+      !! only A to Z are converted
       character(len(text)) :: lower
       integer :: i
 
@@ -257,7 +259,7 @@ contains
       end do
    end function to_lower
 
-   !> A piece of a file as it may stand in a message: short, on one line, printable.
+   !> Part of a file prepared for a message: short, on one line, printable.
    pure function shown(text) result(short)
       character(*), intent(in) :: text
       !! of any length and with any bytes
@@ -271,12 +273,12 @@ contains
       end do
    end function shown
 
-   !> The line that begins at `position`, which then moves behind it.
+   !> Find the line that begins at `position`, and advance `position` to the next line.
    pure subroutine next_line(text, position, first, last)
       character(*), intent(in) :: text
       !! lines, of which the last may lack its line feed
       integer, intent(inout) :: position
-      !! where the line begins; on return beyond its line feed
+      !! start of the line; on return the start of the next line
       integer, intent(out) :: first
       !! where the line begins
       integer, intent(out) :: last
@@ -293,12 +295,12 @@ contains
       end if
    end subroutine next_line
 
-   !> The first word at or after `position`, which then moves behind it.
+   !> Find the first word at or after `position`, and advance `position` past it.
    pure subroutine next_word(line, position, first, last)
       character(*), intent(in) :: line
       !! one line, without its line feed
       integer, intent(inout) :: position
-      !! where to look from; on return behind the word
+      !! start of the search; on return the position after the word
       integer, intent(out) :: first
       !! where the word begins
       integer, intent(out) :: last
@@ -314,19 +316,18 @@ contains
       last = last - 1
    end subroutine next_word
 
-   !> Blank, tab, carriage return or comma.
+   !> True for a blank, tab, carriage return or comma.
    elemental logical function is_separator(letter)
       character(1), intent(in) :: letter
-      !! the letter that is asked about
+      !! character to test
 
       is_separator = scan(letter, ' ,'//achar(9)//achar(13)) > 0
    end function is_separator
 
-   !> The name that a mistyped one may have been meant for, with blanks behind; blank when none is
-   !> close.
+   !> Known name closest to a mistyped one, padded with blanks; blank if none is close.
    pure function nearest_name(word, names) result(name)
       character(*), intent(in) :: word
-      !! as the user wrote it, capital or small
+      !! word as the user wrote it, in upper or lower case
       character(*), intent(in) :: names(:)
       !! (n), padded with blanks
       character(len(names)) :: name
@@ -347,7 +348,7 @@ contains
       end do
    end function nearest_name
 
-   !> Least number of letters to insert, delete or replace (Levenshtein distance).
+   !> Least number of characters to insert, delete or replace (Levenshtein distance).
    pure integer function distance(a, b)
       character(*), intent(in) :: a
       character(*), intent(in) :: b

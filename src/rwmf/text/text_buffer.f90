@@ -1,11 +1,11 @@
-!> Text that grows piece by piece in time proportional to its length.
+!> Text buffer that grows piece by piece in time proportional to its length.
 module rwmf_text_text_buffer
    implicit none
    private
 
    public :: text_buffer_t, append, clear
 
-   !> Text in the first `length` letters of its room.
+   !> Text in the first `length` characters of its buffer.
    type :: text_buffer_t
       character(:), allocatable :: room
       integer :: length = 0
@@ -13,7 +13,7 @@ module rwmf_text_text_buffer
 
 contains
 
-   !> Add a piece at the end.
+   !> Append a piece of text.
    pure subroutine append(buffer, piece)
       type(text_buffer_t), intent(inout) :: buffer
       character(*), intent(in) :: piece
@@ -33,7 +33,7 @@ contains
       buffer%length = length
    end subroutine append
 
-   !> Begin a new text in the same room.
+   !> Empty the buffer and keep its memory.
    pure subroutine clear(buffer)
       type(text_buffer_t), intent(inout) :: buffer
 

@@ -27,7 +27,7 @@ _SLACK_BYTES = 8 * 2**20
 
 @pytest.fixture
 def case_file(elcentro: Path, tmp_path: Path) -> Path:
-    """Write a case with a record of its own beside it."""
+    """Write a case with a separate record beside it."""
     shutil.copy(elcentro, tmp_path / "rec.csv")
     path = tmp_path / "case.nml"
     motion = record(tmp_path / "rec.csv")
@@ -46,7 +46,7 @@ def _digest(dataset: object) -> list[bytes]:
 
 
 def test_the_record_is_read_once(case_file: Path) -> None:
-    """A case is what was read, and so is what becomes of it by editing."""
+    """A case keeps the contents read from its files, and edited cases inherit them."""
     case = rwmf.Case.from_namelist(case_file)
     expected = float(rwmf.simulate(case, 0.02).u_s_max)
     case_file.with_name("rec.csv").unlink()
@@ -65,7 +65,7 @@ def test_the_record_is_read_once(case_file: Path) -> None:
 
 
 def test_edits_in_another_folder(case_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a case has read belongs to it, and stays where it was."""
+    """A case keeps its contents in place after reading."""
     monkeypatch.chdir(case_file.parent)
     case = rwmf.Case.from_namelist(case_file.name)
     path = case.to_namelist()
@@ -231,11 +231,11 @@ def test_numbers_stay_numbers() -> None:
     case = coupled(output={"energy": True, "reactions": True}, impact=balanced)
     with _library.start_simulation(case.kernel, "") as run:
         whole = run.summary()
-        room, results._FIRST_ROOM = results._FIRST_ROOM, 2
+        room, results._FIRST_CAPACITY = results._FIRST_CAPACITY, 2
         try:
             assert run.summary() == whole
         finally:
-            results._FIRST_ROOM = room
+            results._FIRST_CAPACITY = room
     assert type(whole["u_s_max_m"]) is float
     assert type(whole["impacts"]) is int
     assert type(whole["overturned"]) is bool

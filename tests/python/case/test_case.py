@@ -109,7 +109,7 @@ def test_namelist_text_is_stable() -> None:
 
 
 def test_record_paths_stay_right(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A relative path is looked for beside the namelist, wherever the case goes."""
+    """A relative path is relative to the namelist, also for copies of the case."""
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
     (tmp_path / "a" / "rec.txt").write_text("0 0\n0.5 1\n1 0\n", encoding="utf-8")

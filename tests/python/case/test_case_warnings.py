@@ -1,4 +1,4 @@
-"""Warnings about a case: values outside the range of real buildings, and what its model leaves out.
+"""Warnings about a case: values outside the range of real buildings, and omitted effects.
 
 Keys and their ranges come from the kernel's table, values from the shipped inputs.
 """

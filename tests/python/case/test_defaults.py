@@ -1,4 +1,4 @@
-"""What a case gets that does not say, and the line about what a case does not conserve."""
+"""Defaults of a case, and the warning about violated conservation laws."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def test_what_a_run_does_not_conserve(
 
 
 def test_the_line_is_true_for_energy() -> None:
-    """What the ledger misses between impacts, without damping, from a start at the left."""
+    """Return the missing energy between impacts, without damping, from a start at the left."""
     changes = {
         "frame": {"xi_s": 0.0},
         "cable": EVEN_CABLE,
@@ -180,7 +180,7 @@ def test_a_sweep_says_it_once(command: Runner, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("method", ["auto", "dop853", "adams"])
 def test_the_default_rule_follows_the_grid(method: str) -> None:
-    """Every ordinate has the balance of its own mass ratio and width, in lanes and alone."""
+    """Every ordinate has the balance of its mass ratio and width, in lanes and in single runs."""
     case = without_choices().replace(solver={"method": method, "t_end": 3.0})
     grid = {"T_s": [0.6, 1.2], "gamma": [2.0, 50.0], "b": [0.5, 0.9]}
     found = rwmf.spectrum(case, **grid)

@@ -43,7 +43,7 @@ PULSE = "   a_max_g = 0.4\n   omega_p = 6.28\n"
 RECORD = "&motion\n   kind = 'record'\n   file = 'rec.txt'\n   unit = 'g'\n"
 MOTION = "&motion\n   kind = 'one_sine'\n" + PULSE
 
-# what is wrong: (text to replace, replacement, what the message must contain in this order)
+# errors: (text to replace, replacement, parts of the message in this order)
 WRONG: dict[str, tuple[str, str, str]] = {
     "unknown group": ("&cable", "&cabel", "cabel.*cable"),
     "duplicate group": ("&wall", "&wall h = 1.0, b = 1.0 /\n&wall", "wall"),

@@ -1,4 +1,4 @@
-"""Every shipped namelist runs and says what it is for."""
+"""Every shipped namelist runs and states its purpose."""
 
 from __future__ import annotations
 

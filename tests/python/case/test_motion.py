@@ -75,7 +75,7 @@ def test_a_motion_is_replaced_like_a_file() -> None:
     assert case.motion.file == "it's one"
     assert case.motions == {"motion": motion}
     assert case.inputs == ()
-    # a choice goes through the text, which knows the name only
+    # changing a choice parses the text, which contains the name only
     edited = case.replace(model={"formulation": "exact"})
     assert edited.motions == {"motion": motion}
     pulse = case.replace(motion=None).replace(

@@ -59,7 +59,7 @@ def test_list() -> None:
 
 
 def test_a_record_of_somebody_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The same once more is no loss; what differs is replaced when that is asked for."""
+    """A repeated export changes nothing; differing contents are replaced on request."""
     monkeypatch.chdir(tmp_path)
     path = tmp_path / "record.at2"
     path.write_text("mine", encoding="utf-8")

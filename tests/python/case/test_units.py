@@ -45,7 +45,7 @@ def _numbers(case: rwmf.Case) -> dict[str, Any]:
 
 
 def test_each_key_is_its_ratio(both: tuple[rwmf.Case, rwmf.Case]) -> None:
-    """What follows from dimensional keys is what the conversion by hand started from."""
+    """Ratios derived from dimensional keys equal those converted by hand."""
     ratios, units = (_numbers(case) for case in both)
     assert set(ratios) - set(units) <= {"yielding.u_y"}
     # the strain at which the tendon breaks is that over its own length
@@ -58,7 +58,7 @@ def test_same_motion(both: tuple[rwmf.Case, rwmf.Case]) -> None:
     runs = [rwmf.simulate(case.replace(output={"reactions": True})) for case in both]
     for key in runs[0].data_vars:
         if runs[0][key].ndim == 0 and runs[0][key].dtype.kind == "f":
-            # what stands still at its peak says little of when, and where, that is
+            # a flat peak determines its value well, but its time and place poorly
             rtol = 1e-6 if re.search("^t_|_height$", str(key)) else 1e-9
             np.testing.assert_allclose(
                 runs[1][key], runs[0][key], rtol=rtol, atol=1e-12, err_msg=str(key)
@@ -68,7 +68,7 @@ def test_same_motion(both: tuple[rwmf.Case, rwmf.Case]) -> None:
 
 
 def test_text_gives_the_same_case(both: tuple[rwmf.Case, rwmf.Case]) -> None:
-    """What is written and read again, and what numbers are changed in, is the same case."""
+    """A case is unchanged by writing and reading, and by setting the same numbers."""
     _, case = both
     again = rwmf.Case.from_text(case.to_namelist())
     assert again == case
@@ -168,7 +168,7 @@ def test_length_belongs_to_strands() -> None:
 
 
 def test_strands() -> None:
-    """Forces from stresses; the steel breaks at its strain over its own length."""
+    """Forces follow from stresses; the steel ruptures at its strain over the tendon's length."""
     groups = in_units(groups_of("rupture"))
     case = rwmf.Case(**groups)
     cable, weight = case.cable, G * case.wall.m_w
@@ -177,7 +177,7 @@ def test_strands() -> None:
     alpha = math.atan2(2.0, 9.0)
     stress = cable.initial_stress + cable.modulus * 2.0 * alpha / cable.length
     assert cable.eta_alpha * weight == pytest.approx(area * stress, rel=1e-14)
-    # the wall is let go at the rotation at which its cable is about to break, or beyond it
+    # the wall is released at the rotation of the cable's rupture, or beyond it
     own = cable.initial_stress / cable.modulus
     theta = (cable.rupture_strain - own) * cable.length / 2.0
     for factor, breaks in ((0.999, False), (1.001, True)):
@@ -191,7 +191,7 @@ def test_strands() -> None:
 @pytest.mark.parametrize("distribution", ["uniform", "linear", "straight_mode"])
 @pytest.mark.parametrize("unit", ["kg", "m_w"])
 def test_storeys_by_rule(distribution: str, unit: str) -> None:
-    """One number each, and the stiffnesses that the rule or the period says."""
+    """One number each gives the stiffnesses of the rule or of the period."""
     numbers = {"m": 5e4, "k": 8e7} if unit == "kg" else {"m_over_m_w": 0.7, "k_over_m_w": 1100.0}
     mass, stiffness = numbers
     groups = in_units(groups_of("storeys full")) | {"yielding": None}
@@ -265,7 +265,7 @@ def test_width(scene: str) -> None:
 
 
 def test_width_in_lanes() -> None:
-    """Method `fast` has the bits of a spectrum of that width alone, masses and cable with it."""
+    """Method `fast` has the bits of a spectrum of that width, masses and cable included."""
     groups = in_units(groups_of("yielding"))
     del groups["yielding"]
     case = rwmf.Case(**groups).replace(solver={"method": "fast", "rtol": 1e-7})
@@ -287,7 +287,7 @@ def test_cable_force_of_a_width() -> None:
 
 
 def test_axes_of_period_and_mass_ratio() -> None:
-    """An axis sets T_s or gamma itself; what is said in N stays a ratio."""
+    """An axis sets T_s or gamma directly; values in N remain ratios."""
     case = rwmf.Case(**in_units(groups_of("yielding"))).replace(solver={"method": "dop853"})
     found = rwmf.sweep(case, {"T_s": [0.6, 0.9], "gamma": [3.0, 5.0]})["u_s_max"]
     ratio = case.yielding.f_y_over_m_s_g
@@ -315,7 +315,7 @@ def test_sizes_of_a_block() -> None:
 
 @pytest.mark.parametrize("scene", ["frame", "storeys reduced", "storeys every_floor"])
 def test_frame_without_its_wall(scene: str) -> None:
-    """Masses in kg need no wall: the same frame alone as that of the ratios."""
+    """Masses in kg need no wall: the frame equals that of the ratios."""
     groups = groups_of(scene)
     groups.pop("yielding", None)
     free = [rwmf.studies.without_wall(rwmf.Case(**item)) for item in (groups, in_units(groups))]
@@ -387,7 +387,7 @@ def test_check_shows_both_ways(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     assert back["origin"] == "derived"
     assert back["unit_of_in_si"] == "N s/m"
     assert back["in_si"] == pytest.approx(found["damper"]["c"]["value"], rel=1e-15)
-    # a case of ratios that has a mass says what they are
+    # a case of ratios with a mass reports their values in SI units
     groups = groups_of("corners")
     plain = rwmf.Case(**groups | {"wall": groups["wall"] | {"m_w": 1000.0}})
     assert plain.frame.in_si["gamma"] == (4000.0, "kg")

@@ -1,4 +1,4 @@
-"""Public functions answer arguments of a wrong kind with errors of the package alone."""
+"""Public functions answer arguments of a wrong type with errors of the package."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ WRONG: dict[str, Any] = {
     "set": {1.0, 2.0},
 }
 _CLASSES = ("Case", "Cost", "Motion", "RecordFile")
-# results of other functions, and what takes no argument
+# results of other functions, and functions without arguments
 _NOT_CALLED = {"loops.Loop", "records.Record", "plot.style", "records.list_records"}
 
 
@@ -296,7 +296,7 @@ def test_messages_name_argument_value_and_what_is_allowed() -> None:
 
 
 def test_right_values_stay_right() -> None:
-    """What has numbers in it is taken, whatever holds them."""
+    """Any container of numbers is accepted."""
     case = _case()
     expected = rwmf.spectrum(case, T_s=[0.5, 1.0])
     for periods in (

@@ -327,7 +327,7 @@ def test_signals_end_commands_that_draw(tmp_path: Path) -> None:
 
 
 def test_interrupt_in_python(tmp_path: Path) -> None:
-    """The exception comes within 0.2 s (of the processor) of the signal."""
+    """The exception is raised within 0.2 s of processor time after the signal."""
     code = """
 import os, signal, threading, time
 import rwmf

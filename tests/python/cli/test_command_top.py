@@ -1,4 +1,4 @@
-"""The top of the command: what no option, file, stream or bug may do is to show a traceback."""
+"""Top level of the command: no option, file, stream or bug may show a traceback."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_film_of_a_wall_that_overturns(folder: Path, capfd: pytest.CaptureFixtur
 def test_what_nobody_has_foreseen(
     folder: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One line with the kind of error and the way to the traceback, or that when asked for."""
+    """The message is one line with the kind of error, or the traceback on request."""
 
     def fail(_: object) -> int:
         raise ZeroDivisionError("by\nnothing")
@@ -130,7 +130,7 @@ def test_what_nobody_has_foreseen(
     monkeypatch.delenv("RWMF_TRACEBACK", raising=False)
     assert _told(["check", "case.nml"], capfd) == (
         3,
-        "rwmf: unforeseen ZeroDivisionError: by nothing (RWMF_TRACEBACK=1 in the environment shows "
+        "rwmf: unexpected ZeroDivisionError: by nothing (RWMF_TRACEBACK=1 in the environment shows "
         "where)\n",
     )
     monkeypatch.setenv("RWMF_TRACEBACK", "1")
@@ -146,7 +146,7 @@ def _shell(line: str) -> subprocess.CompletedProcess[bytes]:
 @pytest.mark.parametrize("words", ["check case.nml", "--help", "run case.nml --json --out ."])
 @pytest.mark.parametrize("place", [">/dev/full", ">&-"])
 def test_output_that_cannot_be_written(words: str, place: str, folder: Path) -> None:
-    """The computation goes on, files are written, and the command says what is lost."""
+    """The computation continues, files are written, and the command reports lost output."""
     done = _shell(f"rwmf {words} {place}")
     assert done.returncode == 2
     assert b"rwmf: the standard output cannot be written: " in done.stderr

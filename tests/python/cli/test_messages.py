@@ -1,4 +1,4 @@
-"""What the program says: suggestions, written files, displayed numbers, optional packages."""
+"""Messages of the program: suggestions, written files, numbers, optional packages."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from scenes import coupled
     ],
 )
 def test_words_of_the_field(word: str, key: str) -> None:
-    """They point to a quantity, wherever one is asked for."""
+    """Suggestions name a quantity wherever one is expected."""
     assert _library.meant_quantity(word) == key
     if not key:
         return

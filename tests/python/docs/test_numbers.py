@@ -15,6 +15,7 @@ from rwmf import Case, studies
 from scenes import block, coupled
 
 THEORY = "docs/theory/theory.md"
+STOREYS = "docs/theory/storeys.md"
 COUPLINGS = ("full", "reduced", "every_floor")
 
 
@@ -31,7 +32,7 @@ def _rows(page: str, header: str) -> dict[str, list[str]]:
 
 
 def _same(value: float, shown: str) -> bool:
-    """Whether a number rounds to the digits shown."""
+    """Return True for a number that rounds to the printed digits."""
     return f"{value:.{len(shown.partition('.')[2])}f}" == shown
 
 
@@ -41,29 +42,16 @@ def _case(coupling: str) -> Case:
 
 @pytest.mark.parametrize("coupling", COUPLINGS)
 def test_couplings_of_storeys(coupling: str) -> None:
-    shown = _rows(THEORY, "| coupling | u_s_max (m)")[coupling]
-    run = rwmf.simulate(_case(coupling))
-    keys = ("u_s_max", "theta_max_over_alpha", "impacts", "e", "mass_participation",
-            "modal_height", "roof_factor")  # fmt: skip
-    found = [float(run[key] if key in run else run.attrs[key]) for key in keys]
-    assert list(map(_same, found, shown)) == [True] * len(keys), (found, shown)
-
-
-def test_forces_of_two_couplings() -> None:
-    sentence = re.search(
-        r"Base shear over weight (\S+) and (\S+), required friction (\S+) and (\S+), "
-        r"smallest pivot reaction (\S+) and (\S+) ",
-        _page(THEORY),
-    )
-    assert sentence is not None
-    keys = ("base_shear_max_over_weight", "friction_demand_max", "pivot_normal_min_over_m_w_g")
-    runs = [rwmf.simulate(_case(coupling)) for coupling in COUPLINGS[:2]]
-    found = [float(run[key]) for key in keys for run in runs]
-    assert all(map(_same, found, sentence.groups())), found
+    table = _rows(STOREYS, "| key | `full` |")
+    run = rwmf.simulate(_case(coupling).replace(output={"reactions": True}))
+    for cell, values in list(table.items())[1:]:
+        key = cell.partition("`")[0].removesuffix("_m")
+        found = float(run[key] if key in run else run.attrs[key])
+        assert _same(found, values[COUPLINGS.index(coupling)]), (key, found)
 
 
 def test_spectra_of_two_couplings() -> None:
-    shown = _rows(THEORY, "| T_s (s) | 0.5 | 0.75 |")
+    shown = _rows(STOREYS, "| T_s (s) | 0.5 | 0.75 |")
     periods = list(map(float, shown["T_s (s)"]))
     found = {
         name: rwmf.spectrum(_case(name), T_s=periods, gamma=None).u_s_max.values.ravel()
@@ -77,13 +65,10 @@ def test_spectra_of_two_couplings() -> None:
 
 
 def test_factors_of_the_momentum_balance() -> None:
-    text = re.search(
-        r"For tan\(alpha\) = 0\.25: (\S+) \(gamma = 0\),\s+(\S+) \(5\), (\S+) \(1800\)",
-        _page(THEORY),
-    )
-    assert text is not None
-    for gamma, shown in zip((1e-12, 5.0, 1800.0), text.groups(), strict=True):
-        case = coupled(frame={"gamma": gamma}, impact={"rule": "coupled", "e": None})
+    table = _rows(THEORY, r"| $\gamma$ | 0 | 5 |")
+    gammas, factors = table[r"$\gamma$"], table[r"$e_{\max}$"]
+    for gamma, shown in zip(map(float, gammas), factors, strict=True):
+        case = coupled(frame={"gamma": gamma or 1e-12}, impact={"rule": "coupled", "e": None})
         assert _same(float(rwmf.simulate(case)["e"]), shown)
 
 

@@ -106,7 +106,7 @@ def _claim(holds: dict[tuple[float, float], bool | None]) -> Claim:
     ],
 )
 def test_verdict(cache: ResponseCache, holds: list[bool | None], verdict: str) -> None:
-    found = claims.judge(cache, _claim(dict(zip(ETAS, holds, strict=True))))
+    found = claims.evaluate(cache, _claim(dict(zip(ETAS, holds, strict=True))))
     assert found.verdict == verdict
     assert found.exact_verdict == "reproduced"
 
@@ -150,7 +150,7 @@ def test_command_refuses(command: Runner, tmp_path: Path) -> None:
 def test_reproduce_needs_the_checkout(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """An installed package elsewhere says so in one line; in the checkout it finds it upward."""
+    """An installed package outside a checkout reports so in one line; inside it finds the root."""
     monkeypatch.setattr(rwmf, "__path__", [str(tmp_path / "site-packages" / "rwmf")])
     monkeypatch.chdir(tmp_path)
     assert cli.main(["reproduce", "4"]) == 2
@@ -210,7 +210,7 @@ def test_ground_displacement_of_a_cosine() -> None:
 
 
 def test_equation_with_the_displacement_as_unknown() -> None:
-    """Equation (T5) of theory.md holds for what the kernel computes in terms of theta."""
+    """Equation (T5) of theory.md holds for the kernel's results in terms of theta."""
     R, alpha = math.hypot(2.0, 0.5), math.atan2(0.5, 2.0)
     gamma, xi_s, omega_s = 5.0, 0.05, 2 * math.pi
     response = rwmf.simulate(scenes.coupled(), dt=0.01)

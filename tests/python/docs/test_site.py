@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 import pytest
 from checkout import ROOT
@@ -24,7 +25,7 @@ SITE = ROOT / "build" / "site"
 
 @pytest.fixture(scope="module")
 def site() -> check.Site:
-    """Build what has changed since tools/docs; tools/test installs what that needs."""
+    """Build the changed pages; tools/test installs the requirements."""
     done = subprocess.run(
         [sys.executable, "-m", "pages"],
         cwd=ROOT,
@@ -51,13 +52,13 @@ def test_every_source_is_a_page(site: check.Site) -> None:
 
 @pytest.mark.usefixtures("site")
 def test_searches_find_a_tendon() -> None:
-    assert '"tendon"' in (SITE / "searchindex.js").read_text(encoding="utf-8")
+    assert "tendon" in (SITE / "_static" / "sections.js").read_text(encoding="utf-8")
     assert "tendon" in (SITE / "fortran/search/search_database.json").read_text(encoding="utf-8")
 
 
 @pytest.fixture
 def page(browser: Browser) -> Iterator[Page]:
-    """Give a page without network; what its console says fails the test, and so does a request."""
+    """Open a page without network; console messages and requests fail the test."""
     context = browser.new_context(offline=True)
     page = context.new_page()
     said: list[str] = []
@@ -99,6 +100,48 @@ def test_a_reader_finds_a_word(page: Page) -> None:
     page.get_by_role("heading", name="Effects", exact=False, level=1).wait_for()
     page.goto((SITE / "fortran" / "search.html").as_uri() + "?q=tendon")
     page.get_by_text("proc/tendon_group.html").first.wait_for()
+
+
+QUESTIONS = {
+    "IDR": ("howto/buildings.html", "drift"),
+    "PFA": ("howto/buildings.html", "acceleration"),
+    "interstorey drift": ("howto/buildings.html", "drift"),
+    "interstory": ("howto/buildings.html", "drift"),
+    "tendon": ("howto/units.html", "tendon"),
+    "uplift": ("tutorials/wall-and-frame.html", "lift"),
+    "fragility": ("howto/studies.html#fragility", "limit"),
+    "peak floor acceleration of storey 3": ("howto/buildings.html", "acceleration"),
+    "how much prestress do I lose": ("howto/units.html#how-much-prestress", "prestress"),
+    "compare two walls": ("howto/buildings.html#compare-two-walls", "walls"),
+    "my record is in cm/s2": ("howto/units.html#a-record", "cm/s"),
+    "will the wall slide": ("howto/studies.html#required-friction", "friction"),
+    "residual drift of the roof": ("reference/outputs.html", "residual"),
+    "moment in the wall": ("tutorials/six-storeys.html#forces-in-the-wall", "moment"),
+    "which tolerance": ("tutorials/method.html", "tolerance"),
+    "run on a cluster": ("howto/sweeps.html", "cluster"),
+    "convert Steel01": ("howto/opensees.html", "Steel01"),
+    "does the building collapse": ("tutorials/six-storeys.html", "collapse"),
+    "make a film": ("howto/buildings.html#film-it", "film"),
+}
+
+
+@pytest.mark.usefixtures("site")
+@pytest.mark.parametrize(("query", "answer"), QUESTIONS.items())
+def test_a_question_finds_its_page(query: str, answer: tuple[str, str], page: Page) -> None:
+    """Among the first five results, with an excerpt that shows the word."""
+    address, word = answer
+    page.goto(f"{(SITE / 'search.html').as_uri()}?q={quote(query)}")
+    results = page.locator("#search-results li").all()[:5]
+    links = [result.locator("a").get_attribute("href") or "" for result in results]
+    assert any(link.startswith(address) for link in links), links
+    shown = [result.locator("p").inner_text().lower() for result in results]
+    assert any(word.lower() in text for text in shown), shown
+
+
+@pytest.mark.usefixtures("site")
+def test_a_search_without_result_says_so(page: Page) -> None:
+    page.goto((SITE / "search.html").as_uri() + "?q=zyzzyva")
+    page.get_by_text("Nothing found").wait_for()
 
 
 @pytest.mark.parametrize(

@@ -55,5 +55,5 @@ def test_every_entry_names_cells(entry: matrix.Refusal) -> None:
 
 
 def test_page_is_current() -> None:
-    """docs/reference/matrix.md is what the command prints."""
+    """docs/reference/matrix.md equals the output of the command."""
     assert (ROOT / "docs" / "reference" / "matrix.md").read_text(encoding="utf-8") == matrix.make()

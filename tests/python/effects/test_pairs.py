@@ -16,14 +16,14 @@ sys.path.append(str(ROOT / "bench"))
 
 import pairs
 
-# they say how something is computed, or what is reported of it
+# groups of the solver and the output, which are no effects
 _NO_EFFECTS = {"solver", "output", "spectrum"}
 _PAIRS = list(combinations(pairs.EFFECTS, 2))
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the cases stand, with their record."""
+    """Return the folder of the cases and their record."""
     path = tmp_path_factory.mktemp("pairs")
     pairs.prepare(path)
     return path
@@ -31,7 +31,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize(("first", "second"), _PAIRS, ids=[f"{a.name}-{b.name}" for a, b in _PAIRS])
 def test_pair(first: pairs.Effect, second: pairs.Effect, folder: Path) -> None:
-    """`try_pair` looks at the results of a run."""
+    """`try_pair` checks the results of a run."""
     outcome = pairs.try_pair(first, second, folder)
     if outcome.kind == "refused":
         for effect in (first, second):
@@ -47,7 +47,7 @@ def test_no_group_is_missing() -> None:
 def test_no_law_is_missing() -> None:
     """Every value of every choice of an effect; pulses are drives of one kind.
 
-    What a rule makes lists of (`distribution`) is the same effect as those lists.
+    A rule that makes lists (`distribution`) is the same effect as those lists.
     """
     for group, key, kind, _, default, allowed, *_ in _library.schema():
         if group in _NO_EFFECTS or kind != "choice" or group in ("motion",):
@@ -63,7 +63,7 @@ def test_no_law_is_missing() -> None:
 
 
 def test_page_is_current() -> None:
-    """The table of docs/reference/effects.md is what the command prints."""
+    """The table of docs/reference/effects.md equals the output of the command."""
     done = subprocess.run(
         [sys.executable, ROOT / "bench" / "pairs.py"], capture_output=True, text=True, check=True
     )

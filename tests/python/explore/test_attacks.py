@@ -63,7 +63,7 @@ def _endless(state: dict[str, Any]) -> dict[str, Any]:
 
 
 def _text(client: Client, path: str, question: object, **headers: str) -> bytes:
-    """Write a request as it goes over the wire."""
+    """Write a request byte by byte."""
     body = json.dumps(question).encode()
     words = {"Host": f"127.0.0.1:{client.port}", "X-Token": client.token,
              "Content-Length": str(len(body)), "Connection": "close"} | headers  # fmt: skip
@@ -127,7 +127,7 @@ def test_long_questions_of_all_processes_give_way(
     with served(Case.from_namelist(FIG12)) as (_, client):
         endless = _endless(state)
         with _asked(client, "/api/history", endless) as one:
-            # the one that has computed longest gives way: the first has to begin first
+            # the longest computation is stopped, so the first must start first
             time.sleep(0.7)
             with _asked(client, "/api/cost", endless):
                 time.sleep(0.3)
@@ -149,7 +149,7 @@ def test_every_question_has_a_limit(
     endless["groups"]["damper"] = {"c_over_m_w": 2147483647.0}
     with _asked(client, path, endless) as raw:
         answer = _received(raw)
-    assert b"stopped after 0.5 s, the most that a page waits: shorten t_end" in answer
+    assert b"stopped after 0.5 s, the limit of a page: shorten t_end" in answer
     assert answer.startswith(b"HTTP/1.1 200" if path == "/api/cost" else b"HTTP/1.1 503")
 
 
@@ -265,7 +265,7 @@ STRANGE = [0, -1, 5e-324, 1e308, -1e308, 2**31 - 1, True, None, "", "EXACT", "U_
 
 @pytest.mark.slow
 def test_strange_values_of_every_key(client: Client, state: dict[str, Any]) -> None:
-    """Whatever stands in a key, the answer is one, a refusal, or has been stopped."""
+    """For any contents of a key, the result is an answer, a refusal or a stop."""
     rng = np.random.default_rng(32)
     found = set()
     for group, key in editable():
@@ -297,7 +297,7 @@ def test_a_record_that_cannot_be_kept(
 
 
 def test_a_record_of_two_million_samples(client: Client) -> None:
-    """Whether the kernel takes it or not: the server goes on."""
+    """The server continues whether or not the kernel accepts the request."""
     content = b"0.001\n" * 2_000_000
     status, answer = client.post("/api/record?name=long.csv&unit=g&dt=0.001", content)
     assert status in (200, 422, 500), answer
@@ -367,7 +367,7 @@ def test_signals_leave_nothing_behind(
         workers = _workers(process.pid)
         with _asked(client, "/api/history", _endless(state)):
             time.sleep(0.2)
-            # whoever loses patience sends it twice
+            # an impatient user sends it twice
             process.send_signal(number)
             process.send_signal(number)
             out, error = process.communicate(timeout=10)
@@ -391,7 +391,7 @@ def test_the_next_server_cleans_up_after_one_that_was_killed(
                 workers = _workers(process.pid)
                 process.kill()
                 process.wait()
-                # what it computed ends with it
+                # its computation ends with it
                 assert workers
                 assert _until(lambda: not any(Path(f"/proc/{x}").exists() for x in workers))
         (left,) = set(place.iterdir()) - {kept}

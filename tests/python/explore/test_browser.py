@@ -1,4 +1,4 @@
-"""The page of `rwmf explore` in a real browser: hands, eyes, keyboard, and what it saves."""
+"""Page of `rwmf explore` in a real browser: pointer, display, keyboard, saved files."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ async () => {
   }
 }
 """
-# text that is shown, with the colours of its letters and of what lies below them
+# displayed text, with the colours of its letters and of the background
 CONTRASTS = """
 () => {
   const parts = (text) => text.match(/[\\d.]+/g).map(Number);
@@ -65,7 +65,7 @@ CONTRASTS = """
   return found;
 }
 """
-# what a keyboard must reach, as far as it is shown
+# visible elements that the keyboard must reach
 CONTROLS = """
 () => [...document.querySelectorAll('button, input, select, summary, a[href], [tabindex="0"]')]
   .filter((node) => !node.disabled && node.checkVisibility())
@@ -106,7 +106,7 @@ async (prepare) => {
 
 
 class Opened:
-    """A page that has been opened, and what its console and network said."""
+    """An open page with its console messages and requests."""
 
     def __init__(self, context: BrowserContext, address: str) -> None:
         self.page: Page = context.new_page()
@@ -121,7 +121,7 @@ class Opened:
         self.settle()
 
     def _hear(self, kind: str, text: str) -> None:
-        # what the kernel refuses is an answer, which a browser notes
+        # the browser logs refusals of the kernel, which are valid answers
         if kind in ("error", "warning") and "422 (" not in text:
             self.console.append(text)
 
@@ -142,7 +142,7 @@ class Opened:
         return self.page.locator(f'[id="{name}:slider"]')
 
     def open_all(self) -> None:
-        """Open what is folded."""
+        """Open collapsed sections."""
         self.page.evaluate("document.querySelectorAll('details').forEach((x) => { x.open = true })")
 
     def number(self, key: str) -> str:
@@ -153,7 +153,7 @@ class Opened:
 
     @property
     def problem(self) -> str:
-        """What the page says of the state of its sliders, '' for nothing."""
+        """Return the page's message about its sliders, '' for none."""
         return str(self.page.locator("#problem").text_content())
 
 
@@ -226,7 +226,7 @@ def test_every_slider_over_its_range(show: Open) -> None:
         opened.field(name).press("Enter")
         opened.settle()
         assert opened.problem == ""
-    # the periods of runs may not cross: the kernel says so
+    # the bounds of the periods must not cross: the kernel reports it
     assert set(refused) <= {"spectrum.T_s_min", "spectrum.T_s_max"}, refused
     assert opened.number("u_s_max_m") == _peak()
 
@@ -257,7 +257,7 @@ def test_every_effect_can_be_added_and_taken_out(show: Open) -> None:
         opened.open_all()
         opened.page.get_by_role("button", name="Reset").click()
         opened.field("model.formulation").select_option("exact")
-    # the frame alone, and back
+    # without the wall, and back
     for name in ("wall", "frame"):
         opened.open_all()
         opened.page.get_by_role("button", name=f"Take the whole group &{name} out").click()
@@ -298,7 +298,7 @@ def test_every_key_that_is_offered_is_taken(show: Open, prepare: list[list[str]]
 
 
 def test_cases_as_they_are_need_nothing(show: Open, record_folder: Path) -> None:
-    """What a hand does to one key leaves the others of an accepted case alone."""
+    """Changing one key keeps the other keys of an accepted case."""
     del record_folder
     paths = sorted((ROOT / "inputs").glob("*.nml"))
     states = {path.name: given(Case.from_namelist(path)) for path in paths}
@@ -329,7 +329,7 @@ def test_every_choice_brings_what_it_needs(show: Open) -> None:
         opened.open_all()
     for name in ("motion.kind", "impact.rule", "cable.law", "fuse.law", "yielding.law"):
         words = opened.field(name).locator("option").all_text_contents()
-        # one that says what is missing, and the way back
+        # one message names the missing key, and there is a way back
         for word in sorted(words, key=lambda word: word == "record") + words[:2]:
             opened.field(name).select_option(word)
             opened.settle()
@@ -345,12 +345,12 @@ def test_a_wrong_value_is_said_and_shown(show: Open) -> None:
     field.fill("fast")
     field.press("Enter")
     assert "must be a number" in opened.page.locator('[id="frame.T_s:wrong"]').text_content()
-    # nothing was asked: the pictures stand
+    # no request was sent: the pictures are unchanged
     assert opened.problem == ""
     opened.slider("wall.b").focus()
     opened.page.keyboard.press("ArrowRight")
     opened.settle()
-    # what stands there is not what was computed with
+    # the displayed values are not those of the computation
     assert field.get_attribute("aria-invalid") == "true"
     opened.page.get_by_role("button", name="Reset").click()
     field.fill("-1")
@@ -623,7 +623,7 @@ def test_loading_again_keeps_what_was_set(show: Open) -> None:
 
 
 def test_a_hand_that_moves_fast(show: Open) -> None:
-    """After a drag the last state is shown, whatever was asked in between."""
+    """After a drag the last state is shown, whatever the requests in between."""
     opened = show()
     opened.page.evaluate(
         """async () => {
@@ -642,14 +642,14 @@ def test_a_hand_that_moves_fast(show: Open) -> None:
 
 
 def test_a_run_without_end_is_given_up(show: Open) -> None:
-    """What takes too long is stopped by the next thing that a hand does, and by closing the tab."""
+    """A long computation is stopped by the next change, and by closing the tab."""
     opened = show()
     opened.open_all()
     # so stiff that a run takes minutes
     opened.field("frame.xi_s").fill("1e12")
     opened.field("frame.xi_s").press("Enter")
     opened.page.get_by_text("computing").wait_for()
-    # what stands there is of another state
+    # the displayed values belong to another state
     opened.page.locator("#pictures.stale").wait_for()
     opened.page.get_by_role("button", name="Reset").click()
     opened.settle()

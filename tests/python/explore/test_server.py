@@ -1,4 +1,4 @@
-"""The server of `rwmf explore`: who may ask what, and what it answers."""
+"""Server of `rwmf explore`: authorisation, requests and answers."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from rwmf import Case, _simulation
 from rwmf._explore.server import PageServer
 
 FIG12 = ROOT / "inputs" / "fig12_one_sine.nml"
-# a run that takes minutes: what is not wanted must be stopped
+# a run of several minutes, which must be stopped when it is no longer needed
 ENDLESS = {"solver": {"t_end": 1e7, "method": "dop853"}, "impact": {"e": 1.0, "rule": "constant"},
            "frame": {"T_s": 0.05, "gamma": 5.0, "xi_s": 0.0}}  # fmt: skip
-# the kernel is asked to stop every 0.05 s, and looks between its steps [s]
+# the kernel is told to stop every 0.05 s, and polls between its steps [s]
 SOON = 2.0
 
 
@@ -132,7 +132,7 @@ def test_headers_forbid_everything_foreign(both: tuple[PageServer, Client]) -> N
                  "Cross-Origin-Resource-Policy: same-origin"):  # fmt: skip
         assert word in head
     assert "unsafe" not in head
-    # the token is in the address of the page and nowhere in what is served
+    # the token is in the address of the page and in no served file
     assert both[1].token not in text
     assert "http" not in body.replace("http-equiv", "")
 
@@ -204,7 +204,7 @@ CASES = ("fig12_one_sine", "fig13_elcentro_slender_wall", "storeys_full", "study
 
 
 def _summary(path: Path) -> dict[str, Any]:
-    """Return what `rwmf run --json` prints."""
+    """Return the output of `rwmf run --json`."""
     with _simulation.start(Case.from_namelist(path)) as run:
         return run.summary()
 
@@ -261,7 +261,7 @@ def test_periods_without_an_end_are_left_out(record_folder: Path) -> None:
 
 
 def test_two_pages_at_once(client: Client, start: dict[str, Any]) -> None:
-    """Each gets the answer to its own question."""
+    """Each client gets the answer to its request."""
     periods = np.linspace(0.3, 2.0, 8)
     alone = [client.ask("/api/history", _with(start, frame={"T_s": T}))["numbers"] for T in periods]
     found: dict[int, Any] = {}

@@ -31,7 +31,7 @@ Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
 @pytest.fixture(params=WRITERS, ids=str)
 def writer(request: pytest.FixtureRequest, tmp_path: Path) -> Writer:
-    """Return one writer after the other, with what it reads."""
+    """Return each writer with its input files."""
     found = WRITERS[request.param]
     pytest.importorskip(found.needs)
     prepare(tmp_path)
@@ -57,7 +57,7 @@ def _leftovers(folder: Path) -> list[str]:
 
 @pytest.mark.slow
 def test_where_files_go_and_what_goes(writer: Writer, start: Run, tmp_path: Path) -> None:
-    """A link stays, its target is written; permissions are umask's; what killed runs left goes."""
+    """A link stays and its target is written; umask sets permissions; leftovers are removed."""
     place = tmp_path / "place"
     place.mkdir()
     for name in writer.targets:
@@ -119,7 +119,7 @@ def test_a_device_stays(start: Run, tmp_path: Path) -> None:
 
 
 def test_the_standard_output_as_a_file(start: Run, tmp_path: Path) -> None:
-    """What is printed comes behind it, whether the output is a pipe or a file."""
+    """Later printed text follows the output, in a pipe and in a file."""
     prepare(tmp_path)
     words = [*RWMF, "spectrum", "case.nml", "--csv"]
     found = start([*words, "/dev/stdout"])
@@ -135,7 +135,7 @@ def test_the_standard_output_as_a_file(start: Run, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_full_disk(writer: Writer, start: Run, tmp_path: Path) -> None:
-    """A limit on the size of files stands for it: one message, the earlier files, no others."""
+    """A file-size limit simulates a full disk: one message, earlier files, no others."""
     for name in writer.targets:
         (tmp_path / name).write_bytes(EARLIER)
     if "sweep" in writer.words:
@@ -143,7 +143,7 @@ def test_a_full_disk(writer: Writer, start: Run, tmp_path: Path) -> None:
     before = {path.name for path in tmp_path.iterdir()}
 
     def limit() -> None:
-        # a program as a shell starts it, which does not ignore the signal as Python does
+        # a program started like in a shell, which does not ignore the signal as Python does
         signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
         resource.setrlimit(resource.RLIMIT_FSIZE, (50, resource.RLIM_INFINITY))
 
@@ -192,7 +192,7 @@ print(refused)
 
 @pytest.mark.slow
 def test_the_order_of_a_power_cut(writer: Writer, start: Run, tmp_path: Path) -> None:
-    """Bytes on the disk, name, name on the disk; only then goes what was kept for a cut."""
+    """The order is data, name, name on the disk; the journal is removed last."""
     if shutil.which("strace") is None:
         pytest.skip("needs strace")
     log = tmp_path.with_name(f"{tmp_path.name}.strace")
@@ -227,7 +227,7 @@ def test_the_order_of_a_power_cut(writer: Writer, start: Run, tmp_path: Path) ->
 
 
 def _events(log: Path, folder: Path) -> Iterator[tuple[str, ...]]:
-    """Yield what was done to files in the folder, in the order of its end."""
+    """Yield the operations on files in the folder, in the order of completion."""
     begun: dict[str, str] = {}
     for line in log.read_text("utf-8", "replace").splitlines():
         process, text = line.split(None, 1)

@@ -1,8 +1,8 @@
 """The reference program for walls that bend: its own anchors, balances and limits.
 
-`tests/support/bending.py` is what the kernel is held against; here it is held against closed forms,
-modal superposition, a Ritz solution of the shear-flexible cantilever, and the rigid wall of the
-kernel. Nothing here needs a kernel with `&bending`.
+Closed forms, modal superposition, a Ritz solution of the shear-flexible cantilever and the rigid
+wall of the kernel check `tests/support/bending.py`, the reference of the kernel. Nothing here needs
+a kernel with `&bending`.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """Demands of frames without a wall against modal superposition, and against their own histories.
 
-Every mode of a linear frame is an oscillator of its own, and under a record, a straight line from
-sample to sample, its state follows exactly from a matrix exponential. Displacements and absolute
-accelerations of the floors are sums over the modes; drifts, shears and the overturning moment
-follow from them. The largest of each is looked for between the samples of that solution. Nothing is
-shared with the kernel.
+Each mode of a linear frame is an oscillator. For a record, linear between samples, a matrix
+exponential gives its exact state. Displacements and absolute accelerations of the floors are sums
+over the modes; drifts, shears and the overturning moment follow from them. The maxima are searched
+between the samples of that solution. The solution is independent of the kernel.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ def _written(path: Path, a: np.ndarray) -> dict[str, object]:
 
 
 LINE = np.array([[0.0, 1.0], [0.0, 0.0]])  # rates of a straight line and its slope
-Piece = tuple[np.ndarray, np.ndarray, float]  # begin, rates and length of what moves the ground
+Piece = tuple[np.ndarray, np.ndarray, float]  # begin, rates and length of the ground's motion
 
 
 def _lines(a: np.ndarray) -> list[Piece]:
@@ -91,7 +90,7 @@ class Modes:
         return np.concatenate([drift / self.height, self.k * drift / G, absolute / G, whole])
 
     def systems(self, drive: np.ndarray) -> np.ndarray:
-        """Return the rates of q, q' and of what moves the ground, for each mode."""
+        """Return the rates of q, q' and the ground's motion, for each mode."""
         systems = np.zeros((len(self.rows), 4, 4))
         systems[:, 0, 1], systems[:, 1, :2], systems[:, 1, 2] = 1, self.rows, -1
         systems[:, 2:, 2:] = drive
@@ -213,7 +212,7 @@ def test_unequal_storeys(n: int, xi: float, tmp_path: Path) -> None:
 
 
 def test_one_mode(tmp_path: Path) -> None:
-    """`reduced` says what the first mode does: the others follow the ground."""
+    """`reduced` is the response of the first mode; the other modes follow the ground."""
     n = 6
     a = _shaking(1)
     run = rwmf.simulate(_frame(STOREYS[n], _written(tmp_path / "record.csv", a), "reduced"))
@@ -353,7 +352,7 @@ _METHODS = ("adams", "bdf", "erk54", "extrapolation")
 
 @pytest.mark.parametrize("method", _METHODS)
 def test_other_methods_find_the_same(method: str) -> None:
-    """A wall with all modes, which rests, rocks and comes to rest again."""
+    """A wall with all modes that rests, rocks and rests again."""
     m, k, height = STOREYS[2]
     case = coupled(
         wall={"h": sum(height) / 2, "b": 0.8},
@@ -371,7 +370,7 @@ def test_other_methods_find_the_same(method: str) -> None:
 
 @pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor", ""])
 def test_an_ordinate_is_the_run(coupling: str) -> None:
-    """Asked for by name, in lanes, whatever the company: the numbers of a run, to the last bit."""
+    """Quantities requested by name in lanes equal those of a run, to the last bit."""
     m, k, height = STOREYS[2]
     storeys: dict[str, dict[str, object] | None] = {
         "wall": {"h": sum(height) / 2, "b": 0.8},
@@ -407,7 +406,7 @@ def test_an_ordinate_is_the_run(coupling: str) -> None:
 
 
 def test_smooth_frame_beside_a_wall_at_rest() -> None:
-    """What has yielded goes on pushing: rows, reactions and demands of the wall at rest have it."""
+    """Yielded storeys continue to push: rows, reactions and demands at rest include it."""
     case = coupled(
         frame={"xi_s": 0.2},
         yielding={"u_y": 0.01, "law": "bouc_wen"},

@@ -27,10 +27,10 @@ XI = 0.04
 OMEGA, PEAK = 4.0, 0.35
 T_END = 3.0
 SAME = 1e-7
-NOTHING = 1e-3  # what residual drifts and displacements are compared with at least [-], [m]
+NOTHING = 1e-3  # least reference of residual drifts and displacements [-], [m]
 NUMBERS = int(os.environ.get("RWMF_BUILDINGS", "24"))
 FIRST = int(os.environ.get("RWMF_BUILDINGS_FIRST", "0"))
-# of the first hundred: short ones, among which every coupling, law and end of a run is
+# short scenes of the first hundred, which include every coupling, law and end of a run
 QUICK = (3, 4, 5, 6, 10, 18, 27, 29, 34, 35)
 
 
@@ -44,7 +44,7 @@ def _compare(scene: Scene, folder: Path, same: float = SAME) -> dict[str, tuple[
 
 @pytest.mark.parametrize("number", QUICK)
 def test_buildings(number: int, tmp_path: Path) -> None:
-    """Every demand, the number of impacts, what is left and when it collapses."""
+    """Check every demand, the number of impacts, residuals and the time of collapse."""
     _compare(building_scene(number), tmp_path)
 
 
@@ -55,7 +55,7 @@ def test_more_buildings(number: int, tmp_path: Path) -> None:
 
 
 def test_quick_buildings_differ() -> None:
-    """They have all that there is: else a number has to be added."""
+    """The quick scenes include every feature of the family."""
     scenes = [building_scene(number) for number in QUICK]
     walls = [scene.wall for scene in scenes if scene.wall]
     assert {scene.coupling for scene in scenes} == {"full", "reduced", "every_floor"}
@@ -156,7 +156,7 @@ def test_what_moves_the_ground_beyond_the_end(tmp_path: Path) -> None:
 
 
 def test_peak_of_friction_close_to_the_end_of_a_step(tmp_path: Path) -> None:
-    """A row of the history was beyond what had been located, by 5e-6."""
+    """No row of the history exceeds the located maximum (it did by 5e-6)."""
     made = further_combination(12)
     groups = {name: keys for name, keys in made.groups.items() if name not in ("cable", "impact")}
     groups["wall"] = groups["wall"] | {"base": "pinned"}

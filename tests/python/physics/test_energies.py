@@ -1,4 +1,4 @@
-"""The parts of the energy ledger: what springs and masses hold, not what an elastic one would."""
+"""Parts of the energy ledger: energies of inelastic springs and of masses."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_storeys_hold_the_strain_of_all_storeys(with_wall: bool) -> None:
 
 @pytest.mark.parametrize("hardening", [0.0, 0.02, 0.3])
 def test_a_tendon_that_breaks_holds_nothing(hardening: float) -> None:
-    """What is left is less by the work of the prestress, whatever hardening had stored."""
+    """The remaining energy is less by the work of the prestress, whatever the stored hardening."""
     eta_0, eta_alpha, h, b = 1.0, 5.0, 2.0, 0.5
     case = coupled(
         wall={"h": h, "b": b},

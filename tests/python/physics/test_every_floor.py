@@ -161,7 +161,7 @@ def test_forces_of_all_bodies(m: list[float], k: list[float], height: list[float
 
 
 def test_one_storey_is_the_ordinary_frame() -> None:
-    """The same forces as without `&storeys`, to round-off."""
+    """Forces equal those without `&storeys`, to round-off."""
     output = {"reactions": True, "friction_limit": 0.2}
     plain = rwmf.simulate(coupled(output=output))
     storeys = {

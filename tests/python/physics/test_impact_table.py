@@ -18,7 +18,7 @@ def _table(speeds: list[float], factors: list[float]) -> dict[str, object]:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_equal_values_are_a_constant(method: str) -> None:
-    """The same bits."""
+    """Both runs have equal bits."""
     solver = {"method": method}
     constant = rwmf.simulate(coupled(solver=solver), dt=0.01)
     table = rwmf.simulate(coupled(impact=_table([0.1, 1.0], [0.9, 0.9]), solver=solver), dt=0.01)
@@ -59,7 +59,7 @@ def test_energy() -> None:
 
 
 def test_a_wall_that_loses_nothing_slowly_does_not_rest() -> None:
-    """Whether chatter ends depends on the factors of all velocities that are still to come."""
+    """The end of chatter depends on the factors of all later velocities."""
     events = {}
     for name, factors in {"slow": [1.0, 1.0, 0.5], "lossy": [0.9, 0.9, 0.5]}.items():
         case = block(

@@ -20,7 +20,7 @@ def _inertia(beta: float, alpha: float, phi: float) -> float:
 
 
 def _speed_squared(beta: float, h: float, b: float, start: float, phi: float) -> float:
-    """Square of phi' of a block let go at `start`, from its energy [rad2/s2]."""
+    """Square of phi' of a block released at `start`, from its energy [rad2/s2]."""
     alpha, R = math.atan2(b, h), math.hypot(h, b)
     fall = math.cos(alpha - start) - math.cos(alpha - phi)
     return 2 * G / R * fall / _inertia(beta, alpha, phi)

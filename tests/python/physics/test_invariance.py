@@ -1,4 +1,4 @@
-"""What must not change the result, or must change it in a known way."""
+"""Invariances of the result, and changes with known effects."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_output_does_not_change_the_integration(method: str, elcentro: Path) -> 
 
 
 def test_thread_count_and_order(elcentro: Path) -> None:
-    """Each ordinate has the same bits alone, in any order, with any number of threads."""
+    """Each ordinate has the same bits in any order, with any number of threads."""
     case = coupled(motion=record(elcentro), solver={"t_end": 8.0})
     periods = [0.3, 0.8, 1.4, 2.2]
     grid = {"T_s": periods, "gamma": [5.0, 1800.0], "b": [0.5, 1.0]}

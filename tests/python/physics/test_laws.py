@@ -1,8 +1,8 @@
 """Laws of frame, storeys and fuses beyond the bilinear one: friction, flag, loss of strength.
 
-The force in the history of a run is held against laws of their own along its displacements, and
-against OpenSees where there is one: ``RWMF_OPENSEES`` names a Python that has ``openseespy``, which
-needs neither NumPy nor rwmf. Closed forms point by point are in ``tests/unit/model/test_laws.f90``.
+Independent laws give the force along the displacements of a run's history. OpenSees is a further
+reference where ``RWMF_OPENSEES`` names a Python with ``openseespy``, which needs neither NumPy nor
+rwmf. Closed forms point by point are in ``tests/unit/model/test_laws.f90``.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def by_flag(x: Array, u_y: float, hardening: float, height: float) -> Array:
 
 
 def by_friction(x: Array, u_y: float, hardening: float, breakaway: float) -> Array:
-    """Force over the stiffness: it sticks where it turns, and lets go beyond the breakaway."""
+    """Force over the stiffness: the spring sticks at reversals, and slips beyond the breakaway."""
     modulus = hardening / (1 - hardening)
     force, p, slides = np.zeros_like(x), 0.0, 0
     for i in range(1, len(x)):
@@ -194,7 +194,7 @@ def with_corners(u: Array, levels: list[float]) -> tuple[Array, Array]:
 @pytest.mark.parametrize("a_max_g", [0.12, 0.25, 0.5])
 @pytest.mark.parametrize("law", ["flag", "peak_oriented", "pinched"])
 def test_force_against_opensees(law: str, a_max_g: float, tmp_path: Path) -> None:
-    """The same history of the displacement, the same of the force."""
+    """Equal histories of displacement have equal histories of force."""
     u_y, k = 0.03, (2 * math.pi) ** 2
     run = rwmf.simulate(frame(law, motion={"a_max_g": a_max_g}), dt=5e-4)
     u = run["u_s"].to_numpy()
@@ -236,7 +236,7 @@ def suddenly(law: Group, share: float, tmp_path: Path, t_end: float = 3.0) -> rw
 
 
 def test_friction_lets_go(tmp_path: Path) -> None:
-    """At the peak a u = mu^2 F u_y/2 + F (u - mu u_y); what it stays is u - u_y."""
+    """Check a u = mu^2 F u_y/2 + F (u - mu u_y) at the peak, and the residual u - u_y."""
     share, mu = 0.9, 1.2
     run = rwmf.simulate(suddenly({"law": "friction", "breakaway": mu}, share, tmp_path))
     peak = (mu - mu**2 / 2) / (1 - share) * 0.03
@@ -368,7 +368,7 @@ def test_storey_that_collapses() -> None:
 
 
 def test_shipped_flag(elcentro: Path) -> None:
-    """What its first comment says."""
+    """Check the statement in the namelist's first comment."""
     case = rwmf.Case.from_namelist(ROOT / "inputs" / "what_does_a_self_centring_frame_pay.nml")
     case = case.replace(motion={"file": str(elcentro)})
     run = rwmf.simulate(case)
@@ -382,7 +382,7 @@ def test_shipped_flag(elcentro: Path) -> None:
 
 
 def test_shipped_collapse(elcentro: Path) -> None:
-    """What its first comment says."""
+    """Check the statement in the namelist's first comment."""
     name = "does_the_loss_of_strength_bring_it_down.nml"
     case = rwmf.Case.from_namelist(ROOT / "inputs" / name)
     case = case.replace(motion={"file": str(elcentro)})

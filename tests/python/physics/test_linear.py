@@ -131,7 +131,7 @@ def test_elcentro(T_s: float, elcentro: Path) -> None:
 def test_limit_of_a_massless_wall(T_s: float, elcentro: Path) -> None:
     """At gamma = 1e8: the linear oscillator with u' -> e u' at u = 0, solved exactly.
 
-    What is left of the wall is of order 1/gamma.
+    The remaining influence of the wall is of order 1/gamma.
     """
     t, a = np.loadtxt(elcentro, delimiter=",", comments=("#", "t"), unpack=True)
     part = t <= 8.0
@@ -143,7 +143,7 @@ def test_limit_of_a_massless_wall(T_s: float, elcentro: Path) -> None:
 @pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853", "extrapolation"])
 @pytest.mark.parametrize("base", [None, "pinned"])
 def test_pulse_that_begins_later(base: str | None, method: str) -> None:
-    """What stands still until then answers as at once: long steps over nothing are forgotten."""
+    """A scene at rest until then responds as at once: long steps at rest have no effect."""
     wall = None if base is None else {"h": 2.0, "b": 0.5, "base": base}
     gamma = None if base is None else 5.0
     peaks = []

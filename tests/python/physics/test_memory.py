@@ -71,7 +71,7 @@ def _case(x: dict[str, float], sign: int = 1) -> rwmf.Case:
 @_PROFILE
 @given(_SCENES)
 def test_ledger(x: dict[str, float]) -> None:
-    """What ground and initial state bring is stored or dissipated, rupture included."""
+    """Energy from ground and initial state is stored or dissipated, rupture included."""
     run = rwmf.simulate(_case(x))
     assert float(run["energy_balance_relative"]) < 1e-6
 
@@ -122,7 +122,7 @@ def test_loss_of_prestress() -> None:
 
 
 def test_rupture_in_the_first_swing() -> None:
-    """It breaks at its strain, is an event, and the wall goes on as one without a cable would."""
+    """The tendon ruptures at its strain, with an event, and the wall continues without a cable."""
     strain = 0.012
     case = coupled(cable={"eta_y": None, "law": "truss", "rupture_strain": strain})
     run = rwmf.simulate(case, dt=0.01)
@@ -143,7 +143,7 @@ def test_rupture_in_the_first_swing() -> None:
 
 
 def test_fuses_hold_the_wall_up_on_one_side() -> None:
-    """Let go at 0.5 alpha, the wall comes down to where fuse, weight and cable are in balance.
+    """A wall released at 0.5 alpha descends to the equilibrium of fuse, weight and cable.
 
     The damper lets it creep there. The fuse, drawn out to s_0 and perfectly plastic, gives
     F = eta_y - k (s_0 - s) and no less than -eta_y: 2 sin(alpha) cos(theta/2) F + sin(alpha -
@@ -177,7 +177,7 @@ def test_fuses_hold_the_wall_up_on_one_side() -> None:
     assert int(run["impacts"]) == 0
     assert float(run["energy_balance_relative"]) < 1e-8
     assert "the wall need not come down again" in run.attrs["warnings"]
-    # weight and cable in the end, less what the fuse bears at the other corner along its chord
+    # weight and cable at the end, less the force of the other corner's fuse along its chord
     force = float(run["fuse_left_force_over_m_w_g"][-1])
     bears = 1 + eta_0 * math.cos(end) + force * math.cos(end / 2)
     assert float(run["pivot_normal_over_m_w_g"][-1]) == pytest.approx(bears, rel=1e-6)
@@ -237,7 +237,7 @@ def test_published_with_a_yielding_frame() -> None:
 
 
 def test_spectrum_of_equal_strength() -> None:
-    """Each ordinate is a run of its own: widths, fuses, tendon and strength included."""
+    """Each ordinate is a separate run: widths, fuses, tendon and strength included."""
     case = coupled(
         frame={"T_s": None},
         cable={"eta_y": 1.4},

@@ -1,15 +1,15 @@
-"""Gravity on the displaced frame against programs of their own in SciPy, and closed forms.
+"""Gravity on the displaced frame against independent programs in SciPy, and closed forms.
 
 A massless leaning column carries the weight of m_g = m_g_over_m_s times the mass of each floor, and
-is held by the floors. The piece of it beside storey i bears W_i, the weight of what it carries at
-floor i and above. Its ends are d_i = u_i - u_(i-1) apart over the height h_i, so that they push the
-floor above outwards and the floor below inwards with the force W_i d_i/h_i (small drifts: the exact
-force, W_i d_i/sqrt(h_i^2 - d_i^2), is 0.5 % larger at a drift of 0.1). Floor i therefore feels
+is held by the floors. Its part beside storey i carries W_i, the weight at floor i and above. Its
+ends are d_i = u_i - u_(i-1) apart over the height h_i. They push the floor above outwards and the
+floor below inwards with the force W_i d_i/h_i (small drifts: the exact force, W_i d_i/sqrt(h_i^2 -
+d_i^2), is 0.5 % larger at a drift of 0.1). Floor i therefore feels
 
     f_i = (C u')_i + V_i - V_(i+1),    V_i = k_i (d_i - p_i) - W_i d_i/h_i
 
-where p_i is what has yielded. k_i, p_i and C are those without gravity: columns yield and dampers
-damp as before. What moves with one coordinate x, u_i = s_i u(x), follows from virtual work: the
+where p_i is the plastic drift. k_i, p_i and C are those without gravity: columns yield and dampers
+damp as before. Virtual work gives the motion of one coordinate x, u_i = s_i u(x): the
 shape s of a mode, a straight line, or the roof alone (0, .., 0, 1), beside which the other floors
 are free,
 
@@ -98,7 +98,7 @@ class Wall:
     eta: float = 0.0
 
     def __post_init__(self) -> None:
-        """Derive what the geometry says."""
+        """Derive the constants of the geometry."""
         self.R, self.alpha = math.hypot(self.h, self.b), math.atan2(self.b, self.h)
 
     def link(self, x: float, side: int) -> tuple[float, float, float, float]:
@@ -124,7 +124,7 @@ class Wall:
 
 @dataclass
 class Found:
-    """What the program finds."""
+    """Results of the program."""
 
     t: float = 0.0
     collapsed: bool = False
@@ -364,7 +364,7 @@ def events_of(run: xr.Dataset, kind: str) -> Array:
 
 
 def compare(run: xr.Dataset, found: Found, frame: Frame, tolerance: float = SAME) -> None:
-    """Hold a run against the program: its end, what happened before, and the ledger."""
+    """Compare a run with the program: its end, earlier events, and the ledger."""
     assert bool(run["collapsed"]) == found.collapsed
     if found.collapsed:
         assert float(run["t_collapse"]) == pytest.approx(found.t, rel=tolerance)
@@ -379,8 +379,8 @@ def compare(run: xr.Dataset, found: Found, frame: Frame, tolerance: float = SAME
     assert events_of(run, "lift_off") == pytest.approx(found.lift_offs, rel=tolerance)
     reported, branches = events_of(run, "branch"), np.array(found.branches)
     if not frame.free:
-        # of springs that follow one coordinate, ends of yielding are peaks, and what yields at an
-        # impact is let go there and yields on at once
+        # for springs of one coordinate, ends of yielding are peaks; a spring that yields at an
+        # impact is released there and yields again at once
         branches = np.array(found.yields)
         reported = reported[[t not in events_of(run, "impact") for t in reported]]
     assert reported == pytest.approx(branches, rel=100 * tolerance)
@@ -463,7 +463,7 @@ def test_equals_a_softer_frame(formulation: str | None) -> None:
 @pytest.mark.parametrize("base", ["rocking", "pinned"])
 @pytest.mark.parametrize("formulation", ["symmetric", "exact"])
 def test_reactions(formulation: str, base: str) -> None:
-    """The link carries what it does beside the softer frame: so does the pivot."""
+    """The link transmits forces beside the softer frame, and so does the pivot."""
     T_s, Q, h_f = 1.1, 0.25, 4.0
     mu, factor = Q * 4 * math.pi**2 * h_f / (G * T_s**2), 1 / math.sqrt(1 - Q)
     common: dict[str, Any] = {
@@ -532,7 +532,7 @@ def test_defaults_and_no_weight() -> None:
 @pytest.mark.parametrize(("hardening", "mu", "a_max_g"), [(0.0, 2.0, 0.2), (0.03, 2.0, 0.3)])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_yielding_frame(sign: int, hardening: float, mu: float, a_max_g: float) -> None:
-    """Bilinear: beyond yield the stiffness is negative, and what passes the limit collapses."""
+    """Bilinear: the stiffness after yield is negative, and exceeding the limit is a collapse."""
     pulse = Pulse(sign * a_max_g, 8.0, 4)
     frame = single(0.9, 3.0, mu, u_y=[0.03], hardening=hardening)
     found = frame.run(6.0, pulse)
@@ -542,7 +542,7 @@ def test_yielding_frame(sign: int, hardening: float, mu: float, a_max_g: float) 
 
 
 def test_yielding_frame_that_stands() -> None:
-    """The same frame under a weaker pulse leans, and stays."""
+    """A weaker pulse leaves the same frame leaning."""
     pulse = Pulse(0.15, 8.0, 4)
     frame = single(0.9, 3.0, 2.0, u_y=[0.03])
     found = frame.run(6.0, pulse)
@@ -604,7 +604,7 @@ def test_smooth_hysteresis() -> None:
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize("eta", [0.0, 0.5])
 def test_beside_a_wall(eta: float, formulation: str) -> None:
-    """Lift-off, impacts and the state in the end, elastic."""
+    """Check lift-off, impacts and the final state of an elastic frame."""
     pulse = Pulse(0.35, 4.0)
     wall = Wall(formulation=formulation, eta=eta)
     frame = single(1.2, 2 * H, 4.0, gamma=4.0, wall=wall)
@@ -646,7 +646,7 @@ def test_yielding_beside_a_wall(formulation: str) -> None:
 
 
 def test_uplift_does_not_change() -> None:
-    """At theta = 0 the column of a single degree of freedom stands upright."""
+    """At theta = 0 the column of a single degree of freedom is vertical."""
     for factor, lifts in ((1 - 1e-9, 0), (1 + 1e-6, 1)):
         threshold = 0.25 * 2 / (1 + 2 * 5) * factor
         motion = {"kind": "one_sine", "a_max_g": threshold, "omega_p": 6.0}
@@ -737,7 +737,7 @@ def test_storeys_collapse(coupling: str, *, has_wall: bool) -> None:
 
 @pytest.mark.parametrize("has_wall", [True, False])
 def test_soft_storey(*, has_wall: bool) -> None:
-    """The lowest storey is weak and yields until it comes down."""
+    """The lowest storey is weak and yields until it collapses."""
     pulse = Pulse(0.3, 6.0, 4)
     u_y = [0.015, 0.05, 0.05]
     wall = Wall() if has_wall else None
@@ -763,7 +763,7 @@ def test_storeys_that_yield_on_a_line() -> None:
 
 
 def test_collapse_beside_a_resting_wall() -> None:
-    """The roof is held, and the floors below it come down."""
+    """The roof is held, and the floors below it collapse."""
     pulse = Pulse(0.3, 6.0)
     wall = Wall(eta=60.0)
     frame = frame_of("full", 25.0, [2.0, 2.0, 1.5], [90.0, 90.0, 90.0], wall=wall, limit=0.05)
@@ -776,7 +776,7 @@ def test_collapse_beside_a_resting_wall() -> None:
 
 
 def test_one_number_for_one_coordinate() -> None:
-    """The table of theory.md: weights over heights times squared bends of the shape, over its mass.
+    """Table of storeys.md: weights over heights times squared bends of the shape, over its mass.
 
     On a straight line this is m_g_over_m_s g/2h times the roof factor.
     """
@@ -822,7 +822,7 @@ def test_peaks_inside_a_step(coupling: str | None, rtol: float, method: str) -> 
             assert float(limited["t_collapse"]) == pytest.approx(first, abs=5e-3)
 
 
-# what is reported
+# the reported quantities
 
 
 def collapsing() -> rwmf.Case:
@@ -832,7 +832,7 @@ def collapsing() -> rwmf.Case:
 
 
 def test_shipped_case(elcentro: Path) -> None:
-    """It collapses by its weight, and a wall keeps it up: what its first comment says."""
+    """The frame collapses under its weight, and a wall prevents it, as the first comment states."""
     case = rwmf.Case.from_namelist(ROOT / "inputs" / "p_delta_collapse.nml")
     case = case.replace(motion={"file": str(elcentro)})
     alone = rwmf.simulate(case)
@@ -859,7 +859,7 @@ def test_keys_apply_only_with_the_effect() -> None:
 
 
 def test_command_line(tmp_path: Path) -> None:
-    """A result, not an error: exit status 0; the summary says when."""
+    """Collapse is a result, not an error: exit status 0; the summary gives the time."""
     file = tmp_path / "case.nml"
     file.write_text(collapsing().to_namelist(), encoding="utf-8")
     command = [sys.executable, "-m", "rwmf", "run", str(file), "--json"]

@@ -1,4 +1,4 @@
-"""A hinged wall with devices under both corners and a short link, against a program of its own.
+"""A hinged wall with devices under both corners and a short link, against a separate program.
 
 The program takes the energies of wall, frame and devices, and derives the equation of motion from
 them as Lagrange does, the derivatives by the rotation with complex steps.
@@ -75,7 +75,7 @@ class Hinged:
 
     @staticmethod
     def stroke(x: complex) -> complex:
-        """How far the left corner is drawn out, and the right one pressed [m]."""
+        """Return the extension of the left corner, and the compression of the right [m]."""
         return 2 * B * cmath.sin(x / 2)
 
     def inertia(self, x: complex) -> complex:

@@ -138,7 +138,7 @@ def test_frame_alone_against_another_program(name: str, method: str) -> None:
 @pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "dop853", "extrapolation"])
 @pytest.mark.parametrize("kind", ["ricker", "ricker_antisymmetric"])
 def test_narrow_pulse_is_not_passed_over(kind: str, method: str) -> None:
-    """Its tails ask for no steps at all, and the tolerance for few."""
+    """Its tails need no steps at all, and the tolerance few."""
     rtol = 1e-3
     motion = _motion(kind, T_p=0.02, t_0=5.0)
     frame = {"T_s": 3.0}
@@ -233,7 +233,7 @@ def test_equal_response_of_a_linear_frame(name: str) -> None:
 
 @pytest.mark.parametrize("name", PULSES)
 def test_boundaries_of_overturning(name: str) -> None:
-    """Half way to its neighbours the wall does what the map says, also when one waits longer.
+    """Half way to its neighbours the wall has the outcome of the map, also after a longer time.
 
     Many impacts make the boundaries of C_7 a dust, in which nothing can be foretold: looked at is
     the boundary of staying that stands most alone, and there only to where the map has found it,

@@ -1,7 +1,7 @@
 """Drifts in static equilibrium after the motion, against long damped free vibrations.
 
-A run that lasts until everything stands has nothing to relax: its last row is the equilibrium. One
-that ends earlier, damped so strongly that nothing swings back, comes to the same place.
+A run until complete rest has nothing to relax: its last row is the equilibrium. A run that ends
+earlier, with overcritical damping, reaches the same state.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def _last(run: object) -> np.ndarray:
 
 @pytest.mark.parametrize(("law", "coupling", "wall"), SCENES)
 def test_long_runs_end_at_rest(law: str, coupling: str, wall: bool) -> None:
-    """The equilibrium of a run that stands is where it stands; overdamped ones get there."""
+    """A run that ends at rest ends at its equilibrium; overdamped ones reach it."""
     run = rwmf.simulate(_scene(law, coupling, wall=wall, xi=0.3))
     if bool(run["collapsed"]) or ("overturned" in run and bool(run["overturned"])):
         assert "roof_residual_drift_at_rest" not in run

@@ -32,7 +32,7 @@ def _case(coupling: str, **changes: dict[str, object] | None) -> rwmf.Case:
 
 @pytest.mark.parametrize("coupling", ["one", "full", "reduced", "every_floor", "pinned"])
 def test_its_force_is_the_horizontal_reaction(coupling: str) -> None:
-    """Beside rows of 0.1 ms of the same run, which never exceed it and come close."""
+    """Located maxima are above rows of 0.1 ms of the same run, and close to them."""
     case = _case(coupling, output={"reactions": True})
     run = rwmf.simulate(case, dt=1e-4)
     assert not [name for name in run if "friction" in str(name)]
@@ -49,7 +49,7 @@ def test_its_force_is_the_horizontal_reaction(coupling: str) -> None:
     assert "shear_key_force_max_over_m_w_g" not in without
     demand = np.abs(without["pivot_horizontal_over_m_w_g"] / without["pivot_normal_over_m_w_g"])
     assert float(demand.max()) <= float(without["friction_demand_max"]) * (1 + 1e-12)
-    # what holds the base is not in the motion
+    # the reaction of the base does not affect the motion
     assert np.array_equal(run["theta"].values, without["theta"].values)
     assert float(run["base_shear_max_over_weight"]) == pytest.approx(
         float(without["base_shear_max_over_weight"]), rel=1e-12

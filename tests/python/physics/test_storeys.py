@@ -1,4 +1,4 @@
-"""Frames of several storeys and smooth hysteresis against programs of their own in SciPy.
+"""Frames of several storeys and smooth hysteresis against independent programs in SciPy.
 
 Nothing is shared with the kernel: the modes come from `scipy.linalg.eigh`, the equations of motion
 are written down again from the balance of moments and forces, and `solve_ivp` finds the events.
@@ -67,7 +67,7 @@ class Storeys:
         return 2 * H * math.sin(theta), 2 * H * math.cos(theta), -2 * H * math.sin(theta)
 
     def forces(self, state: np.ndarray, side: int) -> np.ndarray:
-        """Return what the storeys resist the motion of the floors with [m/s2]."""
+        """Return the resistance of the storeys to the motion of the floors [m/s2]."""
         u, v = np.empty(self.n), np.empty(self.n)
         u[:-1], v[:-1] = state[2 : self.n + 1], state[self.n + 1 :]
         u[-1], slope, _ = self.roof(state[0], side)

@@ -167,7 +167,7 @@ def _bench_module(folder: str, name: str) -> ModuleType:
 
 
 def test_rigid_engine_again() -> None:
-    """Where the engine is installed, it computes its stored history again."""
+    """An installed engine reproduces its stored history."""
     pytest.importorskip("mujoco")
     module = _bench_module("bench", "mujoco_cases")
     _, rows = module.simulate(case("g5"), module.Engine())
@@ -183,7 +183,7 @@ def opensees() -> ModuleType:
 
 
 def test_no_tension_corners_again() -> None:
-    """Where OpenSees is, it computes the beginning of its stored history again, impact and all."""
+    """OpenSees, if installed, reproduces the beginning of its stored history, impact included."""
     module = opensees()
     _, rows = module.compute_wall(case("g5").replace(solver={"t_end": 0.55}), module.Engine())
     expected = stored("opensees", "g5")["theta_rad"][: len(rows)]
@@ -205,7 +205,7 @@ def test_six_storeys_again() -> None:
 
 
 def test_finite_elements_again() -> None:
-    """Where the solver is installed, it computes the beginning of its stored history again."""
+    """The solver, if installed, reproduces the beginning of its stored history."""
     if shutil.which("ccx") is None:
         pytest.skip("the program ccx is not installed")
     module = _bench_module("bench/calculix", "run")

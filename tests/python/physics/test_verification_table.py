@@ -9,7 +9,7 @@ import rwmf
 from checkout import REFERENCE
 from scenes import coupled, read_table, record
 
-# what the project promises at rtol 1e-9
+# accuracy that the project promises at rtol 1e-9
 TOLERANCE = 1e-7
 PEAKS = read_table(REFERENCE / "peaks_taylor.csv")[1]
 

@@ -47,7 +47,7 @@ def _vertical(folder: Path, t: np.ndarray, a: np.ndarray, name: str = "v") -> di
 def test_constant_acceleration_is_another_gravity(
     a: float, formulation: str, tmp_path: Path
 ) -> None:
-    """The same run with g' = g + a and the same cable force P = eta m_w g."""
+    """Runs are equal with g' = g + a and the same cable force P = eta m_w g."""
     common = {
         "motion": _horizontal(tmp_path),
         "solver": TIGHT | {"t_end": 6.0},
@@ -222,7 +222,7 @@ def test_methods_agree_with_quadruple_precision(tmp_path: Path) -> None:
 
 
 def _block_by_scipy(ratio: float, t_end: float) -> float:
-    """Rotation at t_end of a block let go at 0.5 alpha, e = 0.9, by another program [rad]."""
+    """Rotation at t_end of a block released at 0.5 alpha, e = 0.9, by another program [rad]."""
     R = math.hypot(2.0, 0.5)
     omega = 2 * math.pi
 
@@ -289,7 +289,7 @@ def test_a_wall_that_jumps_is_refused(eta_0: float, tmp_path: Path) -> None:
 
 
 def test_a_wall_that_lands_without_weight_is_refused(tmp_path: Path) -> None:
-    """The weight goes shortly before the wall is back on its base."""
+    """The weight vanishes shortly before the wall is back on its base."""
     free = {"motion": None, "initial": {"theta_over_alpha": 0.5}, "output": {"dt": 5.0}}
     run = rwmf.simulate(block(**free, solver={"t_end": 5.0}))
     landing = float(run["event_time"].values[run["event"].values == "impact"][0])
@@ -437,7 +437,7 @@ def test_still_record_beside_a_pulse(kind: str, tmp_path: Path) -> None:
 
 
 def _record_beside_pulse_by_scipy(t_v: np.ndarray, v: np.ndarray, t_end: float) -> float:
-    """Rotation of a block let go at 0.5 alpha, e = 0.9, by another program [rad]."""
+    """Rotation of a block released at 0.5 alpha, e = 0.9, by another program [rad]."""
     R = math.hypot(2.0, 0.5)
     omega = 2 * math.pi
     t, y, side = 0.0, [0.5 * ALPHA, 0.0], 1
@@ -504,7 +504,7 @@ def test_record_beside_a_pulse(kind: str, method: str, tmp_path: Path) -> None:
 
 
 def test_end_beside_a_pulse_must_be_given(tmp_path: Path) -> None:
-    """A record does not say how long a pulse is to be followed."""
+    """The duration after a pulse does not apply to a record."""
     vertical = _vertical(tmp_path, np.array([0.0, 1.0]), np.zeros(2))
     with pytest.raises(rwmf.InputError, match="t_end is missing"):
         coupled(vertical=vertical, solver={"t_end": None})

@@ -44,7 +44,7 @@ def _newmark(dt: float, t_end: float = 1.0) -> np.ndarray:
 
 
 def test_textbook_example_as_an_independent_program_has_it() -> None:
-    """On the textbook's grid of 0.1 s its number; on finer grids it comes to our solution."""
+    """The textbook's grid of 0.1 s gives its number; finer grids converge to our solution."""
     assert _newmark(0.1)[-1] == pytest.approx(0.03606328101158249, rel=1e-9)
     run = rwmf.simulate(_example(), dt=0.01)
     errors = []
@@ -86,7 +86,7 @@ def test_smooth_hysteresis_comes_to_the_textbook_example() -> None:
 @pytest.mark.parametrize("method", ["erk54", "dop853", "extrapolation"])
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
 def test_corner_at_zero_costs_one_step_methods_no_accuracy(exponent: float, method: str) -> None:
-    """Where z passes zero |z|^n changes its factor: stepped over, that costs 1 to 15 tolerances."""
+    """At zeros of z |z|^n changes its factor; stepping over one costs 1 to 15 tolerances."""
     rtol = 1e-10
     for beta in (0.5, 0.75):
         # from 0.52 g on dop853 errs by up to 2.6 tolerances without any corner (300 pulses)
@@ -173,7 +173,7 @@ def test_strength_of_the_elastic_response(elcentro: Path) -> None:
 
 
 def test_history_of_the_force() -> None:
-    """Force and displacement enclose what the ledger calls dissipated."""
+    """The area of force over displacement is the dissipated energy of the ledger."""
     case = _example(frame={"xi_s": 0.0}, output={"energy": True})
     run = rwmf.simulate(case, dt=1e-4)
     u, f = run["u_s"].values, run["frame_force_over_m_s_g"].values * G

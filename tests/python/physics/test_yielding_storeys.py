@@ -1,4 +1,4 @@
-"""Storeys that yield one by one against a program of their own in SciPy.
+"""Storeys that yield individually against an independent program in SciPy.
 
 The plastic displacements are states here, which flow while a storey yields; the kernel has them in
 closed form on each branch. Nothing but masses, stiffnesses and geometry is shared.
@@ -54,7 +54,7 @@ class YieldingStoreys(Storeys):
         self.modulus = self.stiffness * hardening / (1 - hardening)
         self.wall, self.every_floor = wall, every_floor
         self.line = np.arange(1, self.n + 1) / self.n
-        # what the floors move by when the roof does, through the links
+        # displacement of the floors per displacement of the roof, through the links
         self.link = self.line if every_floor else np.append(np.zeros(self.n - 1), 1.0)
         if every_floor:
             mass = self.line**2 @ self.m
@@ -78,7 +78,7 @@ class YieldingStoreys(Storeys):
         return np.diff(u, prepend=0.0), np.diff(v, prepend=0.0)
 
     def forces(self, state: np.ndarray, side: int) -> np.ndarray:
-        """Return what the storeys resist the motion of the floors with [m/s2]."""
+        """Return the resistance of the storeys to the motion of the floors [m/s2]."""
         plastic = state[-self.n :]
         shear = self.stiffness * (self.drifts(state, side)[0] - plastic)
         _, v = self.floors(state, side)
@@ -205,7 +205,7 @@ def _of_storeys(run: xr.Dataset, what: str, n: int) -> list[float]:
 def test_with_wall_against_scipy(
     m: list[float], k: list[float], u_y: list[float], hardening: float
 ) -> None:
-    """Impacts, beginnings and ends of yielding, what is left, and how far each storey went."""
+    """Check impacts, beginnings and ends of yielding, residuals, and peak drifts."""
     t_end, n = 2.5, len(m)
     case = coupled(
         **_groups(m, k, "full", 2 * H),
@@ -289,7 +289,7 @@ def test_every_floor_against_scipy() -> None:
 
 @pytest.mark.slow
 def test_smooth_storeys_against_scipy() -> None:
-    """Bouc and Wen's law in each storey, with the signs of its rate as they come."""
+    """Bouc and Wen's law in each storey, with the present signs of its rate."""
     m, k, u_y = np.array([3.0, 2.0, 1.5]), np.array([600.0, 500.0, 300.0]), 0.015
     hardening, beta = 0.1, 0.7
     model = Storeys(list(m), list(k), XI, 1.0)
@@ -431,7 +431,7 @@ def test_wall_at_rest_bears_what_the_storeys_have_left() -> None:
     assert kind[-1] == "branch"
     left = run["storey_3_shear_over_m_w_g"].values[-1]
     assert abs(left) > 1e-3
-    # nothing moves any more: the base pushes the wall against what the link pulls
+    # at rest the base balances the pull of the link
     assert float(run["pivot_horizontal_over_m_w_g"][-1]) == pytest.approx(left, abs=1e-5)
     shears = [float(run[f"storey_{i}_shear_over_m_w_g"][-1]) for i in (1, 2, 3)]
     assert shears == pytest.approx([left] * 3, abs=1e-5)

@@ -230,7 +230,7 @@ def test_run_draws_demands_that_the_case_does_not_ask_for(
 
 @pytest.mark.parametrize(("coupling", "has_wall"), SCENES)
 def test_floors_of_a_film(coupling: str, has_wall: bool) -> None:
-    """They are where the columns of the history say; links are as long as at rest."""
+    """Floors are at the positions of the history; links keep their length at rest."""
     case = _five_storeys(coupling)
     case = case if has_wall else _alone(case)
     run = rwmf.simulate(case)

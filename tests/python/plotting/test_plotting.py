@@ -1,4 +1,4 @@
-"""What figures show: all lines inside of the axes, told apart; nothing of it simulates."""
+"""Content of figures: all lines inside the axes and distinct; plotting never simulates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""bench/spectra.py runs on a small problem; what it compares with solves the same problem."""
+"""bench/spectra.py runs on a small problem, and its peers solve the same problem."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _rows(text: str, heads: str) -> list[list[str]]:
 
 @pytest.fixture(scope="module")
 def printed(elcentro: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Run the command, which draws its figure; return what it prints."""
+    """Run the command, which draws its figure, and return its output."""
     figure = tmp_path_factory.mktemp("bench") / "spectra.png"
     words = ["--periods=3", "--peers=none", "--quad=0", "--rounds=1", "--most=10"]
     done = subprocess.run(

@@ -69,7 +69,7 @@ def test_file_keeps_everything(recorded: Ledger, tmp_path: Path) -> None:
 
 
 def test_guard_sees_growth(recorded: Ledger, tmp_path: Path) -> None:
-    """A recorded count that is 4 % smaller than what the call takes."""
+    """A recorded count 4 % below the measured one is reported."""
     doctored, _ = _copy(recorded, tmp_path)
     now = dict(recorded.counts)
     doctored.counts[CALL] = old = round(now[CALL] / 1.04)

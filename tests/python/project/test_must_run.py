@@ -1,4 +1,4 @@
-"""Where everything must run, a skip is a failure that says which and why."""
+"""With RWMF_MUST_RUN, a skip is a failure with test and reason."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def test_wheels_are_built_with_locked_packages() -> None:
 
 @pytest.mark.parametrize("tool", ["wheel", "lock", "lib/venv.sh", "lib/docs.sh"])
 def test_tools_install_packages_of_locks_only(tool: str) -> None:
-    """The exceptions are what a wheel is tried with: a user's own calls."""
+    """The exceptions are the calls in the test of a wheel: a user's calls."""
     text = (_TOOLS / tool).read_text(encoding="utf-8").replace("\\\n", "")
     calls = [line for line in text.splitlines() if re.search(r"pip['\"]? install", line)]
     tried = [line for line in calls if "$work/clean/bin/pip" in line]

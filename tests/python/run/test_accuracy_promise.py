@@ -1,4 +1,4 @@
-"""`&solver accuracy` keeps its promise on scenes that nobody chose.
+"""`&solver accuracy` reaches its accuracy on randomly generated scenes.
 
 The full count (240 cases) runs by `bench/accuracy_promise.py`, which also measures the cost.
 """
@@ -25,7 +25,7 @@ def _peak(case: rwmf.Case, **solver: object) -> float:
 
 
 def test_asked_accuracy_is_delivered(record_folder: Path) -> None:
-    """True error at most the asked one, and the estimate of the right size."""
+    """The true error is at most the requested one, and the estimate is of the right size."""
     ratios = []
     for case in random_cases(24, seed=20180, records=record_folder):
         trusted = _peak(case, method="dop853", rtol=3e-14)
@@ -58,7 +58,7 @@ DEMANDS = (
 @pytest.mark.slow
 @pytest.mark.parametrize("storeys", [0, 2, 3])
 def test_asked_accuracy_of_demands_is_delivered(storeys: int, record_folder: Path) -> None:
-    """True error of the asked peak at most the asked one, though no `&output` asks for it."""
+    """The true error of the named peak is at most the requested one, without `&output`."""
     judged = 0
     for case in random_cases(5, seed=31 + storeys, records=record_folder):
         scene = with_storeys(case, storeys) if storeys else case
@@ -108,7 +108,7 @@ def test_an_estimate_is_never_zero_and_of_the_right_size(name: str, record_folde
 
 
 def test_no_estimate_is_absent() -> None:
-    """What begins at its maximum has no error: no number, no key, no cell."""
+    """A quantity that starts at its maximum has no error: no number, no key, no cell."""
     still = {"kind": "none", "a_max_g": None, "omega_p": None}
     case = coupled(
         motion=still, initial={"theta_over_alpha": 0.3}, solver={"t_end": 1.0, "verify": True}
@@ -128,7 +128,7 @@ def _pulsed(record_folder: Path, storeys: int) -> rwmf.Case:
 
 
 def test_the_estimate_is_of_what_is_named(record_folder: Path) -> None:
-    """Each peak has an error of its own; that of the displacement is meant where none is named."""
+    """Each peak has an error; without a name it is that of the displacement."""
     case = _pulsed(record_folder, 3)
     estimates: dict[str | None, float] = {}
     for name in (None, "u_s_max_m", "U_s_max", "floor_acceleration_max_g", "storey_1_drift_max"):

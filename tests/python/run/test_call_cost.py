@@ -66,7 +66,7 @@ def test_eight_threads() -> None:
 
 
 def test_threads_share_changes() -> None:
-    """The keys that were looked up last are remembered by the case, whoever looks."""
+    """The case caches the keys of the last look-up, for all callers."""
     case = _case()
 
     def work(i: int) -> tuple[float, float]:
@@ -128,7 +128,7 @@ def test_idle_threads_end() -> None:
 
 @pytest.mark.parametrize("asked", [None, ("u_s_max", "impacts"), ("U_S_MAX",)])
 def test_changed_cases_share_samples(asked: tuple[str, ...] | None) -> None:
-    """What a changed case takes from its origin gives the bits of a case that was read."""
+    """A changed case shares data of its origin and gives the bits of a case that was read."""
     vertical = rwmf.Motion(_MOTION.values[::-1], dt=0.02, unit="m/s2", name="up")
     for changes in ({"frame": {"xi_s": 0.03}}, {"motion": {"scale": 4.0}}, {"model": {"g": 9.7}}):
         for case in (_case(), _case().replace(vertical=vertical)):
@@ -144,7 +144,7 @@ def test_changed_cases_share_samples(asked: tuple[str, ...] | None) -> None:
 
 
 def test_many_ordinates_of_several_quantities() -> None:
-    """No text says what is asked for: more periods than a text may have."""
+    """No text is composed for more periods than a text may have."""
     case = bare_frame()
     names = ("u_s_max", "energy_input_end")
     periods = np.linspace(0.2, 3.0, 10_500)

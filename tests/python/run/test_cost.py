@@ -1,4 +1,4 @@
-"""What accuracy costs: reference, rows, procedures of today, recommendation, command."""
+"""Cost of accuracy: reference, rows, procedures of practice, recommendation, command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Errors of accelerations and energies: what docs/reference/outputs.md promises, in random scenes.
+"""Errors of accelerations and energies against docs/reference/outputs.md, in random scenes.
 
 RWMF_DEMANDS=300 goes through the first 300 numbers of both families.
 """
@@ -48,7 +48,7 @@ def _scale(key: str, exact: Values) -> float:
 
 
 def _errors(case: rwmf.Case) -> Iterator[tuple[str, float, float]]:
-    """Yield quantities of lanes and runs, their errors over rtol, and what is allowed."""
+    """Yield quantities of lanes and runs, their errors over rtol, and the allowed ratios."""
     size = "scale" if case.motion.kind == "record" else "a_max_g"
     energies = ("energy_balance_relative",)
     keys = [key for key in case.kernel.applicable() if "acceleration_max_g" in key

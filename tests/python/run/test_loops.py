@@ -1,4 +1,4 @@
-"""Loops of force over displacement: their areas are what the energy ledger says of the springs."""
+"""Force-displacement loops: their areas equal the spring energies of the ledger."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ AREA = 1e-6
 @pytest.mark.parametrize("formulation", ["symmetric", "exact"])
 @pytest.mark.parametrize("kind", ["one_sine", "one_cosine"])
 def test_areas_are_the_ledger(kind: str, formulation: str, law: str) -> None:
-    """Work of all springs is what is stored in them in the end and what yielding has taken."""
+    """The work of all springs is their stored energy at the end plus the dissipated energy."""
     changes = {"model": {"formulation": formulation}, "cable": {"law": law}}
     case = CASE.replace(**changes, motion={"kind": kind}, solver={"rtol": 1e-10})
     run = rwmf.simulate(case, dt=2e-4)
@@ -37,7 +37,7 @@ def test_areas_are_the_ledger(kind: str, formulation: str, law: str) -> None:
 
 
 def test_displacements() -> None:
-    """Elongation and uplift are what the geometry of a rotated wall says."""
+    """Elongation and uplift follow from the geometry of a rotated wall."""
     run = rwmf.simulate(CASE, dt=0.01)
     theta = run["theta"].values
     h, b = CASE.wall.h, CASE.wall.b

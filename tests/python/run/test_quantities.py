@@ -1,4 +1,4 @@
-"""The table of quantities names what is reported, and nothing else: over scenes of every kind."""
+"""The table of quantities names all reported quantities, and no others: scenes of every kind."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ sys.path.append(str(ROOT / "bench"))
 import pairs
 
 _KINDS = {"real": float, "int": int, "logical": bool, "text": str, "list": list}
-# what no effect by itself brings
+# quantities that no effect reports by itself
 _FURTHER: list[pairs.Groups] = [
     {"wall": {"h": 2.0, "b": 0.5, "m_w": 1000.0}, "cable": pairs.CABLE},
     {"output": {"reactions": True, "friction_limit": 0.01}},
@@ -39,7 +39,7 @@ def _named(output: str) -> list[str]:
 
 
 def _scenes(folder: Path) -> Iterator[rwmf.Case]:
-    """Every input, scenes that nobody chose, every effect by itself, and some more."""
+    """Return every input, random scenes, every effect by itself, and some more."""
     for path in sorted((ROOT / "inputs").glob("*.nml")):
         text = path.read_text(encoding="utf-8").replace("records/", f"{folder}/")
         case = rwmf.Case.from_text(text, folder / path.name)
@@ -87,7 +87,7 @@ def _places(keys: list[str]) -> list[int]:
 
 @pytest.mark.parametrize("output", ["run", "history"])
 def test_table_is_what_is_reported(reports: list[Report], output: str) -> None:
-    """Nothing that the table does not name, in its order; nothing in it that nobody reports."""
+    """All reported quantities are in the table, in its order, and every row is reported."""
     order = list(QUANTITIES)
     seen: set[str] = set()
     for summary, columns in reports:
@@ -100,7 +100,7 @@ def test_table_is_what_is_reported(reports: list[Report], output: str) -> None:
 
 
 def test_kinds(reports: list[Report]) -> None:
-    """What Python gets is of the kind that the table names."""
+    """Values in Python have the type in the table."""
     for summary, _ in reports:
         for key, value in summary.items():
             assert type(value) is _KINDS[quantities.find(key).kind], key
@@ -119,7 +119,7 @@ def test_grids(elcentro: Path) -> None:
 
 
 def test_names_of_variables_are_without_units() -> None:
-    """What is an attribute of a run has no dimension of its own but what it took and how."""
+    """Attributes of a run have no dimension, apart from its cost and method."""
     for key, row in QUANTITIES.items():
         if "run" in row.outputs.split() and not row.name:
             assert row.found in ("work", "error") or row.kind in ("text", "list") or key == "rtol"
@@ -130,7 +130,7 @@ def test_names_of_variables_are_without_units() -> None:
 
 
 def test_a_name_without_unit_stands_beside_one_that_has_it() -> None:
-    """In each kind of dataset; what asks for quantities takes either, in any letters."""
+    """Each kind of dataset has the names; requests accept both names, in any letters."""
     scene = pairs.SCENE | {"wall": {"h": 2.0, "b": 0.5, "m_w": 1000.0}, "cable": pairs.CABLE}
     case = rwmf.Case.from_text(compose(scene)).replace(
         output={"dt": 0.01, "energy": True, "reactions": True}

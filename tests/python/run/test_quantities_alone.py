@@ -63,7 +63,7 @@ def _wall(**more: dict[str, object]) -> rwmf.Case:
 
 
 def test_both_names_come_back() -> None:
-    """A quantity that has two names in a dataset is there under each that is requested."""
+    """A quantity with two names in a dataset appears under each requested name."""
     case = _wall(frame={"T_s": 1.0, "gamma": 2.0, "xi_s": 0.05})
     pairs = [row.names("ordinate") for row in QUANTITIES.values() if "ordinate" in row.outputs]
     pairs = [names for names in pairs if len(names) > 1 and names[1].startswith("energy")]

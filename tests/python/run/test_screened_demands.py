@@ -14,7 +14,8 @@ from rwmf.quantities import QUANTITIES
 # and one whose chatter adams does not get through (8)
 _SCENES = [number for number in range(0, 60, 2) if number not in (4, 8, 14)]
 RTOL = 1e-10
-# what adams and dop853 agree to in the response, and, far above its error, in every other maximum
+# tolerance of the agreement of adams and dop853 in the response, and a much larger one in all other
+# maxima
 _SAME, _MISSED = 1e-8, 1e-6
 
 
@@ -30,7 +31,7 @@ def _peaks(case: rwmf.Case, method: str) -> dict[str, np.ndarray]:
 
 
 def _is_of(name: str, key: str) -> bool:
-    """Whether a variable is that of a floor or storey."""
+    """Return True for a variable of a floor or storey."""
     before, mark, behind = name.partition("{i}")
     number = key.removeprefix(before).removesuffix(behind)
     return bool(mark) and key == before + number + behind and number.isdigit()

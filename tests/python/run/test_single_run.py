@@ -1,4 +1,4 @@
-"""A frame that leaves its period to `&spectrum` has no run of its own, on whatever way."""
+"""A frame with a period in `&spectrum` only cannot be run singly, by any interface."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_a_spectrum_needs_none(file: Path, tmp_path: Path, batch: Runner) -> Non
 
 
 def test_history_larger_than_the_stack() -> None:
-    """It is shortened to what has been written; a thread has 8 MB."""
+    """The history is shortened to the written rows; a thread has 8 MB."""
     case = rwmf.Case(
         frame={"T_s": 1.0, "xi_s": 0.05},
         motion={"kind": "one_sine", "a_max_g": 0.4, "T_p": 1.0},

@@ -97,7 +97,7 @@ def test_max_steps_is_honoured() -> None:
 def test_a_tolerance_below_round_off_is_refused_everywhere(
     key: str, tmp_path: Path, batch_program: Path
 ) -> None:
-    """Namelist, Python, tables, batch program and C; the Fortran facade has a test of its own."""
+    """Test namelist, Python, tables, batch program and C; another test has the Fortran facade."""
     low = {"rtol": "9e-15", "accuracy": "1.9e-14"}[key]
     least = {"rtol": "1.0e-14", "accuracy": "2.0e-14"}[key]
     case = coupled()

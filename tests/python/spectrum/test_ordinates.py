@@ -1,4 +1,4 @@
-"""Ordinates of spectra report what runs report: every quantity, in one pass of the lanes."""
+"""Ordinates of spectra report the quantities of runs, in one pass of the lanes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _LOOSE = {"energy_balance_relative": 1e-3, "t_friction_demand_max_s": 1e-4, "imp
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the pairs of effects have their record."""
+    """Return the folder with the record of the pairs of effects."""
     place = tmp_path_factory.mktemp("ordinates")
     pairs.prepare(place)
     return place
@@ -129,7 +129,7 @@ def test_other_methods(folder: Path) -> None:
 
 
 def test_sweeps_take_them_from_one_call(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """No run of its own for a point of T_s, gamma and b; what does not apply has no value."""
+    """Points of T_s, gamma and b need no separate run; inapplicable quantities have no value."""
     monkeypatch.delattr("rwmf._library.start_simulation")
     case = _case("`exact`", folder)
     grid = {"T_s": list(_PERIODS), "gamma": [5.0, 10.0], "e": [0.8, 0.9]}
@@ -140,7 +140,7 @@ def test_sweeps_take_them_from_one_call(folder: Path, monkeypatch: pytest.Monkey
 
 
 def test_accuracy_of_a_demand_in_ordinates_and_rows(folder: Path) -> None:
-    """The bound is kept of what is named, whether or not it is among the quantities."""
+    """The error bound holds for the named quantity, requested or not."""
     name = "floor_acceleration_max_g"
     solver = {"rtol": None, "accuracy": 1e-8, "accuracy_of": name, "verify": True}
     case = _case("`exact`", folder)

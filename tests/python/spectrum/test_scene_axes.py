@@ -1,4 +1,4 @@
-"""Axes of storeys and of blocks: an ordinate is the run of the scene that it stands for."""
+"""Axes of storeys and of blocks: an ordinate equals the run of its scene."""
 
 from __future__ import annotations
 
@@ -203,7 +203,7 @@ def test_command_spectrum_of_a_block(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 
 def test_sweeps_of_blocks() -> None:
-    """A width alone leaves the height; with a period it sets the slenderness."""
+    """A width keeps the height; with a period it sets the slenderness."""
     case = block(motion=PULSE, solver=SOLVER)
     found = rwmf.sweep(case, {"b": [0.5, 0.55]})["theta_max_over_alpha"]
     for b, value in zip((0.5, 0.55), found.values, strict=True):

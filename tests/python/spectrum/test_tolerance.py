@@ -298,7 +298,7 @@ def test_every_loop_is_vectorised(source: str, tmp_path: Path) -> None:
 
 
 def _without_outputs(words: list[str]) -> list[str]:
-    """Compiler command without the names of what it writes."""
+    """Return the compiler command without the names of its outputs."""
     kept = []
     skip = False
     for word in words:
@@ -318,7 +318,7 @@ def _marked_loops(path: Path) -> list[tuple[range, bool]]:
     loops = []
     for number, line in enumerate(lines):
         if line.startswith("!$omp simd"):
-            # The report names the mark as well, for what a reduction begins with.
+            # The report also contains the mark as the initial value of a reduction.
             begin = next(k for k in range(number, len(lines)) if lines[k].startswith("do "))
             text = lines[begin : lines.index("end do", begin)]
             chooses = any("merge(" in part for part in text)

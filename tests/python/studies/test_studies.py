@@ -151,7 +151,7 @@ def test_bands_reach_perfect_restitution() -> None:
 
 
 def test_axes_of_studies_are_what_they_set() -> None:
-    """However a grid writes them; the frame alone gets the same ground motion as both."""
+    """Axes in any spelling; the frame alone gets the same ground motion as both."""
     case = coupled(solver=QUICK | {"t_end": 3.0})
     grid = {"frame.t_s": [0.5, 1.0], "A_max_g": [0.2, 0.4], "Wall.B": [0.5]}
     found = studies.wall_effect(case, grid)

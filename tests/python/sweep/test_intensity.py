@@ -100,7 +100,7 @@ def test_they_are_required_where_structures_vary(grid: dict[str, list[float]]) -
         rwmf.sweep(case.replace(spectrum={"T_s": [0.5, 1.0]}), {}, _records(), **options)
     found = rwmf.sweep(case, scaled, _records(), **options, period=1.0, damping=0.05)
     assert found.attrs["intensity_period_s"] == 1.0
-    # what does not change the frame needs none
+    # axes that leave the frame unchanged need none
     rwmf.sweep(case, {"scale": [0.3], "e": [0.8, 0.9], "T_s": [1.0]}, _records(), **options)
 
 

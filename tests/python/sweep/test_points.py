@@ -45,7 +45,7 @@ def _design(n: int = N) -> dict[str, Column]:
 
 
 def _one(case: rwmf.Case, row: dict[str, float], names: list[str]) -> xr.Dataset:
-    """Compute one row alone."""
+    """Compute one row by itself."""
     scale = row["scale"]
     amplitude = "a_max_g" if "a_max_g" in case.motion.given else "scale"
     alone = case.replace(
@@ -307,7 +307,7 @@ def test_other_refusals(elcentro: Path) -> None:
     [
         ("", "has no line with the names"),
         ("e\n", "has no row below"),
-        ("e,e\n1,1\n", "line 1: the column e stands there twice"),
+        ("e,e\n1,1\n", "line 1: the column e is given twice"),
         ("e,T_s\n1\n", "line 2: T_s: no value: 1 values for 2 columns"),
         ("e,T_s\n.9,1\n.9,1,7\n", "line 3: '7': a value without a column: 3 values for 2"),
         ("# c\n\ne,T_s\n.9,1\n.8,x\n", "line 5: T_s = x: must be a finite number"),
@@ -348,7 +348,7 @@ class TestFiles:
         assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
 
     def test_interrupted_and_resumed(self, tmp_path: Path) -> None:
-        """The journal knows its table."""
+        """The journal stores its table."""
 
         def interrupt(done: int, _: int) -> None:
             if done >= 20:

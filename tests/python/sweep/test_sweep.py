@@ -1,4 +1,4 @@
-"""Sweeps: the same numbers as single runs, labels, axes, what is refused."""
+"""Sweeps: equality with single runs, labels, axes, refusals."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def test_other_quantities(elcentro: Path) -> None:
 
 
 def test_outputs_that_cost_are_asked_for_by_their_names() -> None:
-    """Reactions and energy: the case does not ask for them, the quantities do."""
+    """Reactions and energy are computed for the quantities, without a request in the case."""
     wanted = ("friction_demand_max", "base_shear_max_over_weight", "energy_impact_J_per_kg")
     case = coupled(solver={"t_end": 3.0, "method": "dop853"})
     found = rwmf.sweep(case, {"T_s": [0.7, 1.2]}, quantities=wanted).squeeze(drop=True)
@@ -183,7 +183,7 @@ def test_an_error_in_the_progress_function_stops_all_kernels() -> None:
 
 
 def test_letters_and_groups_of_an_axis_do_not_matter() -> None:
-    """An axis is what it sets, however it is written; nothing is computed without it."""
+    """The key defines an axis, whatever its spelling; without it nothing is computed."""
     case = coupled(solver=QUICK | {"t_end": 2.0})
     spellings = {
         "T_s": ("t_s", "frame.T_s", "FRAME.t_S", "spectrum.T_s"),
@@ -250,7 +250,7 @@ def test_axes_that_are_refused(grid: dict[object, object], message: str) -> None
 
 
 def test_scale_acts_on_the_amplitude_of_another_axis() -> None:
-    """Whichever of both stands first in the grid."""
+    """Both orders of the grid give the same result."""
     case = bare_frame(solver=QUICK)
     amplitude, scale = {"a_max_g": [0.2, 0.4]}, {"scale": [1.0, 2.0]}
     for grid in (amplitude | scale, scale | amplitude):

@@ -1,4 +1,4 @@
-"""Files of sweeps and the command that reads them: what they may say, and what is answered."""
+"""Files of sweeps and their command: contents and messages."""
 
 from __future__ import annotations
 

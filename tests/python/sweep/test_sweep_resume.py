@@ -1,4 +1,4 @@
-"""Sweeps in files: resuming, parts, what is refused; the bytes never depend on the way there."""
+"""Sweeps in files: resuming, parts, refusals; the bytes never depend on interruptions."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ pytest.importorskip("h5netcdf")
 
 CASE_SOLVER = {"method": "dop853", "rtol": 1e-6, "t_end": 3.0}
 GRID = {"e": [0.8, 0.85, 0.9], "scale": [0.5, 1.0], "T_s": [0.5, 1.0], "gamma": [5.0, 50.0]}
-# as many as the issue asks for
+# number required by the issue
 KILLS = 10
 
 
@@ -78,7 +78,7 @@ def test_torn_entries_are_computed_again(whole: Path, tmp_path: Path) -> None:
     journal = path.with_name("whole.nc.journal")
     for size in (0, 5, 30, 700, len(content) - 1):
         path.unlink(missing_ok=True)
-        # what a killed process or a full disk may leave behind
+        # remains of a killed process or a full disk
         journal.write_bytes(content[:size] + (b"\0" * 3 if size > 30 else b""))
         _sweep(path)
         assert path.read_bytes() == whole.read_bytes(), size

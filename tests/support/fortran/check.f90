@@ -1,9 +1,9 @@
-!> Collects the checks of one test program.
+!> Checks of one test program.
 !>
-!> A test program holds one `type(checks_t)`, asks `checks%wants(NAME)` before each group of checks,
-!> calls the procedures below with a name for each check and ends with `call checks%finish()`, which
-!> prints 'N passed, N failed' and stops with a non-zero status when a check failed or when none was
-!> made.
+!> A test program holds one `type(checks_t)` and calls `checks%wants(NAME)` before each group of
+!> checks. It calls the procedures below with a name for each check and ends with `checks%finish()`.
+!> This prints 'N passed, N failed' and stops with a non-zero status if a check failed or if there
+!> was none.
 !>
 !>    test_roots                   all groups
 !>    test_roots secant newton     those with one of these words in their names
@@ -32,8 +32,8 @@ module check
 
 contains
 
-   !> Whether a group of checks is to run: each without arguments, else those that the words of the
-   !> command line choose. With `--list` none runs, and the name is printed.
+   !> Return whether a group of checks is to run. Without arguments every group runs, otherwise
+   !> those that the words of the command line select. With `--list` none runs; the name is printed.
    logical function wants(self, name)
       class(checks_t), intent(inout) :: self
       character(*), intent(in) :: name
@@ -55,14 +55,14 @@ contains
       end if
    end function wants
 
-   !> Count a condition; report it by its name when it does not hold.
+   !> Count a condition and report its name if it is false.
    subroutine that(self, condition, name, detail)
       class(checks_t), intent(inout) :: self
       logical, intent(in) :: condition
       character(*), intent(in) :: name
-      !! what is checked, for a person
+      !! description of the check
       character(*), intent(in), optional :: detail
-      !! what was found instead
+      !! the result found instead
 
       if (condition) then
          self%passed = self%passed + 1
@@ -73,7 +73,7 @@ contains
       if (present(detail)) print '(2a)', '   ', detail
    end subroutine that
 
-   !> abs(actual - expected) <= rtol*abs(expected) + atol; a NaN fails.
+   !> Check abs(actual - expected) <= rtol*abs(expected) + atol; a NaN fails.
    subroutine close_to(self, actual, expected, name, rtol, atol)
       class(checks_t), intent(inout) :: self
       real(wp), intent(in) :: actual
@@ -95,7 +95,7 @@ contains
       call self%that(abs(actual - expected) <= allowed, name, trim(detail))
    end subroutine close_to
 
-   !> The call before succeeded.
+   !> Check that the previous call succeeded.
    subroutine no_error(self, error, name)
       class(checks_t), intent(inout) :: self
       type(error_t), allocatable, intent(in) :: error
@@ -108,14 +108,14 @@ contains
       end if
    end subroutine no_error
 
-   !> The call before failed with this status and with `text` in its message.
+   !> Check that the previous call failed with this status and with `text` in its message.
    subroutine has_error(self, error, stat, text, name)
       class(checks_t), intent(inout) :: self
       type(error_t), allocatable, intent(in) :: error
       integer, intent(in) :: stat
       !! one of the `err_` numbers
       character(*), intent(in) :: text
-      !! part of the message that is expected
+      !! expected part of the message
       character(*), intent(in) :: name
 
       if (.not. allocated(error)) then
@@ -126,7 +126,7 @@ contains
       end if
    end subroutine has_error
 
-   !> Print the count and end the program, with status 1 after a failure.
+   !> Print the counts and end the program, with status 1 after a failure.
    subroutine finish(self)
       class(checks_t), intent(in) :: self
 

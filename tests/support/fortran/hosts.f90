@@ -1,4 +1,4 @@
-!> What a host program does with a wall, for several test programs.
+!> Steps of a host program that drives a wall, for several test programs.
 module hosts
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -13,8 +13,8 @@ module hosts
 
 contains
 
-   !> Take every step of a host twice, from the same snapshot: are rotation and forces the same
-   !> bits?
+   !> Return whether rotation and forces agree bit by bit when a host takes each step twice, from
+   !> the same snapshot.
    logical function repeats_the_bits(case, dt, steps)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: dt

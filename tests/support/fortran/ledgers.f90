@@ -1,4 +1,4 @@
-!> The energy ledger of a scene, which has to close.
+!> Check of the energy ledger of a scene.
 module ledgers
    use check, only: checks_t
    use rwmf_core_error, only: error_t
@@ -13,14 +13,14 @@ module ledgers
 
 contains
 
-   !> Run a case: initial + input = stored + viscous + hysteretic + impact.
+   !> Run a case and check initial + input = stored + viscous + hysteretic + impact.
    subroutine check_ledger(checks, scene, rtol, name, result)
       type(checks_t), intent(inout) :: checks
       type(case_t), intent(in) :: scene
       real(wp), intent(in) :: rtol
       !! allowed difference over the largest input [-]
       character(*), intent(in) :: name
-      !! of both checks: that it runs, that the ledger closes
+      !! of both checks, for the run and for the ledger
       type(result_t), intent(out) :: result
 
       type(case_t) :: case

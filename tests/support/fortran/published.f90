@@ -1,11 +1,11 @@
-!> The coefficients A_i and B_i of Eq. (15), in the paper's letters, to compare with the sum of the
+!> Coefficients A_i and B_i of Eq. (15) in the paper's notation, for comparison with the sum of the
 !> loops over lanes (tests/unit/model/test_equation.f90).
 !>
 !>    theta'' = A_1 theta'**2 + A_2 theta' + A_3 u_g'' + A_4   for theta < 0   (15a)
 !>    theta'' = B_1 theta'**2 + B_2 theta' + B_3 u_g'' + B_4   for theta > 0   (15b)
 !>
-!> Differences of sines are written in another but equal form, because the printed one loses all
-!> digits of a small rotation: sin(alpha) - sin(alpha - phi), with phi = |theta|, in b_5 and a_7.
+!> Differences of sines are written in an equivalent form, because the printed one loses all digits
+!> at a small rotation. This is sin(alpha) - sin(alpha - phi) in b_5 and a_7, with phi = |theta|.
 module published
    use rwmf_core_kinds, only: wp
    use rwmf_model_parameters, only: parameters_t
@@ -44,7 +44,7 @@ contains
       A(1) = a_1*a_2*a_6
       A(2) = a_1*a_2*a_5
       A(3) = a_1*a_3
-      ! The printed a_7 already carries the sign of the spring force's moment on this side.
+      ! The printed a_7 already has the sign of the spring force's moment on this side.
       A(4) = a_1*(a_2*a_7 - p%g_over_R*(a_6 - a_4))
    end function coefficients_a
 
@@ -78,7 +78,7 @@ contains
       B(4) = b_1*(b_5 - p%g_over_R*a_4)
    end function coefficients_b
 
-   !> All sines and cosines from one sine of the half angle.
+   !> Compute all sines and cosines from one sine of the half angle.
    pure subroutine half_angle_kinematics(p, phi, lift, c, cosine)
       type(parameters_t), intent(in) :: p
       real(wp), intent(in) :: phi

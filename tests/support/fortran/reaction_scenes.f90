@@ -1,4 +1,4 @@
-!> Scenes with every effect that the tests of reactions start from.
+!> Scenes with every effect, for the tests of reactions.
 module reaction_scenes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -55,7 +55,7 @@ contains
       case%link = link_t(5.0_wp)
    end function linked_pinned
 
-   !> All that acts under both corners of a hinged wall.
+   !> Scene of a hinged wall with all devices under both corners.
    function pinned_with_corners() result(case)
       type(case_t) :: case
 
@@ -65,7 +65,7 @@ contains
       case%inerter = inerter_t(1.5_wp)
    end function pinned_with_corners
 
-   !> Fuses that yield far below the rotation of the test.
+   !> Scene with fuses that yield far below the rotation of the test.
    function fused() result(case)
       type(case_t) :: case
 
@@ -88,7 +88,7 @@ contains
       case%vertical%ratio = 0.65_wp
    end function shaken_vertically
 
-   !> A tendon that yields below the rotation of the test.
+   !> Scene with a tendon that yields below the rotation of the test.
    function with_tendon(law) result(case)
       character(*), intent(in) :: law
       type(case_t) :: case
@@ -98,7 +98,7 @@ contains
       case%cable%hardening = 0.02_wp
    end function with_tendon
 
-   !> The frame yields smoothly.
+   !> Scene with a frame that yields smoothly.
    function hysteretic(formulation) result(case)
       character(*), intent(in) :: formulation
       type(case_t) :: case
@@ -112,7 +112,7 @@ contains
       case%yielding%beta = 0.6_wp
    end function hysteretic
 
-   !> Three unequal storeys under the roof at the wall's top.
+   !> Scene with three unequal storeys under the roof at the wall's top.
    function storeys(coupling, formulation) result(case)
       character(*), intent(in) :: coupling
       character(*), intent(in) :: formulation
@@ -130,7 +130,7 @@ contains
       call add_storeys(case, coupling)
    end function linked_storeys
 
-   !> Every floor linked to a hinged wall.
+   !> Scene of a hinged wall linked to every floor.
    function storeys_of_pinned_wall() result(case)
       type(case_t) :: case
 
@@ -138,7 +138,8 @@ contains
       call add_storeys(case, 'every_floor')
    end function storeys_of_pinned_wall
 
-   !> Every floor linked; all storeys yield at the same drift, far below that of the test.
+   !> Scene with every floor linked; all storeys yield at the same drift, far below that of the
+   !> test.
    function yielding_storeys(law) result(case)
       character(*), intent(in) :: law
       type(case_t) :: case
@@ -148,7 +149,8 @@ contains
       call add_storeys(case, 'every_floor')
    end function yielding_storeys
 
-   !> Every floor linked; each storey yields by itself, far below the drift of the test.
+   !> Scene with every floor linked; each storey yields independently, far below the drift of the
+   !> test.
    function uneven_storeys() result(case)
       type(case_t) :: case
 
@@ -173,7 +175,7 @@ contains
       if (allocated(error)) error stop 'storeys of the tests'
    end subroutine add_storeys
 
-   !> A column of the history.
+   !> Extract a column of the history.
    function column(result, name) result(values)
       type(result_t), intent(in) :: result
       character(*), intent(in) :: name

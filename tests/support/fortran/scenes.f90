@@ -1,4 +1,4 @@
-!> Scenes that several test programs start from, built in memory.
+!> Common scenes of several test programs, built in memory.
 module scenes
    use rwmf_core_kinds, only: pi, wp
    use rwmf_problem_case, only: case_t
@@ -9,7 +9,7 @@ module scenes
 
 contains
 
-   !> The wall of the paper (h = 2 m, b = 0.5 m) with frame, cable, e = 0.9 and a pulse.
+   !> Wall of the paper (h = 2 m, b = 0.5 m) with frame, cable, e = 0.9 and a pulse.
    function rwmf_scene(formulation, gamma, T_s, method) result(case)
       character(*), intent(in) :: formulation
       real(wp), intent(in) :: gamma
@@ -32,7 +32,7 @@ contains
       case%model%formulation = formulation
    end function rwmf_scene
 
-   !> A free-standing block under a one-sine pulse of 0.4 g.
+   !> Free-standing block under a one-sine pulse of 0.4 g.
    function block_scene(method) result(case)
       character(*), intent(in) :: method
       type(case_t) :: case
@@ -56,7 +56,7 @@ contains
       case%solver%verify = .false.
    end function block_scene
 
-   !> The frame alone under the same pulse.
+   !> Frame without wall under the same pulse.
    function frame_scene(T_s, method) result(case)
       real(wp), intent(in) :: T_s
       !! [s]

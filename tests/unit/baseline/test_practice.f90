@@ -1,4 +1,4 @@
-!> Today's procedures tend to the kernel's answer, each with its order.
+!> Convergence of the procedures of today's practice to the kernel's result, each with its order.
 program test_practice
    use check, only: checks_t
    use rwmf_baseline_baseline_run, only: baseline_t, ode45_atol, ode45_rtol, &
@@ -27,7 +27,7 @@ program test_practice
 
 contains
 
-   !> A frame without period cannot be followed.
+   !> A frame without a period is an error.
    subroutine test_no_period(checks)
       type(checks_t), intent(inout) :: checks
       type(case_t) :: case
@@ -40,7 +40,7 @@ contains
       call checks%has_error(error, err_input, '&frame: the key T_s is missing', 'no period')
    end subroutine test_no_period
 
-   !> A wall that begins to rock at once, so that lift-off is no source of error.
+   !> A wall that begins to rock at once, so that uplift is no source of error.
    type(case_t) function rocking_scene() result(case)
 
       case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
@@ -49,14 +49,14 @@ contains
       case%solver%t_end = 3
    end function rocking_scene
 
-   !> With tight tolerances the paper's procedure is right.
+   !> With tight tolerances the paper's procedure is accurate.
    subroutine test_tight_ode45(checks)
       type(checks_t), intent(inout) :: checks
       real(wp), parameter :: tight = 1.0e-11_wp
       real(wp), parameter :: allowed = 1.0e-8_wp
-      !! what some hundred steps of order 5 leave
+      !! error of some hundred steps of order 5
       real(wp), parameter :: allowed_of_maximum = 1.0e-5_wp
-      !! the maximum stays one of the points kept: (omega dt)**2/8
+      !! the maximum is one of the stored points: (omega dt)**2/8
       type(case_t) :: case
       type(baseline_t) :: baseline
       type(result_t) :: result
@@ -79,7 +79,7 @@ contains
          'tight ode45, published: theta', rtol=allowed)
    end subroutine test_tight_ode45
 
-   !> MATLAB's default tolerances give the first digits, no more.
+   !> MATLAB's default tolerances give only the first digits.
    subroutine test_default_ode45(checks)
       type(checks_t), intent(inout) :: checks
       type(case_t) :: case
@@ -97,7 +97,7 @@ contains
       call checks%that(baseline%steps > 20 .and. baseline%steps < 500, 'default ode45: steps')
    end subroutine test_default_ode45
 
-   !> An impact at the end of its step is an error of the order of the step.
+   !> An impact that is placed at the end of its step causes an error of the order of the step.
    subroutine test_first_order(checks, name)
       type(checks_t), intent(inout) :: checks
       character(*), intent(in) :: name
@@ -111,12 +111,12 @@ contains
       call simulate(case, result, error)
       coarse = end_error(checks, case, name, 1.0e-3_wp, result%final_state)
       fine = end_error(checks, case, name, 1.0e-5_wp, result%final_state)
-      ! the share of a step that is missed differs from impact to impact: not exactly 100
+      ! the missed part of a step differs from impact to impact, so the ratio is not exactly 100
       call checks%that(coarse/fine > 20 .and. coarse/fine < 500, name//': first order at impacts')
       call checks%that(fine < 1.0e-3_wp, name//': tends to the kernel''s answer')
    end subroutine test_first_order
 
-   !> Without impacts each method shows its own order.
+   !> Without impacts each method has its own order.
    subroutine test_smooth_order(checks, name, order)
       type(checks_t), intent(inout) :: checks
       character(*), intent(in) :: name
@@ -155,7 +155,7 @@ contains
       found = norm2(baseline%final_state - expected)/norm2(expected)
    end function end_error
 
-   !> A weak motion lifts nothing; a free block calms down.
+   !> A weak motion causes no uplift; a free block comes to rest.
    subroutine test_rest(checks)
       type(checks_t), intent(inout) :: checks
       character(7), parameter :: names(3) = ['ode45  ', 'rk4    ', 'newmark']
@@ -180,7 +180,7 @@ contains
             .and. baseline%t_end >= 10, trim(names(i))//': a weak motion lifts nothing')
          call run_baseline(free, trim(names(i)), 1.0e-3_wp, ode45_rtol, ode45_atol, baseline, error)
          call checks%no_error(error, trim(names(i))//': free rocking')
-         ! what a step overshoots at an impact is energy gained: fixed steps may rattle for ever
+         ! the overshoot at an impact adds energy: walls with fixed steps may rattle forever
          call checks%that(abs(baseline%final_state(1)) < 1.0e-3_wp, trim(names(i))//': calms down')
          call checks%that(size(baseline%impact_times) > 5, trim(names(i))//': rocks before')
       end do
@@ -192,7 +192,7 @@ contains
       free%motion%omega_p = pi
    end subroutine test_rest
 
-   !> A strong pulse throws the block over in all of them.
+   !> A strong pulse overturns the block in all methods.
    subroutine test_overturning(checks)
       type(checks_t), intent(inout) :: checks
       character(7), parameter :: names(3) = ['ode45  ', 'rk4    ', 'newmark']

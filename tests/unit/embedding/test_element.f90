@@ -4,7 +4,7 @@ program test_element
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_positive_inf, ieee_quiet_nan, &
       ieee_value
    use rwmf, only: case_t, create_element, element_response_t, err_input, error_t, &
-      lift_off_drive_of, next_impact, next_lift_off, read_case_text, respond, settles, &
+      uplift_demand_of, next_impact, next_lift_off, read_case_text, respond, settles, &
       velocity_factor, wall_element_t, wp
    use rwmf_problem_case, only: fuse_t, inerter_t
    use scenes, only: rwmf_scene
@@ -59,7 +59,7 @@ contains
       call checks%no_error(error, 'element '//formulation//' '//law//more)
    end function element_of
 
-   !> Central differences of the force by u, u' and u''.
+   !> Compare the tangents with central differences of the force by u, u' and u''.
    subroutine test_tangents(formulation, law, more)
       character(*), intent(in) :: formulation
       character(*), intent(in) :: law
@@ -81,7 +81,7 @@ contains
          do k = 1, 3
             slope(k) = difference(element, side, motion, k)
          end do
-         ! The difference has an error of 1e-10 by truncation and as much by round-off.
+         ! The difference has a truncation error of 1e-10 and a round-off error of the same size.
          call checks%close_to(response%stiffness, slope(1), formulation//law//more//': stiffness', &
             rtol=1.0e-7_wp)
          call checks%close_to(response%damping, slope(2), formulation//law//more//': damping', &
@@ -98,7 +98,7 @@ contains
       real(wp), intent(in) :: motion(3)
       !! u [m], u' [m/s], u'' [m/s2]
       integer, intent(in) :: k
-      !! by which of them
+      !! index of the argument that changes
       type(element_response_t) :: up
       type(element_response_t) :: down
       type(error_t), allocatable :: error
@@ -113,8 +113,8 @@ contains
       slope = (up%force - down%force)/(2*step(k))
    end function difference
 
-   !> At rest and without motion the force is that of gravity and cable, half the overturning moment
-   !> over the height: m_w g tan(alpha)/2 (1 + eta_0).
+   !> At rest and without motion the force is that of gravity and cable: half the overturning moment
+   !> over the height, m_w g tan(alpha)/2 (1 + eta_0).
    subroutine test_statics()
       type(wall_element_t) :: element
       type(element_response_t) :: response
@@ -127,7 +127,7 @@ contains
       call checks%close_to(response%force, expected, 'static force', rtol=1.0e-13_wp)
       call respond(element, -1, 0.0_wp, 0.0_wp, 0.0_wp, 0.0_wp, response, error)
       call checks%close_to(response%force, -expected, 'on the other side', rtol=1.0e-13_wp)
-      call checks%close_to(lift_off_drive_of(element, 1, expected, 0.0_wp), 0.0_wp, &
+      call checks%close_to(uplift_demand_of(element, 1, expected, 0.0_wp), 0.0_wp, &
          'the push that lifts', atol=1.0e-9_wp*expected)
       ! u = 2h sin(theta) for theta < 0
       call respond(element, -1, -4*sin(0.3_wp), 0.0_wp, 0.0_wp, 0.0_wp, response, error)
@@ -137,7 +137,7 @@ contains
       call checks%close_to(velocity_factor(element), 0.9_wp, 'velocity factor', rtol=1.0e-15_wp)
    end subroutine test_statics
 
-   !> Cubics with roots that are known.
+   !> Cubics with known roots.
    subroutine test_impact()
       logical :: found
       real(wp) :: tau
@@ -148,11 +148,11 @@ contains
       call next_impact(1, 0.1_wp, 0.01_wp, 0.0_wp, -0.03_wp, -0.8_wp, found, tau)
       call checks%that(found, 'impact')
       call checks%close_to(tau, 0.05_wp, 'its time', rtol=1.0e-14_wp)
-      ! -u = (t - 0.02) (t - 0.04) has come back at the end
+      ! -u = (t - 0.02) (t - 0.04) is positive again at the end
       call next_impact(-1, 0.1_wp, -0.0008_wp, 0.06_wp, -0.0048_wp, -0.14_wp, found, tau)
       call checks%that(found, 'two returns in one step')
       call checks%close_to(tau, 0.02_wp, 'the first of them', rtol=1.0e-12_wp)
-      ! u = 0.5 t - 10 t**2: begins on the base
+      ! u = 0.5 t - 10 t**2 begins on the base
       call next_impact(1, 0.1_wp, 0.0_wp, 0.5_wp, -0.05_wp, -1.5_wp, found, tau)
       call checks%that(found, 'flight from the base')
       call checks%close_to(tau, 0.05_wp, 'its end', rtol=1.0e-14_wp)
@@ -161,12 +161,12 @@ contains
    subroutine test_lift_off()
       type(wall_element_t) :: element
       real(wp) :: hold
-      !! push that the resting wall bears [N]
+      !! largest push without uplift [N]
       real(wp) :: tau
       integer :: side
 
       element = element_of('symmetric', 'linear', '')
-      hold = -lift_off_drive_of(element, 1, 0.0_wp, 0.0_wp)
+      hold = -uplift_demand_of(element, 1, 0.0_wp, 0.0_wp)
       call next_lift_off(element, 0.1_wp, 0.0_wp, 0.9_wp*hold, 0.0_wp, 0.0_wp, side, tau)
       call checks%that(side == 0, 'stays at rest')
       call next_lift_off(element, 0.1_wp, 0.0_wp, -2*hold, 0.0_wp, 0.0_wp, side, tau)
@@ -183,8 +183,8 @@ contains
          'pushed too hard to settle')
    end subroutine test_lift_off
 
-   !> A hinged wall has no sides: none changes what it answers, a hinge holds nothing, and nothing
-   !> rests on it.
+   !> A hinged wall has no sides: the side does not change the response, any push turns the wall,
+   !> and it never settles.
    subroutine test_hinged()
       character(*), parameter :: nl = new_line('a')
       character(*), parameter :: more(2) = [character(90) :: '', '&link L = 6.0 /'//nl &
@@ -213,14 +213,14 @@ contains
          end do
          call next_lift_off(element, 0.1_wp, -1.0_wp, -2.0_wp, 0.0_wp, 0.0_wp, side, tau)
          call checks%that(side == -1 .and. tau <= 0, 'hinged: turns at once')
-         call checks%close_to(lift_off_drive_of(element, 1, 3.0_wp, 1.7_wp), &
-            -lift_off_drive_of(element, -1, 3.0_wp, 1.7_wp), 'hinged: drive', rtol=1.0e-15_wp)
+         call checks%close_to(uplift_demand_of(element, 1, 3.0_wp, 1.7_wp), &
+            -uplift_demand_of(element, -1, 3.0_wp, 1.7_wp), 'hinged: drive', rtol=1.0e-15_wp)
          call checks%that(.not. settles(element, 0.1_wp, 0.0_wp, 0.0_wp, 0.0_wp, 5.0e4_wp), &
             'hinged: never rests')
       end do
    end subroutine test_hinged
 
-   !> What an element answers, as one array.
+   !> Response of an element as one array.
    pure function numbers_of(response) result(numbers)
       type(element_response_t), intent(in) :: response
       real(wp) :: numbers(8)
@@ -229,7 +229,7 @@ contains
          response%theta, response%theta_dot, response%theta_ddot, response%cable]
    end function numbers_of
 
-   !> The frame's period has no effect, and `&spectrum` may have it.
+   !> The frame's period has no effect, and `&spectrum` may contain it.
    subroutine test_period()
       character(*), parameter :: nl = new_line('a')
       character(*), parameter :: frames(3) = [character(70) :: &
@@ -256,7 +256,8 @@ contains
          'the period of the frame has no effect on the element')
    end subroutine test_period
 
-   !> Without a rule the momentum balance of what the case has: the wall, with `&frame` its mass.
+   !> Without a rule the momentum balance of the case applies: of the wall, and with `&frame` of
+   !> its mass too.
    subroutine test_default_rule()
       character(*), parameter :: nl = new_line('a')
       character(*), parameter :: frames(2) = [character(50) :: &
@@ -278,7 +279,7 @@ contains
       end do
    end subroutine test_default_rule
 
-   !> What a step cannot be: refused, and without an error nothing happens, at no time.
+   !> Invalid steps are refused; without an error argument they report no event and no time.
    subroutine test_bad_steps()
       type(wall_element_t) :: element
       type(wall_element_t) :: none
@@ -307,8 +308,8 @@ contains
       call checks%that(ieee_is_nan(tau) .and. .not. found, 'no side')
       call next_lift_off(none, 0.1_wp, 0.0_wp, 1.0e6_wp, 0.0_wp, 0.0_wp, side, tau, error)
       call checks%has_error(error, err_input, 'never created', 'lift-off of no element')
-      bad(1) = lift_off_drive_of(element, 0, 1.0_wp, 0.0_wp)
-      bad(2) = lift_off_drive_of(none, 1, 1.0_wp, 0.0_wp)
+      bad(1) = uplift_demand_of(element, 0, 1.0_wp, 0.0_wp)
+      bad(2) = uplift_demand_of(none, 1, 1.0_wp, 0.0_wp)
       bad(3) = velocity_factor(none)
       call checks%that(all(ieee_is_nan(bad(:3))), 'no side, no element, no number')
    end subroutine test_bad_steps

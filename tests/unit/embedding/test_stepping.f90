@@ -1,4 +1,4 @@
-!> A ground motion of the host's own making.
+!> Ground motion that the host defines.
 module host_sine
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf, only: ground_t, wp
@@ -7,7 +7,7 @@ module host_sine
 
    public :: gap_t, sine_t
 
-   !> A sine of the host's own making.
+   !> Sine that the host defines.
    type, extends(ground_t) :: sine_t
       real(wp) :: amplitude
       !! [m/s2]
@@ -17,7 +17,7 @@ module host_sine
       procedure :: acceleration_at => sine_at
    end type sine_t
 
-   !> The same with a time in which it is no number.
+   !> Sine that is NaN during an interval.
    type, extends(sine_t) :: gap_t
       real(wp) :: begin
       !! [s]
@@ -46,7 +46,7 @@ contains
 
 end module host_sine
 
-!> A wall inside the time loop of a host: pieces, rejected steps, bad calls, threads.
+!> A wall inside the time loop of a host: pieces, rejected steps, invalid calls, threads.
 program test_stepping
    use check, only: checks_t
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
@@ -90,7 +90,7 @@ program test_stepping
 
 contains
 
-   !> A record that lifts the wall, lets it rest and lifts it again.
+   !> Make a record that causes uplift, then rest, then uplift again.
    pure subroutine make_record(t, a)
       real(wp), intent(out) :: t(n)
       real(wp), intent(out) :: a(n)
@@ -102,7 +102,7 @@ contains
       where (t > 5 .and. t < 7) a = 0
    end subroutine make_record
 
-   !> The same as a case, with the tolerance fixed: without it `simulate` may run twice.
+   !> Case of this record with a fixed tolerance; otherwise `simulate` may run twice.
    function record_scene(method) result(case)
       character(*), intent(in) :: method
       type(case_t) :: case
@@ -116,7 +116,7 @@ contains
       case%solver%atol = 1.0e-11_wp
    end function record_scene
 
-   !> One run, and the record handed over in pieces of one to six intervals.
+   !> Compare one run with the record advanced in pieces of one to six intervals.
    subroutine test_pieces(method, is_exact, ratio)
       character(*), intent(in) :: method
       logical, intent(in) :: is_exact
@@ -174,7 +174,7 @@ contains
       call destroy_stepping(wall)
    end subroutine run_in_pieces
 
-   !> Save, advance, restore, advance: the same bits.
+   !> Save, advance, restore, advance gives the same bits.
    subroutine test_rejected_step(method)
       character(*), intent(in) :: method
       type(case_t) :: case
@@ -210,7 +210,7 @@ contains
       call destroy_stepping(wall)
    end subroutine test_rejected_step
 
-   !> The case's own pulse, cut at its knots, has the bits of one run; cut elsewhere, its digits.
+   !> With the case's own pulse, cuts at its knots give the bits of one run; other cuts its digits.
    subroutine test_own_motion()
       type(case_t) :: case
       type(stepping_t) :: wall
@@ -239,7 +239,7 @@ contains
       call destroy_stepping(wall)
    end subroutine test_own_motion
 
-   !> An acceleration that the host computes against the same pulse of a case.
+   !> Compare an acceleration that the host computes with the same pulse of a case.
    subroutine test_ground_function()
       type(case_t) :: case
       type(stepping_t) :: wall
@@ -268,8 +268,8 @@ contains
       call destroy_stepping(wall)
    end subroutine test_ground_function
 
-   !> A motion that is no number for a while ends the advance there, whether the wall rocks or
-   !> rests, long before the steps have come to their bound.
+   !> A motion that is NaN for a while ends the advance there, for a rocking and a resting wall,
+   !> long before the number of steps reaches its limit.
    subroutine test_motion_with_gap(method, amplitude)
       character(*), intent(in) :: method
       real(wp), intent(in) :: amplitude
@@ -294,7 +294,7 @@ contains
       end do
    end subroutine test_motion_with_gap
 
-   !> The frame alone under a constant acceleration: u = -a/omega**2 (1 - cos(omega t)).
+   !> Frame without a wall under a constant acceleration: u = -a/omega**2 (1 - cos(omega t)).
    subroutine test_bare_frame()
       type(case_t) :: case
       type(stepping_t) :: wall
@@ -311,7 +311,7 @@ contains
       call destroy_stepping(wall)
    end subroutine test_bare_frame
 
-   !> The link's force is what the wall as an element answers to the same motion.
+   !> The link's force equals the force of the wall as an element under the same motion.
    subroutine test_forces(has_corners)
       logical, intent(in) :: has_corners
       !! dampers and inerters there, and vertical motion
@@ -348,7 +348,7 @@ contains
       call destroy_stepping(wall)
    end subroutine test_forces
 
-   !> A bad call says so and changes nothing.
+   !> An invalid call returns an error and changes nothing.
    subroutine test_bad_calls()
       type(case_t) :: case
       type(stepping_t) :: wall
@@ -404,7 +404,7 @@ contains
       call checks%has_error(error, err_input, 'T_s is missing', 'no period')
    end subroutine test_bad_calls
 
-   !> A failure of the integration takes everything back; the host may go on another way.
+   !> A failure of the integration restores the state before the call; the host may then continue.
    subroutine test_failure_takes_back()
       type(case_t) :: case
       type(stepping_t) :: wall
@@ -427,7 +427,7 @@ contains
       call destroy_stepping(wall)
    end subroutine test_failure_takes_back
 
-   !> Two walls in turns do not see each other.
+   !> Two walls that advance in turns do not influence each other.
    subroutine test_interleaved()
       type(case_t) :: case(2)
       type(stepping_t) :: wall(2)
@@ -463,7 +463,7 @@ contains
       end do
    end subroutine test_interleaved
 
-   !> The same bits in every thread.
+   !> Equal bits in every thread.
    subroutine test_threads()
       integer, parameter :: runs = 64
       type(case_t) :: case
@@ -492,7 +492,7 @@ contains
       call destroy_stepping(wall)
    end function final_rotation
 
-   !> Many walls come and go (a leak would show in the test with valgrind).
+   !> Create and destroy many walls (the test with valgrind would find a leak).
    subroutine test_many()
       type(case_t) :: case
       type(stepping_t) :: wall
@@ -508,7 +508,7 @@ contains
       call checks%no_error(error, 'many walls')
    end subroutine test_many
 
-   !> Are the reals the same to the last bit?
+   !> True if the reals are equal to the last bit.
    logical function same_bits(a, b)
       real(wp), intent(in) :: a(:)
       real(wp), intent(in) :: b(:)

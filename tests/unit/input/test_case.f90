@@ -104,7 +104,7 @@ contains
       call checks%that(case%spectrum%spacing == 'linear', 'spacing')
    end subroutine test_spectrum
 
-   !> A record beside the case file, whose last sample ends the simulation.
+   !> A record beside the case file; its last sample ends the simulation.
    subroutine test_record()
       character(:), allocatable :: folder
       character(:), allocatable :: name
@@ -131,7 +131,7 @@ contains
       close (unit, status='delete')
    end subroutine test_record
 
-   !> A file with this content, that the caller deletes.
+   !> Create a file with this content; the caller deletes it.
    subroutine scratch_file(content, folder, name, unit)
       character(*), intent(in) :: content
       character(:), allocatable, intent(out) :: folder
@@ -166,7 +166,7 @@ contains
       call refuse('&wall h = 2 /', '&wall (line 1): the key b is missing')
    end subroutine test_bad_names
 
-   !> Every type and every kind of bound.
+   !> Invalid values of every type and for every kind of bound.
    subroutine test_bad_values()
       call refuse('&wall h = 0 /', '&wall: h = 0 (line 1): must be a number > 0 [m]')
       call refuse('&wall h = nan /', 'h = nan (line 1): must be a number > 0 [m]')
@@ -193,7 +193,7 @@ contains
       call refuse('&spectrum gamma = 1, -2 /', 'gamma = 1, -2 (line 1): must be numbers >= 0 [-]')
    end subroutine test_bad_values
 
-   !> Groups that do not fit together.
+   !> Groups that contradict each other.
    subroutine test_bad_scenes()
       call refuse(ends, 'at least one of these groups')
       call refuse('', 'at least one of these groups')
@@ -281,8 +281,7 @@ contains
       call refuse(bare//ends//'&spectrum T_s = 1, b = 2 /', 'must not be given without &wall')
    end subroutine test_bad_runs
 
-   !> The file's name comes first; folders and devices are refused, not waited for.
-   !> The keys that are given say which rule of impacts it is.
+   !> The given keys determine the impact rule.
    subroutine test_implied_rules()
       character(*), parameter :: keys(6) = [character(40) :: '', 'e = 0.9', 'r = 0.81', &
          'table_e = 1, 0.9, table_theta_dot = 1, 2', "rule = 'housner'", "rule = 'constant', e = 1"]
@@ -333,7 +332,7 @@ contains
          'what does not apply is not described')
    end subroutine test_description
 
-   !> The table is complete: seven columns, a help text for every key, defaults that are allowed.
+   !> The table is complete: nine columns, and a help text for every key.
    subroutine test_schema()
       type(key_t), allocatable :: keys(:)
       character(:), allocatable :: text
@@ -349,10 +348,12 @@ contains
          if (text(i:i) == nl) lines = lines + 1
          if (text(i:i) == tab) tabs = tabs + 1
       end do
-      call checks%that(lines == size(keys) .and. tabs == 7*lines, 'columns of the schema')
+      call checks%that(lines == size(keys) .and. tabs == 8*lines, 'columns of the schema')
       do i = 1, size(keys)
          call checks%that(keys(i)%help /= '', 'help of '//keys(i)%key)
       end do
+      call checks%that(index(text, tab//'m_over_m_w'//nl) > 0, 'a key that replaces another')
+      call checks%that(index(text, tab//'height'//nl) == 0, 'a key that scales another')
       call checks%that(size(group_names()) == 7 + effect_count, 'seven groups, and the effects')
    end subroutine test_schema
 
@@ -373,8 +374,8 @@ contains
       if (allocated(error)) call checks%finish()
    end subroutine accept
 
-   !> Springs that would make a part of the scene swing within less than 1e-5 s: on both sides of
-   !> the limit (2 pi)**2 1e10/g = 4.024e10 1/m for the stiffness of a fuse over m_w g.
+   !> Springs that give a part of the scene a period below 1e-5 s, on both sides of the limit:
+   !> a fuse's stiffness over m_w g of (2 pi)**2 1e10/g = 4.024e10 1/m.
    subroutine test_stiff_springs()
       character(*), parameter :: exact = '&model formulation = ''exact'' /'//nl//wall//ends
       type(case_t) :: case
@@ -393,7 +394,7 @@ contains
    subroutine refuse(text, message)
       character(*), intent(in) :: text
       character(*), intent(in) :: message
-      !! part of what must be said
+      !! required part of the message
       type(case_t) :: case
       type(error_t), allocatable :: error
 

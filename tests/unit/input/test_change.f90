@@ -1,5 +1,5 @@
-!> A changed case is the case that would be read of a text with its numbers: description, messages
-!> and results, without reading anything.
+!> A changed case equals the case that is read from a text with the same numbers: description,
+!> messages and results. The change reads no text and no file.
 program test_change
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use check, only: checks_t
@@ -54,7 +54,7 @@ contains
          scene(:len(scene) - 2)//' max_steps = 1000000 / &output energy = T / &model g = 9.8 /')
    end subroutine test_numbers
 
-   !> A key that is given implies what it would imply in a text; defaults follow it.
+   !> A changed key has the same implications as in a text; defaults follow it.
    subroutine test_defaults()
       call same(scene//cable, ['cable.eta_0'], [0.75_dp], scene//'&cable eta_0 = 0.75 /')
       call same(scene//cable, ['cable.eta_alpha'], [0.75_dp], &
@@ -77,7 +77,7 @@ contains
          [real(dp) ::], scene//cable, [0])
    end subroutine test_lists
 
-   !> What follows from dimensional keys follows again, and is reported by the key that is given.
+   !> A change recomputes ratios from dimensional keys; messages name the key that is given.
    subroutine test_units()
       character(*), parameter :: heavy = '&wall h = 2.0, b = 0.5, density = 2500, ' &
          //'thickness = 0.3 /'//nl//'&frame m_s = 5000, k_s = 2e5, xi_s = 0.05 /'//nl &
@@ -107,7 +107,7 @@ contains
       call refuse(tall//motion, ['storeys.n'], [2.0_dp], 'must be given where the case is made')
    end subroutine test_units
 
-   !> A changed case changes again, without growing.
+   !> A changed case can change again and does not grow.
    subroutine test_chain()
       type(case_t) :: first
       type(case_t) :: case
@@ -133,7 +133,7 @@ contains
       call checks%that(index(text, 'cable.law') > 0, 'a changed case is described')
    end subroutine test_chain
 
-   !> Unit, scale and gravity act on samples that are not read again.
+   !> Unit, scale and gravity apply to the stored samples, which are not read again.
    subroutine test_records()
       character(*), parameter :: name = 'test_change_record.txt'
       character(*), parameter :: at = '&frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /'//nl//wall &
@@ -172,7 +172,7 @@ contains
       call refuse(scene, ['frame.T_s', 'frame.t_s'], [1.0_dp, 1.0_dp], 'the key is given twice')
    end subroutine test_bad_names
 
-   !> The words of reading, without a line that is none.
+   !> The messages equal those of reading, without the line of the changed key.
    subroutine test_bad_numbers()
       call refuse(scene, ['frame.T_s'], [-1.0_dp], '&frame: T_s = -1.0: must be a number > 0 [s]')
       call refuse(scene, ['frame.T_s'], [ieee_value(1.0_dp, ieee_quiet_nan)], &
@@ -187,7 +187,7 @@ contains
       call refuse(storeys, ['wall.h'], [5.0_dp], '&storeys: height = 2.0, 2.0 (line 3): their sum')
    end subroutine test_bad_numbers
 
-   !> A change is cheap: a hundredth of a millisecond, of which this is a generous multiple.
+   !> A change takes a hundredth of a millisecond; the limit is a large multiple of this.
    subroutine test_cost()
       integer, parameter :: repeats = 2000
       type(case_t) :: case
@@ -213,7 +213,7 @@ contains
       call checks%that(seconds < 2.0e-4_wp, 'seconds of a change', real_to_text(seconds))
    end subroutine test_cost
 
-   !> Is the changed case the one that is read of `expected`?
+   !> Check that the changed case equals the case that is read from `expected`.
    subroutine same(text, names, numbers, expected, n_values)
       character(*), intent(in) :: text
       character(*), intent(in) :: names(:)
@@ -243,7 +243,7 @@ contains
       call compare('response', found, wanted)
    end subroutine same
 
-   !> What a run of the case reports, with the samples of another one.
+   !> Report of a run of the case with the samples of another case.
    subroutine respond(case, origin, text)
       type(case_t), intent(in) :: case
       type(case_t), intent(in) :: origin
@@ -283,7 +283,7 @@ contains
       character(*), intent(in) :: names(:)
       real(dp), intent(in) :: numbers(:)
       character(*), intent(in) :: message
-      !! part of what must be said
+      !! required part of the message
       type(case_t) :: case
       type(case_t) :: changed
       type(changes_t) :: changes

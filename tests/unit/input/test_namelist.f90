@@ -26,7 +26,7 @@ program test_namelist
 
 contains
 
-   !> The check value that the definition of the CRC states, and the empty text.
+   !> The check value in the definition of the CRC, and the empty text.
    subroutine test_checksum()
       call checks%that(crc32('123456789') == 'cbf43926', 'check value', crc32('123456789'))
       call checks%that(crc32('') == '00000000', 'crc of nothing')
@@ -46,7 +46,7 @@ contains
       call checks%that(integer_to_text(-huge(1)) == '-2147483647', 'text of an integer')
    end subroutine test_real_to_text
 
-   !> Text and back gives the same bits, for numbers of all sizes and of both reading paths.
+   !> Writing and reading gives the same bits, for numbers of all sizes and for both reading paths.
    subroutine test_round_trip()
       integer, parameter :: n = 20000
       logical :: ok
@@ -114,7 +114,7 @@ contains
       call checks%that(nearest_name('velocity', names) == '', 'nothing is near')
    end subroutine test_nearest_name
 
-   !> Everything that the format allows, in one text.
+   !> All features of the format in one text.
    subroutine test_groups()
       character(*), parameter :: text = char(239)//char(187)//char(191)//'! a comment'//nl// &
          '&Spectrum GAMMA = 1.0, 2*5.0 ! one, two'//nl//' 10, Spacing=''it''''s / & !'''//nl// &
@@ -139,7 +139,7 @@ contains
       end associate
    end subroutine test_groups
 
-   !> Carriage returns and a missing end of the last line change nothing.
+   !> Carriage returns and a missing end of the last line have no effect.
    subroutine test_line_ends()
       type(error_t), allocatable :: error
       type(group_t), allocatable :: groups(:)
@@ -179,7 +179,7 @@ contains
    subroutine refuse(text, message)
       character(*), intent(in) :: text
       character(*), intent(in) :: message
-      !! part of what must be said
+      !! required part of the message
       type(error_t), allocatable :: error
       type(group_t), allocatable :: groups(:)
 

@@ -1,4 +1,4 @@
-!> Record files: formats, header dialects, units, and what a damaged file is told.
+!> Record files: formats, header dialects, units, and the messages for damaged files.
 program test_record
    use check, only: checks_t
    use rwmf_core_error, only: err_input, error_t
@@ -86,7 +86,7 @@ contains
       call checks%has_error(error, err_input, 'overflow', 'accelerations that overflow')
    end subroutine test_units
 
-   !> The four ways in which the line of NPTS and DT is written.
+   !> The four forms of the line with NPTS and DT.
    subroutine test_at2_dialects()
       character(60), parameter :: headers(4) = [character(60) :: &
          'NPTS=      4, DT=   .0100 SEC,', &
@@ -108,7 +108,7 @@ contains
       end do
    end subroutine test_at2_dialects
 
-   !> `dt` and `unit` are needed or refused, as the format says.
+   !> `dt` and `unit` are required or refused, depending on the format.
    subroutine test_keys()
       character(*), parameter :: at2 = title//'4 0.01 NPTS, DT'//nl//numbers
 
@@ -161,7 +161,7 @@ contains
    subroutine refuse(text, message, dt, unit)
       character(*), intent(in) :: text
       character(*), intent(in) :: message
-      !! part of what must be said
+      !! required part of the message
       real(wp), intent(in), optional :: dt
       character(*), intent(in), optional :: unit
       type(error_t), allocatable :: error

@@ -24,7 +24,7 @@ program test_roots
 
 contains
 
-   !> x**2 = 2 in a bracket; how many values it takes.
+   !> Solve x**2 = 2 in a bracket and count the function values.
    subroutine bisect(bracket, count)
       type(bracket_t), intent(inout) :: bracket
       integer, intent(out) :: count
@@ -36,7 +36,7 @@ contains
       end do
    end subroutine bisect
 
-   !> The ends become neighbouring numbers, whatever they were.
+   !> Bisection ends with neighbouring numbers, for any initial bracket.
    subroutine check_bisection()
       type(bracket_t) :: bracket
       integer :: count
@@ -53,7 +53,7 @@ contains
       call checks%close_to(bracket%high, root_2, 'bisection from far apart', rtol=epsilon(root_2))
    end subroutine check_bisection
 
-   !> Functions that pass the level everywhere or nowhere, brackets of no length, a root at zero.
+   !> Functions beyond the level everywhere or nowhere, brackets of zero length, a root at zero.
    subroutine check_bisection_at_ends()
       type(bracket_t) :: bracket
 
@@ -86,7 +86,7 @@ contains
          rtol=4*epsilon(1.0_wp))
    end subroutine check_bisection_at_ends
 
-   !> A bracket need not be narrowed to the last bit.
+   !> A search can stop at a bracket of n spacings.
    subroutine check_spacings()
       type(bracket_t) :: bracket
       integer :: n
@@ -102,7 +102,7 @@ contains
       end do
    end subroutine check_spacings
 
-   !> Newton's method for atan(x - 1) = 0 leaves every bracket from afar; halved, it comes home.
+   !> Newton's method for atan(x - 1) = 0 diverges from afar; with a bracket it converges.
    subroutine check_newton()
       type(bracket_t) :: bracket
       real(wp) :: x
@@ -131,7 +131,7 @@ contains
       call checks%close_to(bracket%middle, 2.25_wp, 'the middle of what is left')
    end subroutine check_newton
 
-   !> Values that Illinois' rule takes to close in on the root of x**n = a.
+   !> Number of function values that the Illinois method needs for the root of x**n = a.
    integer function illinois(n, a, low, high, x) result(count)
       integer, intent(in) :: n
       real(wp), intent(in) :: a
@@ -185,7 +185,7 @@ contains
       call checks%that(secant%x(1) <= root_2 .and. secant%x(2) >= root_2, 'about the root')
    end subroutine check_secant_resolution
 
-   !> A maximum is known to sqrt(epsilon), where the function is flat.
+   !> The location of a maximum is accurate to sqrt(epsilon), because the function is flat there.
    subroutine check_maximum()
       type(maximum_t) :: search
       integer :: count
@@ -207,8 +207,8 @@ contains
       call checks%close_to(search%x(1), 0.3_wp, 'a corner', atol=8*3*sqrt(epsilon(1.0_wp)))
    end subroutine check_maximum
 
-   !> From near it a parabola tells the value of a maximum in a few points; from afar, or without a
-   !> parabola, the search goes on until the bracket is closed.
+   !> Near a maximum a parabola gives its value in a few points. Far from it, or without a parabola,
+   !> the search continues until the bracket is closed.
    subroutine check_near_maximum()
       real(wp), parameter :: start(4) = pi/2 + [1.0e-3_wp, -0.02_wp, 0.2_wp, -1.5_wp]
       type(maximum_t) :: search
@@ -262,7 +262,7 @@ contains
       call checks%that(abs(search%x(1) - 0.5_wp) > 0, 'it is the best')
    end subroutine check_maximum_at_ends
 
-   !> Parabola and cubic: closed forms.
+   !> Closed forms for a parabola and a cubic.
    subroutine check_stationary_points()
       real(wp), parameter :: x(3) = [0.0_wp, 1.0_wp, 4.0_wp]
 

@@ -17,8 +17,8 @@ program test_sign_changes
 
 contains
 
-   !> A rate that dips below zero between two ends at which it is positive: however narrow the dip
-   !> is, and wherever it lies, the span is not called quiet.
+   !> A rate that dips below zero between two ends at which it is positive. For every width and
+   !> position of the dip, the verdict is not "quiet".
    subroutine check_two_changes()
       real(wp) :: a(0:2), b(0:2), middle, width
       type(polygon_t) :: polygon
@@ -42,8 +42,8 @@ contains
       call checks%that(missed == 0, 'no dip is missed')
    end subroutine check_two_changes
 
-   !> Values and rates of two vibrations, of which the faster one goes through up to 1.5 rad. A span
-   !> called quiet has no sign change among dense samples, one with a single change has one.
+   !> Values and rates of two vibrations, of which the faster one covers up to 1.5 rad. A span with
+   !> the verdict "quiet" has no sign change among dense samples; one with a single change has one.
    subroutine check_vibrations()
       real(wp) :: chance(7), f(0:2, 0:samples), angle, rough
       type(polygon_t) :: polygon
@@ -74,7 +74,7 @@ contains
       call checks%that(quiet > 3*scenes/2, 'most spans are decided at once')
    end subroutine check_vibrations
 
-   !> Numbers that are the same in every run.
+   !> Random numbers that are the same in every run.
    subroutine start_chance()
       integer, allocatable :: seed(:)
       integer :: n
@@ -103,7 +103,7 @@ contains
       f(2) = -angle**2*sin(angle*x + phase(1)) - amplitude*slow**2*sin(slow*x + phase(2))
    end function vibration
 
-   !> A function that begins at zero has changed there when it goes on below, and not when above.
+   !> A function that begins at zero has a change there if it becomes negative, and none otherwise.
    subroutine check_begins_at_zero()
       real(wp), parameter :: up(0:2) = [0.0_wp, 1.0_wp, 0.0_wp], end_up(0:2) = [1.0_wp, 1.0_wp, &
          0.0_wp]
@@ -114,7 +114,7 @@ contains
          == change_at_begin, 'it falls from zero')
    end subroutine check_begins_at_zero
 
-   !> The place of a single change: of 1/2 - x**3.
+   !> Location of a single change, that of 1/2 - x**3.
    subroutine check_root()
       type(polygon_t) :: polygon
 

@@ -1,5 +1,5 @@
-!> Reactions against the balance that they did not come from: moments about the centroid, and forces
-!> of the foundation on every part.
+!> Reactions against balances that their computation does not use: moments about the centroid, and
+!> the foundation's forces on every part.
 program test_balance
    use check, only: checks_t
    use reaction_scenes, only: damped, fused, hysteretic, linked, linked_pinned, linked_storeys, &
@@ -71,9 +71,10 @@ program test_balance
 
 contains
 
-   !> Moments of all forces about the centroid give its moment of inertia times theta'', although
-   !> the reactions come from the balance of momentum alone; and the foundation's forces on wall,
-   !> frame, cable and dampers together are the base shear, which comes from the accelerations.
+   !> Check the balances of moments and of horizontal forces. The moments of all forces about the
+   !> centroid equal its moment of inertia times theta''; the reactions follow from the balance of
+   !> momentum only. The foundation's forces on wall, frame, cable and dampers sum to the base
+   !> shear, which follows from the accelerations.
    subroutine check_balance(case, name)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: name
@@ -95,7 +96,7 @@ contains
          call build_equation(case, motion, equation)
          call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
          if (equation%has_impacts) call enter_side(equation%model_t, equation%state, side)
-         ! what yields has done so, and unloads
+         ! the bilinear springs have yielded and unload
          if (equation%has_bilinear_springs) call load_to(equation%model_t, equation%state, &
             side*0.13_wp)
          do i = -1, 1, 2
@@ -121,8 +122,8 @@ contains
       end do
    end subroutine check_balance
 
-   !> Shear and moment inside the wall just above its base, which come from all that is above, are
-   !> those of the foundation's forces, which come from below.
+   !> Check shear and moment in the wall just above its base. The library computes them from the
+   !> forces above; the test computes them from the foundation's forces below.
    subroutine check_base(equation, case, y, reactions, damper, name)
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
@@ -156,7 +157,8 @@ contains
          *equation%p%R*(1 + equation%p%gamma))
    end subroutine check_base
 
-   !> The loop over lanes finds the same from the moments alone.
+   !> Compare the reactions of the loop over lanes, computed from moments only, with the scalar
+   !> reactions.
    subroutine check_loop(equation, y, reactions, name)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -176,7 +178,7 @@ contains
          //'loop, '//name, rtol=10*round_off)
    end subroutine check_loop
 
-   !> The loop over lanes finds the demands of the scalar procedures.
+   !> Compare the demands of the loop over lanes with those of the scalar procedures.
    subroutine check_demands(case, equation, y, name)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -210,7 +212,7 @@ contains
       end do
    end subroutine check_demands
 
-   !> The same without a wall.
+   !> Compare the demands of the loop over lanes with the scalar ones for a case without wall.
    subroutine check_bare_frame(case, name)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: name
@@ -231,7 +233,7 @@ contains
       call check_demands(bare, equation, y, name)
    end subroutine check_bare_frame
 
-   !> Clockwise moment about the centroid of a force at a point of the space.
+   !> Clockwise moment about the centroid of a force at a point in space.
    real(wp) function turn(point, force, equation, y)
       real(wp), intent(in) :: point(2)
       !! from the centre of the base of the resting wall [m]
@@ -244,8 +246,8 @@ contains
       turn = arm(2)*force(1) - arm(1)*force(2)
    end function turn
 
-   !> Clockwise moment of the devices under both corners of a hinged wall: each is drawn out or
-   !> pressed by s = 2b sin(theta/2). The fuses have yielded up to 0.13 rad and unload.
+   !> Clockwise moment of the devices under both corners of a hinged wall. Each device has the
+   !> stroke s = 2b sin(theta/2). The fuses have yielded up to 0.13 rad and unload.
    real(wp) function couple(equation, case, y, y_ddot)
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
@@ -267,8 +269,8 @@ contains
       end associate
    end function couple
 
-   !> Moment of what the links do to the wall: of one at the roof, or of one at every floor, on the
-   !> line from the pivot to the roof's corner.
+   !> Moment of the link forces on the wall. The wall has one link at the roof, or one at every
+   !> floor on the line from the pivot to the roof's corner.
    real(wp) function turn_of_links(equation, case, y, y_ddot) result(moment)
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
@@ -278,9 +280,9 @@ contains
       real(wp), allocatable :: pulls(:)
       !! of the floors on their links [m/s2]
       real(wp), allocatable :: share(:)
-      !! of the floors in the height [-]
+      !! height of the floors over the height of the frame [-]
       real(wp), allocatable :: forces(:)
-      !! of the storeys, spring and damper [m/s2]
+      !! spring and damper force of the storeys [m/s2]
       integer :: i
 
       force = link_force(equation, kinematics_at(equation, y(1)), t, y, y_ddot)
@@ -300,8 +302,8 @@ contains
       end do
    end function turn_of_links
 
-   !> Displacement of the roof that each storey, elastic, would need for the force of its spring and
-   !> damper [m]: the same line for both, and for what has yielded unless each does so by itself.
+   !> Roof displacement at which each storey, if elastic, would carry its spring and damper force
+   !> [m]. All storeys share it, unless they yield one by one.
    function resisting_roof(equation, case, y) result(u)
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
@@ -333,7 +335,7 @@ contains
       u_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
    end function roof_ddot_of
 
-   !> Where a point of the wall is, given from its centroid [m].
+   !> Position of a point of the wall, given relative to its centroid [m].
    function place(equation, theta, point) result(x)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -354,7 +356,8 @@ contains
       if (equation%has_impacts) x(1) = equation%state%side*equation%p%R*equation%p%sin_alpha
    end function pivot
 
-   !> Left top corner; of `symmetric` the one opposite to the pivot; of a hinged wall the middle.
+   !> Point of the wall at the link. It is the top left corner; for `symmetric` the corner opposite
+   !> the pivot; for a hinged wall the middle of the top.
    function link_corner(equation, case, y) result(x)
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
@@ -367,7 +370,7 @@ contains
       x = place(equation, y(1), x)
    end function link_corner
 
-   !> The cable is fixed in the middle of the wall's top.
+   !> Anchor of the cable in the middle of the wall's top.
    function cable_point(equation, y) result(x)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -385,7 +388,7 @@ contains
          equation%p%cos_alpha])
    end function lifting_corner
 
-   !> Spring and damper of the frame on its mass, against its motion.
+   !> Spring and damper force of the frame on its mass, against its motion.
    real(wp) function frame_shear(equation, case, y) result(shear)
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
@@ -398,7 +401,7 @@ contains
       complex(wp) :: root
       complex(wp) :: rise
 
-      ! u_s(theta) once more from the geometry, its derivative by a complex step
+      ! recompute u_s(theta) from the geometry; the derivative is a complex step
       phi = equation%state%side*y(1)
       w = cmplx(phi, step, wp)
       associate (s => equation%p%sin_alpha, c => equation%p%cos_alpha, L => equation%geometry%link)
@@ -440,8 +443,8 @@ contains
       if (allocated(case%storeys)) has_all_links = case%storeys%coupling == 'every_floor'
    end function has_all_links
 
-   !> The columns of the lowest storey and all dampers; one mode: what its floors need less what
-   !> the link brings.
+   !> Shear of the columns of the lowest storey and of all dampers. With one mode it is the force on
+   !> the floors minus the link force.
    real(wp) function storey_shear(equation, case, y, roof, rate) result(shear)
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
@@ -464,7 +467,8 @@ contains
          link = link_force(equation, kin, t, y, second_derivative(equation, t, y))
          roof_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 &
             + kin%j*second_derivative(equation, t, y))
-         ! the link holds the roof's modal equation, every floor has the acceleration of its share
+         ! the link force balances the roof's modal equation; floor accelerations follow the mode
+         ! shape
          call checks%close_to(-link(1), sum(frame%shape(:, 1)*(frame%m*(frame%shape(:, 1) &
             *roof_ddot/frame%shape(3, 1) + ground(equation, t)) + (frame%omega(1)**2*roof &
             + 2*case%frame%xi_s*frame%omega(1)*rate)*frame%m*frame%shape(:, 1) &
@@ -474,7 +478,7 @@ contains
       end associate
    end function storey_shear
 
-   !> Does the link's end move as the left top corner while the wall rocks to the left?
+   !> Return whether the link's end follows the top left corner while the wall rocks to the left.
    logical function is_left(equation)
       type(equation_t), intent(in) :: equation
       real(wp), parameter :: large = 0.5_wp
@@ -494,7 +498,7 @@ contains
       u = kin%u
    end function kinematic_u
 
-   !> Force times velocity of the lifting corner is the power that the damper takes.
+   !> Compare force times velocity at the lifting corner with the dissipated power of the damper.
    subroutine check_damper_power()
       type(case_t) :: case
       type(motion_t), target :: motion

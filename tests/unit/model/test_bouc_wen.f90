@@ -40,7 +40,7 @@ program test_bouc_wen
 
 contains
 
-   !> A scene whose frame yields smoothly.
+   !> Scene with a frame that yields smoothly.
    function hysteretic(scene, u_y, hardening, exponent, beta) result(case)
       type(case_t), intent(in) :: scene
       real(wp), intent(in) :: u_y
@@ -59,7 +59,8 @@ contains
       case%yielding%law = 'bouc_wen'
    end function hysteretic
 
-   !> The same in closed form, from displacements far below yielding to far beyond, and symmetric.
+   !> Check the closed forms of the first loading, from far below yielding to far beyond, and their
+   !> symmetry.
    subroutine check_closed_forms()
       real(wp), parameter :: x(6) = [1.0e-9_wp, 0.01_wp, 0.5_wp, 2.0_wp, 9.0_wp, 200.0_wp]
       integer :: i
@@ -69,15 +70,15 @@ contains
             rtol=1.0e-14_wp, atol=1.0e-16_wp)
          call checks%close_to(virgin_displacement(-x(i), 2.0_wp), -tanh(x(i)), 'n = 2', &
             rtol=1.0e-14_wp, atol=1.0e-16_wp)
-         ! no knee left: the elastic-plastic law
+         ! large n: the elastic-plastic law without a knee
          call checks%close_to(virgin_displacement(x(i), 1000.0_wp), min(x(i), 1.0_wp), 'n = 1000', &
             rtol=1.0e-6_wp)
       end do
       call checks%that(abs(virgin_displacement(0.0_wp, 3.0_wp)) <= 0, 'nothing')
    end subroutine check_closed_forms
 
-   !> A force that hardening has turned against z goes by loading on: 1 - z decays with exp(-way)
-   !> for n = 1, z = tanh(atanh(z_0) + way) for n = 2, and z = 1 to round-off stays that.
+   !> Check continued loading after hardening has turned the force against z: 1 - z decays with
+   !> exp(-way) for n = 1, z = tanh(atanh(z_0) + way) for n = 2. A z of 1 to round-off stays 1.
    subroutine check_loading_on()
       real(wp), parameter :: x(3) = [-9.5_wp, -15.0_wp, -400.0_wp]
       real(wp), parameter :: left(5) = [0.4_wp, 1.0e-3_wp, 1.0e-9_wp, 4.0e-16_wp, 0.0_wp]
@@ -102,8 +103,8 @@ contains
       end do
    end subroutine check_loading_on
 
-   !> While u grows, z is a function of u/u_y alone, whatever the motion: 1 - exp(-x) for n = 1,
-   !> tanh(x) for n = 2.
+   !> Check the first loading: while u grows, z depends on u/u_y only. It is 1 - exp(-x) for n = 1
+   !> and tanh(x) for n = 2.
    subroutine check_first_loading(exponent, name)
       real(wp), intent(in) :: exponent
       character(*), intent(in) :: name
@@ -130,8 +131,8 @@ contains
       call check_residual(x, result%residual_displacement/case%yielding%u_y, exponent, name)
    end subroutine check_first_loading
 
-   !> Unloaded slowly from the first loading, with hardening 0.1 and beta = 0.6, z falls to zero at
-   !> x_0 and follows the first loading from there, to where 0.1 x + 0.9 z = 0.
+   !> Check slow unloading from the first loading, with hardening 0.1 and beta = 0.6. z falls to
+   !> zero at x_0, then follows the first loading up to 0.1 x + 0.9 z = 0.
    subroutine check_residual(x, rest, exponent, name)
       real(wp), intent(in) :: x
       !! displacement over u_y [-]
@@ -154,8 +155,9 @@ contains
          rtol=1.0e-8_wp)
    end subroutine check_residual
 
-   !> From the peak on, n = 2: dz/dx = 1 + (2 beta - 1) z**2 until z changes its sign, so that
-   !> arctan(c z)/c differs from that of the peak by x - x_peak, c = sqrt(2 beta - 1).
+   !> Check unloading from the peak for n = 2. Until z changes its sign, dz/dx = 1 + (2 beta - 1)
+   !> z**2. With c = sqrt(2 beta - 1), arctan(c z)/c therefore differs from its value at the peak by
+   !> x - x_peak.
    subroutine check_unloading()
       type(case_t) :: case
       type(result_t) :: result
@@ -187,8 +189,9 @@ contains
       end associate
    end subroutine check_unloading
 
-   !> Where z passes zero the law has a corner, at which every method begins a new piece of motion:
-   !> from the first peak beyond the zero z(u) is known, and met within a few tolerances.
+   !> Check the passage of z through zero, where the law has a corner and every method starts a new
+   !> piece of motion. Beyond the zero after the first peak, z(u) is known; the result agrees within
+   !> a few tolerances.
    subroutine check_passage(exponent, name)
       real(wp), intent(in) :: exponent
       character(*), intent(in) :: name
@@ -215,7 +218,7 @@ contains
       end do
    end subroutine check_passage
 
-   !> z beyond its first zero after the first peak, for beta = 3/4.
+   !> Value of z beyond its first zero after the first peak, for beta = 3/4.
    pure real(wp) function beyond_zero(exponent, x_peak, x) result(z)
       real(wp), intent(in) :: exponent
       real(wp), intent(in) :: x_peak
@@ -236,7 +239,8 @@ contains
       end if
    end function beyond_zero
 
-   !> Small natural exponents have products of their own; their neighbours are powers.
+   !> Compare small integer exponents, computed by products, with neighbouring exponents, computed
+   !> by powers.
    subroutine check_natural_exponents()
       real(wp), parameter :: exponents(5) = [1.0_wp, 2.0_wp, 3.0_wp, 4.0_wp, 8.0_wp]
       type(case_t) :: case
@@ -257,8 +261,8 @@ contains
       end do
    end subroutine check_natural_exponents
 
-   !> As long as nothing yields z passes zero in the instant of the impact: both are one event, at
-   !> every tolerance.
+   !> Check an elastic frame, for which z passes zero at the instant of the impact: both are one
+   !> event, at every tolerance.
    subroutine check_passage_at_impact()
       character(13), parameter :: methods(4) = [character(13) :: 'adams', 'erk54', 'dop853', &
          'extrapolation']
@@ -285,7 +289,7 @@ contains
       end do
    end subroutine check_passage_at_impact
 
-   !> A frame that stands still has no peaks: the steps before the ground moves are few.
+   !> Check that a frame at rest takes few steps before the ground moves; it has no peaks.
    subroutine check_standstill()
       type(case_t) :: case
       type(result_t) :: result
@@ -299,7 +303,7 @@ contains
       call checks%that(result%steps < 1000, 'a frame that stands still takes few steps')
    end subroutine check_standstill
 
-   !> u_y -> infinity is the scene without the group.
+   !> Compare the limit u_y -> infinity with the scene without the group.
    subroutine check_elastic_limit()
       type(case_t) :: case
       type(result_t) :: result
@@ -315,8 +319,9 @@ contains
       call checks%close_to(result%u_s_max, elastic%u_s_max, 'elastic limit', rtol=1.0e-9_wp)
    end subroutine check_elastic_limit
 
-   !> n -> infinity is the elastic-plastic law. What the knee lacks is a share 1/n of the force over
-   !> a share 1/n of the way: the difference falls as 1/n**2.
+   !> Compare the limit n -> infinity with the elastic-plastic law. The knee lowers the force by a
+   !> share of 1/n over a share of 1/n of the displacement. The difference therefore falls as
+   !> 1/n**2.
    subroutine check_sharp_limit(with_wall, name)
       logical, intent(in) :: with_wall
       character(*), intent(in) :: name
@@ -350,7 +355,7 @@ contains
          'residual displacement of it, '//name, rtol=1.0e-3_wp)
    end subroutine check_sharp_limit
 
-   !> Input = stored + dissipated + impact.
+   !> Check the energy balance: input = stored + dissipated + impact.
    subroutine check_energy(scene, name)
       type(case_t), intent(in) :: scene
       character(*), intent(in) :: name
@@ -363,7 +368,7 @@ contains
       call checks%that(result%energy%hysteretic > 0, 'and dissipates, '//name)
    end subroutine check_energy
 
-   !> All methods agree.
+   !> Check that all methods agree.
    subroutine check_methods()
       character(13), parameter :: methods(4) = [character(13) :: 'adams', 'bdf', 'erk54', &
          'extrapolation']
@@ -384,7 +389,7 @@ contains
       end do
    end subroutine check_methods
 
-   !> The mirrored motion gives the mirrored response.
+   !> Check that the mirrored motion gives the mirrored response.
    subroutine check_mirror()
       type(case_t) :: case
       type(result_t) :: result
@@ -400,7 +405,7 @@ contains
       call checks%that(all(abs(result%final_state + mirrored%final_state) <= 0), 'mirror')
    end subroutine check_mirror
 
-   !> A host that rejects steps gets the same bits.
+   !> Check that a host that rejects steps obtains the same bits.
    subroutine check_stepping()
       type(case_t) :: case
 
@@ -409,7 +414,7 @@ contains
       call checks%that(repeats_the_bits(case, 0.05_wp, 100), 'a repeated step has the same bits')
    end subroutine check_stepping
 
-   !> What does not fit together is refused.
+   !> Check that incompatible inputs are refused.
    subroutine check_refusals()
       character(*), parameter :: scene = '&wall h = 3, b = 1 / &solver t_end = 1 / ' &
          //'&frame T_s = 1, gamma = 5, xi_s = 0 /'

@@ -94,7 +94,7 @@ contains
       case%vertical%ratio = ratio
    end function shaken_vertically
 
-   !> A group that is absent from a case adds no loop, state or coefficient to its equation.
+   !> Check that a group absent from a case adds no loop, state or coefficient to its equation.
    subroutine check_absent()
       type(case_t) :: case
       type(motion_t), target :: motion
@@ -114,9 +114,9 @@ contains
          'the coefficients of the damper alone')
    end subroutine check_absent
 
-   !> A host that advances a wall under the case's own motion gets the bits of one run, also with
-   !> losses by a table; it hands over the horizontal motion, which a record of its own does not
-   !> follow.
+   !> Check that a host that advances a wall under the case's motion obtains the bits of one run,
+   !> also with restitution from a table. With a separate vertical record, ground samples of the
+   !> host are an error.
    subroutine check_host()
       type(case_t) :: case
       type(stepping_t) :: wall
@@ -132,7 +132,7 @@ contains
       call simulate(case, whole, error)
       call checks%no_error(error, 'one run')
       call create_stepping(wall, case, error)
-      ! the end of the pulse, where a run stops as well
+      ! the end of the pulse, where a run also stops
       call advance_stepping(wall, 1.0_wp, error)
       call advance_stepping(wall, case%solver%t_end, error)
       call query_state(wall, state, error)
@@ -150,7 +150,8 @@ contains
       call destroy_stepping(wall)
    end subroutine check_host
 
-   !> Samples that mean the same instant are one knot, whatever the last digit of their times.
+   !> Check that samples at the same instant form one knot, even if the last digits of their times
+   !> differ.
    subroutine check_merged_times()
       real(wp) :: product(100)
       real(wp) :: quotient(50)
@@ -165,7 +166,7 @@ contains
       call checks%that(size(merged_times(quotient(:0), quotient)) == 50, 'one sequence alone')
    end subroutine check_merged_times
 
-   !> No inertance is the scene without the group.
+   !> Compare zero inertance with the scene without the group.
    subroutine check_no_inerter()
       type(case_t) :: case
       type(result_t) :: result
@@ -180,7 +181,7 @@ contains
       call checks%close_to(result%u_s_max, limit%u_s_max, 'no inertance', rtol=1.0e-10_wp)
    end subroutine check_no_inerter
 
-   !> c = 0 is the scene without the group.
+   !> Compare c = 0 with the scene without the group.
    subroutine check_no_damping()
       type(case_t) :: case
       type(result_t) :: result
@@ -195,7 +196,8 @@ contains
       call checks%close_to(result%u_s_max, limit%u_s_max, 'no damping', rtol=1.0e-10_wp)
    end subroutine check_no_damping
 
-   !> Moment from the definition: force c d(stroke)/dt along the chord 4b sin(phi/2).
+   !> Compare the damping moment with its definition: force c d(stroke)/dt along the chord 4b
+   !> sin(phi/2).
    subroutine check_damping()
       type(case_t) :: case
       type(motion_t), target :: motion
@@ -219,7 +221,7 @@ contains
          'moment of a corner damper', rtol=1.0e-7_wp)
    end subroutine check_damping
 
-   !> Analytic derivatives against central differences, on both sides.
+   !> Compare analytic derivatives with central differences, on both sides.
    subroutine check_jacobian(case, name)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: name
@@ -248,7 +250,7 @@ contains
       end do
    end subroutine check_jacobian
 
-   !> Eq. (3), evaluated as printed, on both sides.
+   !> Compare the link geometry with Eq. (3), evaluated as printed, on both sides.
    subroutine check_link_geometry()
       type(case_t) :: case
       type(motion_t), target :: motion
@@ -277,7 +279,7 @@ contains
       end associate
    end subroutine check_link_geometry
 
-   !> L -> infinity is the scene without the group.
+   !> Compare the limit L -> infinity with the scene without the group.
    subroutine check_long_link()
       type(case_t) :: case
       type(result_t) :: result
@@ -292,7 +294,7 @@ contains
       call checks%close_to(result%u_s_max, limit%u_s_max, 'long link', rtol=1.0e-9_wp)
    end subroutine check_long_link
 
-   !> Input = stored + viscous + impact.
+   !> Check the energy balance: input = stored + viscous + impact.
    subroutine check_energy(scene, name)
       type(case_t), intent(in) :: scene
       character(*), intent(in) :: name
@@ -302,8 +304,8 @@ contains
       call check_ledger(checks, scene, 1.0e-8_wp, 'energy, '//name, result)
    end subroutine check_energy
 
-   !> A small swing of the hinged wall is a linear oscillator whose stiffness gravity reduces and
-   !> whose mass the wall adds to: compare the instant of the first peak in free vibration.
+   !> Compare a small swing of the hinged wall with a linear oscillator, at the first peak in free
+   !> vibration. Gravity reduces the stiffness and the wall adds to the mass.
    subroutine check_pinned_is_linear()
       type(case_t) :: case
       type(result_t) :: result

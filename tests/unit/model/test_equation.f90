@@ -1,4 +1,4 @@
-!> The equation of motion against the printed coefficients, its Jacobian and its other forms.
+!> Equation of motion compared with the printed coefficients, its Jacobian and its other forms.
 program test_equation
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
@@ -32,7 +32,7 @@ program test_equation
 
 contains
 
-   !> Eq. (15), A_1 to A_4 and B_1 to B_4 as they are printed.
+   !> Compare the coefficients with Eq. (15), A_1 to A_4 and B_1 to B_4 as printed.
    subroutine check_printed_coefficients()
       type(motion_t), target :: motion
       type(equation_t) :: equation
@@ -99,7 +99,7 @@ contains
       B = [b_1*b_2, b_1*b_3, b_1*b_4, b_1*b_5 - p%g/p%R*b_1*a_4]
    end function printed_b
 
-   !> Equation of a scene during the pulse, on one side.
+   !> Build the equation of a scene during the pulse, on one side.
    subroutine build(case, motion, side, equation)
       type(case_t), intent(in) :: case
       type(motion_t), intent(inout), target :: motion
@@ -112,7 +112,7 @@ contains
       call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
    end subroutine build
 
-   !> A_i and B_i against the general form with its lever arm.
+   !> Compare A_i and B_i with the general form with its lever arm.
    subroutine check_published_form()
       type(motion_t), target :: motion
       type(equation_t) :: equation
@@ -137,7 +137,7 @@ contains
       end do
    end subroutine check_published_form
 
-   !> The same equation with v = |u_s|/(2R) as the unknown (docs/theory/theory.md).
+   !> Check the equation in the unknown v = |u_s|/(2R) (docs/theory/theory.md).
    subroutine check_displacement_form()
       type(motion_t), target :: motion
       type(equation_t) :: equation
@@ -163,7 +163,7 @@ contains
       end associate
    end subroutine check_displacement_form
 
-   !> No frame: Eq. (11); gamma = 0 is the same wall.
+   !> Compare the equation without frame with Eq. (11), and with that for gamma = 0.
    subroutine check_reductions()
       type(motion_t), target :: motion
       type(motion_t), target :: other
@@ -188,7 +188,7 @@ contains
       end associate
    end subroutine check_reductions
 
-   !> Analytic derivatives against central differences.
+   !> Compare analytic derivatives with central differences.
    subroutine check_jacobian(formulation, law)
       character(*), intent(in) :: formulation
       character(*), intent(in) :: law
@@ -216,7 +216,8 @@ contains
       end do
    end subroutine check_jacobian
 
-   !> The truss keeps P(0), P(alpha); its moment is the derivative of its energy.
+   !> Check the truss law: it keeps P(0) and P(alpha), and its moment is the derivative of its
+   !> energy.
    subroutine check_truss()
       real(wp), parameter :: step = 1.0e-5_wp
       type(case_t) :: case

@@ -1,4 +1,4 @@
-!> Laws of springs beyond the bilinear one: along random ways against return mappings of their own,
+!> Laws of springs other than the bilinear one, along random paths against separate return mappings,
 !> and against closed forms, point by point.
 program test_laws
    use check, only: checks_t
@@ -31,7 +31,7 @@ program test_laws
 
 contains
 
-   !> Bring a spring from the elongation a to b.
+   !> Move a spring from the elongation a to b.
    subroutine move(spring, branch, a, b)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -52,7 +52,7 @@ contains
       end do
    end subroutine move
 
-   !> Random turning points.
+   !> Create random turning points.
    subroutine make_way(way)
       real(wp), intent(out) :: way(:)
       integer :: n
@@ -60,12 +60,13 @@ contains
       call random_init(repeatable=.true., image_distinct=.true.)
       call random_number(way)
       way = 2*way - 1
-      ! ways grow, so that small loops and large ones occur
+      ! the amplitude grows, so that small and large loops occur
       way = [(way(n)*(0.2_wp + 0.8_wp*n/size(way)), n=1, size(way))]
    end subroutine make_way
 
-   !> Friction that holds 1.3 of what it slips at: return mapping, in steps so short that it lets go
-   !> at most once in each; stored and lost energy make up the work.
+   !> Check friction with a breakaway force of 1.3 times the sliding force, against a return
+   !> mapping. The steps are so short that each has at most one breakaway. Stored and dissipated
+   !> energy sum to the work.
    subroutine check_friction(hardening)
       real(wp), intent(in) :: hardening
       real(wp), parameter :: breakaway = 1.3_wp
@@ -86,7 +87,7 @@ contains
       worst = 0
       worst_balance = 0
       do n = 1, size(way)
-         ! it sticks where it turns
+         ! the slider sticks at a turning point
          if (sliding*(way(n) - x) < 0) sliding = 0
          do i = 1, steps
             to = way(n)
@@ -97,7 +98,7 @@ contains
                excess = k*(to - p) - modulus*p
                if (abs(excess) > breakaway*f_y) sliding = int(sign(1.0_wp, excess))
                if (sliding /= 0) then
-                  ! up to where it lets go, and from there on
+                  ! up to the breakaway, and from there on
                   associate (x_go => p + (sliding*breakaway*f_y + modulus*p)/k)
                      work = work + (force + k*(x_go - p))/2*(x_go - x)
                      p = (k*x_go - sliding*f_y)/(k + modulus)
@@ -120,7 +121,8 @@ contains
       call checks%close_to(worst_balance, 0.0_wp, 'friction, energy', atol=1.0e-10_wp)
    end subroutine check_friction
 
-   !> A flag between its two lines: the elastic trial force, kept between them; work in short steps.
+   !> Check a flag-shaped law: the elastic trial force, limited to the band between its two lines;
+   !> work in short steps.
    subroutine check_flag(hardening, height)
       real(wp), intent(in) :: hardening
       real(wp), intent(in) :: height
@@ -172,7 +174,7 @@ contains
       if (abs(line) > share*f_y) line = sign(share*f_y + hardening*(abs(line) - share*f_y), x)
    end function line
 
-   !> What a cycle from zero and back takes, and what is stored at its peak.
+   !> Check the dissipation of a cycle from zero and back, and the energy stored at its peak.
    subroutine check_flag_cycle()
       real(wp), parameter :: a = 0.1_wp, h = 0.7_wp, x_m = 0.9_wp
       type(spring_t) :: spring
@@ -192,8 +194,8 @@ contains
          atol=1.0e-15_wp)
    end subroutine check_flag_cycle
 
-   !> Spring of Ibarra, Medina and Krawinkler: cap at 4 u_y, zero force 10 u_y beyond, a fifth of
-   !> the strength remains.
+   !> Spring of Ibarra, Medina and Krawinkler with the cap at 4 u_y, zero force 10 u_y beyond it,
+   !> and a residual strength of one fifth.
    function worn_spring(name, lambda, pinch) result(spring)
       character(*), intent(in) :: name
       real(wp), intent(in), optional :: lambda
@@ -208,7 +210,8 @@ contains
       spring = new_spring(k, f_y, 0.1_wp, law=law)
    end function worn_spring
 
-   !> Pushed once: slope k, a tenth of it, down from 1.3 F_y, and what remains.
+   !> Check monotonic loading: slope k, hardening slope k/10, softening from 1.3 F_y, residual
+   !> strength.
    subroutine check_envelope()
       real(wp), parameter :: x(0:6) = [0.0_wp, 0.5_wp, 1.0_wp, 4.0_wp, 9.0_wp, 4 + 11/1.3_wp, &
          30.0_wp]
@@ -231,8 +234,9 @@ contains
          'unloaded from there', rtol=1.0e-13_wp)
    end subroutine check_envelope
 
-   !> Without wear: unloading with k, reloading to the peak of the other side, which is the point of
-   !> first yield before it has yielded; by way of the last turn where this is stiffer.
+   !> Check the peak-oriented law without deterioration. Unloading has the stiffness k. Reloading
+   !> aims at the peak of the other side, or at its point of first yield before it has yielded. If
+   !> the line through the last turning point is stiffer, reloading follows that line.
    subroutine check_peak_oriented()
       type(spring_t) :: spring
       type(branch_t) :: branch
@@ -258,14 +262,15 @@ contains
       call move(spring, branch, 1.05_wp*u_y, -0.775_wp*u_y)
       call checks%close_to(spring_force(spring, branch, -0.775_wp*u_y), -0.55_wp*f_y, &
          'half way back', rtol=1.0e-13_wp)
-      ! the last turn (1.05, 0.6) is stiffer to come by than the peak: 0.6/1.275 > 1.2/3.225
+      ! the line to the last turn (1.05, 0.6) is stiffer than that to the peak: 0.6/1.275 >
+      ! 1.2/3.225
       call move(spring, branch, -0.775_wp*u_y, 0.4125_wp*u_y)
       call checks%close_to(spring_force(spring, branch, 0.4125_wp*u_y), 0.3_wp*f_y, &
          'half way to the last turn', rtol=1.0e-13_wp)
       call move(spring, branch, 0.4125_wp*u_y, 2.025_wp*u_y)
       call checks%close_to(spring_force(spring, branch, 2.025_wp*u_y), 0.9_wp*f_y, &
          'from there to the peak', rtol=1.0e-13_wp)
-      ! unloaded in part and loaded again
+      ! partial unloading, then reloading
       call move(spring, branch, 2.025_wp*u_y, 1.5_wp*u_y)
       call checks%close_to(spring_force(spring, branch, 1.5_wp*u_y), 0.375_wp*f_y, &
          'in part', rtol=1.0e-13_wp)
@@ -274,7 +279,8 @@ contains
          'back on the envelope', rtol=1.0e-13_wp)
    end subroutine check_peak_oriented
 
-   !> Wear by the formula, once by hand: E_1 is the area to 3 u_y and back to zero.
+   !> Compare the deterioration with its formula, evaluated by hand: E_1 is the area to 3 u_y and
+   !> back to zero.
    subroutine check_wear()
       real(wp), parameter :: lambda = 40
       type(spring_t) :: spring
@@ -283,7 +289,7 @@ contains
 
       spring = worn_spring('peak_oriented', lambda)
       branch = new_branch(spring)
-      ! all over u_y and F_y; the turn at (3, 1.2) counts what is lost by then
+      ! all over u_y and F_y; the turn at (3, 1.2) includes the dissipation up to it
       e = 0.5_wp + 1.1_wp*2 - 1.2_wp**2/2
       beta_k = e/(lambda - e)
       stiffness = 1 - beta_k
@@ -312,7 +318,7 @@ contains
          'beyond the worn cap', rtol=1.0e-13_wp)
    end subroutine check_wear
 
-   !> The pinching point by its definition.
+   !> Check the pinching point against its definition.
    subroutine check_pinched()
       real(wp), parameter :: pinch(2) = [0.4_wp, 0.25_wp]
       type(spring_t) :: spring
@@ -334,7 +340,8 @@ contains
          'from there to the peak', rtol=1.0e-12_wp)
    end subroutine check_pinched
 
-   !> An excursion that takes more than is left breaks the spring, and all work is lost.
+   !> Check that an excursion beyond the remaining energy capacity breaks the spring, and that all
+   !> work is dissipated.
    subroutine check_exhausted()
       type(spring_t) :: spring
       type(branch_t) :: branch
@@ -352,8 +359,7 @@ contains
       call checks%close_to(spring_force(spring, branch, 9*u_y), 0.0_wp, 'for good')
    end subroutine check_exhausted
 
-   !> A way and its mirror: the same numbers to the last bit; work is what is stored and lost, where
-   !> forces are on lines between the points.
+   !> Compare force and dissipation along a path with those along its mirror image, bit by bit.
    subroutine check_mirror()
       character(13), parameter :: names(3) = [character(13) :: 'flag', 'peak_oriented', 'pinched']
       real(wp) :: way(200)

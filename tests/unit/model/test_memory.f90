@@ -1,4 +1,4 @@
-!> Springs with memory: the law of one spring along random ways, and what it makes of a scene.
+!> Springs with memory, one by one along random paths and as part of a scene.
 program test_memory
    use check, only: checks_t
    use rwmf, only: advance_stepping, create_stepping, destroy_stepping, query_forces, query_state, &
@@ -50,7 +50,7 @@ program test_memory
 
 contains
 
-   !> Bring a spring from the elongation a to b and add up what it dissipates.
+   !> Move a spring from the elongation a to b and add its dissipation to the sum.
    subroutine move(spring, branch, a, b, dissipated)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -81,7 +81,7 @@ contains
       dissipated = dissipated + spring_loss(spring, branch, x)
    end subroutine move
 
-   !> A cycle between -x_max and x_max encloses 4 F_y (x_max - x_y) (1 - hardening).
+   !> Check that a cycle between -x_max and x_max dissipates 4 F_y (x_max - x_y) (1 - hardening).
    subroutine check_cycle(hardening)
       real(wp), intent(in) :: hardening
       real(wp), parameter :: x_max = 0.9_wp
@@ -99,8 +99,8 @@ contains
          'dissipation of a cycle', rtol=1.0e-14_wp)
    end subroutine check_cycle
 
-   !> Along a way of random turning points: force by return mapping (an independent update of the
-   !> plastic elongation), and work = stored + dissipated.
+   !> Check a path of random turning points. The force follows from a return mapping, an independent
+   !> update of the plastic elongation. Work = stored + dissipated.
    subroutine check_way(spring, hardening, name)
       type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: hardening
@@ -126,7 +126,7 @@ contains
          energy = k*(x - plastic)**2/2 + modulus*plastic**2/2
          call move(spring, branch, x, way(n), dissipated)
          x = way(n)
-         ! Return mapping: the elastic trial force, brought back to the yield surface.
+         ! Return mapping: the elastic trial force, returned to the yield surface.
          excess = k*(x - plastic) - modulus*plastic
          work = work - energy
          if (abs(excess) > yield) then
@@ -143,7 +143,8 @@ contains
       call checks%close_to(worst_balance, 0.0_wp, 'energy, '//name, atol=1.0e-11_wp)
    end subroutine check_way
 
-   !> A tendon keeps what it has lost, goes slack and is taut again where it went slack.
+   !> Check that a tendon keeps its prestress loss, goes slack and is taut again at the same
+   !> elongation.
    subroutine check_tendon()
       type(spring_t) :: tendon
       type(branch_t) :: branch
@@ -174,7 +175,7 @@ contains
          rtol=1.0e-14_wp)
    end subroutine check_tendon
 
-   !> A broken tendon bears nothing any more, and what it held is gone.
+   !> Check that a broken tendon carries no force and that its stored energy is dissipated.
    subroutine check_rupture()
       type(spring_t) :: tendon
       type(branch_t) :: branch
@@ -192,7 +193,7 @@ contains
          'dissipation up to rupture, and what it held', rtol=1.0e-13_wp)
    end subroutine check_rupture
 
-   !> Wall and frame with a tendon, fuses and a frame that yield.
+   !> Scene of a wall and a frame with a tendon, fuses and a frame that yield.
    function sprung(formulation, method) result(case)
       character(*), intent(in) :: formulation
       character(*), intent(in) :: method
@@ -207,7 +208,7 @@ contains
       case%yielding%hardening = 0.1_wp
    end function sprung
 
-   !> Springs that never leave their elastic branch, or bear nothing, are the scene without them.
+   !> Compare springs that stay elastic, or that carry no force, with the scene without them.
    subroutine check_limits()
       type(case_t) :: case
       type(result_t) :: limit
@@ -267,8 +268,8 @@ contains
          atol=1.0e-7_wp*limit%theta_max)
    end subroutine compare
 
-   !> Moment of a fuse from the definition: its force times the derivative of the chord 4b
-   !> sin(phi/2), on the side whose corner lifts.
+   !> Compare the moment of a fuse with its definition, on the side whose corner lifts. It is the
+   !> force times the derivative of the chord 4b sin(phi/2).
    subroutine check_fuse_moment()
       type(case_t) :: case
       type(motion_t), target :: motion
@@ -297,7 +298,8 @@ contains
       end do
    end subroutine check_fuse_moment
 
-   !> An undamped frame under a sudden constant acceleration: the peak follows from the energy.
+   !> Compare the peak of an undamped frame under a sudden constant acceleration with the peak from
+   !> the energy balance.
    subroutine check_frame_force()
       type(case_t) :: case
       type(result_t) :: result
@@ -331,7 +333,8 @@ contains
          rtol=1.0e-8_wp)
    end subroutine check_frame_force
 
-   !> Analytic derivatives of the scene with a tendon only, on its elastic and yielding branch.
+   !> Check analytic derivatives of the scene with a tendon only, on its elastic and yielding
+   !> branch.
    subroutine check_tendon_jacobian()
       type(case_t) :: case
       type(motion_t), target :: motion
@@ -363,8 +366,8 @@ contains
       end do
    end subroutine check_tendon_jacobian
 
-   !> Let go beyond yield, the springs unload at once: the ledger closes, and nothing is dissipated
-   !> on the way down to the first opposite yield.
+   !> Check a release from a rotation beyond yield, where the springs unload at once. The ledger
+   !> closes, and no energy is dissipated before the first yield in the opposite direction.
    subroutine check_initial_beyond_yield()
       type(case_t) :: case
       type(result_t) :: result
@@ -422,7 +425,7 @@ contains
       end associate
    end subroutine close_ledger
 
-   !> A rejected step gives the springs their memory back.
+   !> Check that the rejection of a step restores the memory of the springs.
    subroutine check_rejected_step(method)
       character(*), intent(in) :: method
       integer, parameter :: steps = 400
@@ -462,14 +465,14 @@ contains
       call destroy_stepping(other)
    end subroutine check_rejected_step
 
-   !> Ground acceleration of a host [m/s2].
+   !> Ground acceleration, prescribed by a host [m/s2].
    pure elemental real(wp) function ground(t)
       real(wp), intent(in) :: t
 
       ground = 8*sin(5*t)*exp(-(t - 3)**2/4)
    end function ground
 
-   !> The frame's shear of a host is that of the spring that has yielded.
+   !> Compare the frame shear that a host obtains with the force of the yielded spring.
    subroutine check_shear()
       type(case_t) :: case
       type(stepping_t) :: frame
@@ -493,7 +496,7 @@ contains
       call destroy_stepping(frame)
    end subroutine check_shear
 
-   !> A snapshot of the elastic wall has no memory to give.
+   !> Check that a snapshot of an elastic wall cannot be restored into a yielding wall.
    subroutine check_other_wall()
       type(case_t) :: case
       type(stepping_t) :: wall

@@ -34,8 +34,9 @@ program test_reactions
 
 contains
 
-   !> Without wall and damping: all modes, the sum over the modes of the base shear M*_j omega_j**2
-   !> D_j(t) (Chopra, section 13.2); one mode, its own, and the rest of the mass with the ground.
+   !> Check the base shear without wall and damping. With all modes it is the sum of M*_j omega_j**2
+   !> D_j(t) over the modes (Chopra, section 13.2). With one mode it is the shear of this mode and
+   !> the remaining mass times the ground acceleration.
    subroutine check_modal_base_shear(coupling)
       character(*), intent(in) :: coupling
       type(case_t) :: case
@@ -77,8 +78,9 @@ contains
          maxval(abs(column(result, 'base_shear_over_weight'))), 'its largest', rtol=1.0e-3_wp)
    end subroutine check_modal_base_shear
 
-   !> A wall that rests throughout while its floors move: the roof goes with the ground, so that the
-   !> base shear is what wall, roof and the ground's shear of the others need; one mode is rigid.
+   !> Check a wall that rests throughout while its floors move. The roof follows the ground, so the
+   !> base shear is the force on wall and roof and the ground-storey shear of the other floors. With
+   !> one mode, the frame is rigid.
    subroutine check_storeys_at_rest()
       type(case_t) :: case
       type(result_t) :: result
@@ -117,7 +119,7 @@ contains
                - rate*omega*sin(omega*t))
             call checks%close_to(maxval(abs(column(result, 'base_shear_over_weight')*6 &
                - floors)), 0.0_wp, 'base shear over a moving floor', atol=1.0e-9_wp)
-            ! link: the roof's mass and the upper storey's columns
+            ! link force: inertia of the roof's mass and shear of the upper storey's columns
             demand = maxval(abs(3*a*sin(rate*t) + 500*a/(omega**2 - rate**2)*(sin(rate*t) &
                - rate/omega*sin(omega*t))))/2
             call checks%close_to(result%reactions%demand_max, demand, 'its demand', &
@@ -126,7 +128,7 @@ contains
       end do
    end subroutine check_storeys_at_rest
 
-   !> A wall that nothing moves carries its weight and the cable.
+   !> Check that a wall at rest without ground motion carries its weight and the cable force.
    subroutine check_static()
       type(case_t) :: case
       type(result_t) :: result
@@ -143,9 +145,9 @@ contains
       call checks%close_to(result%reactions%base_shear_max, 0.0_wp, 'no base shear')
    end subroutine check_static
 
-   !> At rest H = (1 + gamma) m_w u_g'', so that the wall lifts off at a demand of
-   !> tan(alpha) (1 + gamma)/(1 + 2 gamma), whatever the cable; there the rocking wall takes over
-   !> without a jump.
+   !> Check H = (1 + gamma) m_w u_g'' at rest. The wall therefore lifts off at a demand of
+   !> tan(alpha) (1 + gamma)/(1 + 2 gamma), for any cable. At lift-off the demand continues without
+   !> a jump.
    subroutine check_at_rest()
       type(case_t) :: case
       type(motion_t), target :: motion
@@ -173,7 +175,8 @@ contains
       call checks%close_to(rocking%normal, resting%normal, 'N at lift-off', rtol=1.0e-12_wp)
    end subroutine check_at_rest
 
-   !> A wall that rests throughout: the demand follows the ground, and passes a limit in time.
+   !> Check a wall that rests throughout: the demand follows the ground and exceeds a limit at a
+   !> known time.
    subroutine check_friction_limit_at_rest()
       type(case_t) :: case
       type(result_t) :: result
@@ -202,10 +205,11 @@ contains
       call checks%that(.not. allocated(result%reactions%t_exceeded), 'no time of excess')
    end subroutine check_friction_limit_at_rest
 
-   !> A free block that is let go from x_0 = alpha - phi_0: with x = alpha - phi,
+   !> Check a free block released from x_0 = alpha - phi_0. With x = alpha - phi, up to the first
+   !> impact at x = alpha,
    !> N/(m_w g) = 1/4 + 9/4 cos(x)**2 - 3/2 cos(x) cos(x_0),
-   !> |H|/(m_w g) = sin(x) (9/4 cos(x) - 3/2 cos(x_0)) up to the first impact at x = alpha; after
-   !> an impact without rebound it stands still.
+   !> |H|/(m_w g) = sin(x) (9/4 cos(x) - 3/2 cos(x_0)).
+   !> After an impact without rebound the block rests.
    subroutine check_free_block(b, theta_over_alpha)
       real(wp), intent(in) :: b
       !! half width [m]
@@ -246,7 +250,7 @@ contains
       if (b > 1) call checks%that(maxloc(horizontal, dim=1) < n, 'an extremum inside')
    end subroutine check_free_block
 
-   !> Base shear of a frame over its weight is what spring and damper carry.
+   !> Check that the base shear of a frame over its weight is the force of spring and damper.
    subroutine check_bare_frame()
       type(case_t) :: case
       type(result_t) :: result
@@ -265,8 +269,9 @@ contains
       call checks%that(.not. allocated(result%reactions%wall_drift_max), 'no wall drift')
    end subroutine check_bare_frame
 
-   !> A block that is hit so hard that it would fly, and then overturns: with x = alpha - phi,
-   !> N/(m_w g) = 1 - 3/4 sin(x)**2 - R cos(x) theta'**2/g, R theta'**2/g from energy.
+   !> Check a block with an initial velocity large enough to lift the pivot; the block then
+   !> overturns. With x = alpha - phi, N/(m_w g) = 1 - 3/4 sin(x)**2 - R cos(x) theta'**2/g. R
+   !> theta'**2/g follows from the energy.
    subroutine check_pivot_lifts()
       type(case_t) :: case
       type(result_t) :: result

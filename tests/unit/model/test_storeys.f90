@@ -1,4 +1,4 @@
-!> Frames of several storeys: closed forms of their modes, and both couplings with the wall.
+!> Frames of several storeys, closed forms of their modes, and both couplings with the wall.
 program test_storeys
    use check, only: checks_t
    use hosts, only: repeats_the_bits
@@ -64,7 +64,7 @@ program test_storeys
 
 contains
 
-   !> Equal storeys: m over m_w in every floor, and equal heights that make up the wall's.
+   !> Scene with equal storeys: m over m_w at every floor, and equal heights that sum to the wall's.
    function uniform_case(n, m, T_1, coupling, formulation, method) result(case)
       integer, intent(in) :: n
       real(wp), intent(in) :: m
@@ -87,8 +87,9 @@ contains
       call checks%no_error(error, 'equivalent frame')
    end function uniform_case
 
-   !> omega_j = 2 sqrt(k/m) sin((2j - 1) pi/(4n + 2)); the modal masses add up to the mass and their
-   !> moments to that of the masses; five storeys: Chopra's effective masses and heights.
+   !> Check omega_j = 2 sqrt(k/m) sin((2j - 1) pi/(4n + 2)). The modal masses sum to the mass, and
+   !> their moments to that of the masses. Five storeys have the effective masses and heights of
+   !> Chopra.
    subroutine check_uniform_frame()
       integer, parameter :: n = 5
       real(wp), parameter :: chopra_mass(n) = [4.398_wp, 0.436_wp, 0.121_wp, 0.038_wp, 0.008_wp]
@@ -120,7 +121,7 @@ contains
          'the modes make up the motion of the ground', rtol=1.0e-12_wp)
    end subroutine check_uniform_frame
 
-   !> phi' C phi is 2 xi omega for one mode and zero between two.
+   !> Check that phi' C phi is 2 xi omega for one mode and zero between two.
    subroutine check_damping_matrix()
       type(shear_frame_t) :: frame
       type(error_t), allocatable :: error
@@ -137,7 +138,7 @@ contains
       call checks%close_to(maxval(abs(c)), 0.0_wp, 'modal damping', atol=1.0e-12_wp)
    end subroutine check_damping_matrix
 
-   !> One storey is the ordinary frame.
+   !> Compare a frame of one storey with the ordinary frame.
    subroutine check_one_storey(coupling, formulation)
       character(*), intent(in) :: coupling
       character(*), intent(in) :: formulation
@@ -158,9 +159,9 @@ contains
          'rotation, one storey, '//coupling//', '//formulation, atol=1.0e-9_wp)
    end subroutine check_one_storey
 
-   !> Every floor linked: the moments about the base of a straight line that turns by a small angle
-   !> say its inertia sum(m z**2), stiffness sum(k h**2) and push sum(m z); the modal mass at the
-   !> modal height has the same.
+   !> Check the coupling at every floor. A straight line that turns by a small angle has, about the
+   !> base, the inertia sum(m z**2), the stiffness sum(k h**2) and the excitation sum(m z). The
+   !> modal mass at the modal height has the same inertia.
    subroutine check_every_floor()
       type(shear_frame_t) :: frame
       type(case_t) :: case
@@ -186,8 +187,8 @@ contains
          'the modal height moves as the mode''s oscillator', rtol=1.0e-14_wp)
    end subroutine check_every_floor
 
-   !> A host is told the sum of all links, and the shear of the lowest storey: with dampers that lie
-   !> in the storeys, both from the displacement of the line alone.
+   !> Check that a host obtains the sum of all link forces and the shear of the lowest storey. With
+   !> dampers in the storeys, both depend only on the displacement of the line.
    subroutine check_links_of_every_floor()
       type(case_t) :: case
       type(stepping_t) :: stepping
@@ -219,8 +220,8 @@ contains
       call destroy_stepping(stepping)
    end subroutine check_links_of_every_floor
 
-   !> Without wall the roof is the sum over the modes of what an oscillator of the mode's period
-   !> does, times the mode's factor.
+   !> Compare the roof displacement without wall with modal superposition. Each mode contributes the
+   !> response of an oscillator of its period, times its participation factor.
    subroutine check_modal_superposition()
       type(case_t) :: case
       type(case_t) :: mode
@@ -244,7 +245,8 @@ contains
       call checks%close_to(result%final_state(2), roof(2), 'velocity of it', rtol=1.0e-8_wp)
    end subroutine check_modal_superposition
 
-   !> Reduced, the roof does what the first mode's oscillator does, times its factor.
+   !> Compare the roof displacement of the reduced frame with the first mode's oscillator, times its
+   !> participation factor.
    subroutine check_reduced_bare_frame()
       type(case_t) :: case
       type(case_t) :: mode
@@ -279,8 +281,9 @@ contains
       call checks%no_error(error, 'bare frame')
    end function bare_case
 
-   !> When the storeys above the first hardly give way, all floors move with the roof: the ordinary
-   !> frame with the whole mass. The difference falls as the flexibility, by four each time.
+   !> Check stiff upper storeys, for which all floors move with the roof. The limit is the ordinary
+   !> frame with the whole mass. The difference falls with the flexibility, by a factor of four each
+   !> time.
    subroutine check_stiff_storeys()
       type(case_t) :: case
       type(result_t) :: result
@@ -309,9 +312,9 @@ contains
          atol=0.4_wp)
    end subroutine check_stiff_storeys
 
-   !> Two storeys, no damping, a sine that begins gently: while the wall rests the floor is an
-   !> oscillator between two springs, whose response to the sine is known; at the lift-off the
-   !> balance of moments about the corner holds.
+   !> Check lift-off of a wall with two undamped storeys under a sine that begins gently. While the
+   !> wall rests, the floor is an oscillator between two springs, with a known response to the sine.
+   !> At lift-off the moments about the corner balance.
    subroutine check_lift_off_from_moving_rest()
       type(case_t) :: case
       type(result_t) :: result
@@ -342,7 +345,7 @@ contains
       call checks%that(t > 0.01_wp, 'after a time of rest')
    end subroutine check_lift_off_from_moving_rest
 
-   !> Input = stored + viscous + impact, with rests in between.
+   !> Check the energy balance, with rests in between: input = stored + viscous + impact.
    subroutine check_energy(formulation, e)
       character(*), intent(in) :: formulation
       real(wp), intent(in) :: e
@@ -359,7 +362,7 @@ contains
       if (e <= 0) call checks%that(result%lift_offs > 1, 'and lifts off again')
    end subroutine check_energy
 
-   !> The mirrored motion gives the mirrored response.
+   !> Check that the mirrored motion gives the mirrored response.
    subroutine check_mirror()
       type(case_t) :: case
       type(result_t) :: result
@@ -374,7 +377,7 @@ contains
       call checks%that(all(abs(result%final_state + mirrored%final_state) <= 0), 'mirror')
    end subroutine check_mirror
 
-   !> At an impact only the roof belongs to the wall.
+   !> Check that only the roof mass takes part in an impact of the wall.
    subroutine check_roof_takes_the_impact()
       type(case_t) :: case
       type(result_t) :: result
@@ -388,7 +391,7 @@ contains
          'restitution with the mass of the roof', rtol=1.0e-14_wp)
    end subroutine check_roof_takes_the_impact
 
-   !> A host that rejects steps gets the same bits.
+   !> Check that a host that rejects steps obtains the same bits.
    subroutine check_stepping()
       type(case_t) :: case
 
@@ -397,7 +400,7 @@ contains
       call checks%that(repeats_the_bits(case, 0.02_wp, 200), 'a repeated step has the same bits')
    end subroutine check_stepping
 
-   !> A spectrum scales the stiffnesses, so that the frame has the period of the ordinate.
+   !> Check that a spectrum scales the stiffnesses to give the frame the period of the ordinate.
    subroutine check_spectrum()
       type(case_t) :: case
       type(spectrum_t) :: spectrum
@@ -415,7 +418,7 @@ contains
          'stiffness follows the period', rtol=1.0e-8_wp)
    end subroutine check_spectrum
 
-   !> Storeys that yield, of all couplings that have them.
+   !> Scene with storeys that yield, for all couplings that allow them.
    function yielding_case(n, coupling, formulation, u_y, hardening) result(case)
       integer, intent(in) :: n
       character(*), intent(in) :: coupling
@@ -430,7 +433,7 @@ contains
       case%yielding%hardening = hardening
    end function yielding_case
 
-   !> Storeys that never reach their strength are elastic ones, to the last bit.
+   !> Compare storeys that never reach their strength with elastic ones, to the last bit.
    subroutine check_strong_storeys()
       type(case_t) :: case
       type(result_t) :: result
@@ -453,7 +456,7 @@ contains
       call checks%that(.not. allocated(elastic%storey_ductility), 'elastic ones report nothing')
    end subroutine check_strong_storeys
 
-   !> One storey is the ordinary frame that yields.
+   !> Compare one yielding storey with the ordinary frame that yields.
    subroutine check_one_yielding_storey(coupling, law, formulation)
       character(*), intent(in) :: coupling
       character(*), intent(in) :: law
@@ -481,7 +484,8 @@ contains
       call checks%close_to(result%u_s_max, frame%u_s_max, 'its displacement', rtol=1.0e-9_wp)
    end subroutine check_one_yielding_storey
 
-   !> On a straight line storeys of one strength over height are the frame with that of all of them.
+   !> Compare storeys on a straight line with a yielding frame. All storeys have the same strength
+   !> over height; the frame has the strength of all of them.
    subroutine check_storeys_of_a_line()
       type(case_t) :: case
       type(result_t) :: result
@@ -500,9 +504,9 @@ contains
          'what is left of them', rtol=1.0e-8_wp)
    end subroutine check_storeys_of_a_line
 
-   !> A ground acceleration that changes slowly is a pushover: the shear of a storey is the mass
-   !> above times it. Each storey with hardening a follows V = k d up to V_y and V_y + a k (d - u_y)
-   !> after.
+   !> Check a pushover, by a ground acceleration that changes slowly. The shear of a storey is the
+   !> mass above times this acceleration. With the hardening a, it follows V = k d up to V_y and V_y
+   !> + a k (d - u_y) beyond.
    subroutine check_pushed_storeys()
       real(wp), parameter :: m(2) = [2.0_wp, 1.0_wp]
       real(wp), parameter :: k(2) = [3.0e5_wp, 2.0e5_wp]
@@ -528,7 +532,7 @@ contains
       call checks%close_to(result%storey_ductility(2), d(2)/u_y(2), 'upper storey', rtol=1.0e-4_wp)
    end subroutine check_pushed_storeys
 
-   !> The mirrored motion gives the mirrored response, yielding included.
+   !> Check that the mirrored motion gives the mirrored response, yielding included.
    subroutine check_yielding_mirror(law)
       character(*), intent(in) :: law
       type(case_t) :: case
@@ -549,7 +553,8 @@ contains
          'yielding mirror')
    end subroutine check_yielding_mirror
 
-   !> Input = stored + viscous + hysteretic + impact, with rests in between.
+   !> Check the energy balance, with rests in between: input = stored + viscous + hysteretic +
+   !> impact.
    subroutine check_yielding_energy(law, formulation, e)
       character(*), intent(in) :: law
       character(*), intent(in) :: formulation
@@ -570,7 +575,7 @@ contains
       call checks%that(count(result%events%kind == event_branch) > 10, 'branches are events')
    end subroutine check_yielding_energy
 
-   !> A host that rejects steps gets the storeys back as they were.
+   !> Check that the rejection of a step restores the state of yielding storeys.
    subroutine check_yielding_stepping(law)
       character(*), intent(in) :: law
       type(case_t) :: case
@@ -582,7 +587,7 @@ contains
       call checks%that(repeats_the_bits(case, 0.02_wp, 200), 'yielding storeys in repeated steps')
    end subroutine check_yielding_stepping
 
-   !> What does not fit together is refused.
+   !> Check that incompatible inputs are refused.
    subroutine check_refusals()
       character(*), parameter :: wall = '&wall h = 3, b = 1 / &solver t_end = 1 /'
       character(*), parameter :: two = '&storeys m_over_m_w = 2 2, k_over_m_w = 300 300'

@@ -1,4 +1,4 @@
-!> Pulses: velocity and displacement of the formulas in the literature, jumps, monotone pieces,
+!> Velocity and displacement of pulses by the formulas in the literature; jumps, monotone pieces,
 !> sizes, tails.
 program test_pulse
    use check, only: checks_t
@@ -23,7 +23,7 @@ program test_pulse
       0.1_wp]
    !! nu [rad]
 
-   !> What the literature says of a velocity.
+   !> Velocity formula of the literature.
    type :: formula_t
       character(24) :: kind
       real(wp) :: origin
@@ -95,7 +95,7 @@ contains
       real(wp), intent(in) :: half
       !! duration until the middle over T_p [-]
       real(wp), intent(in) :: scale
-      !! what the velocity is compared to [m/s]
+      !! reference value of the velocity [m/s]
       type(motion_t) :: motion
       real(wp) :: centre
 
@@ -110,8 +110,8 @@ contains
       call check_size(motion, size, kind)
    end subroutine check_ricker
 
-   !> Mavroeidis and Papageorgiou: v = A/2 (1 + cos(omega tau/gamma)) cos(omega tau + nu); what
-   !> remains of the displacement vanishes only for cos(nu) sin(pi gamma) = 0.
+   !> Mavroeidis and Papageorgiou: v = A/2 (1 + cos(omega tau/gamma)) cos(omega tau + nu). The
+   !> residual displacement vanishes only for cos(nu) sin(pi gamma) = 0.
    subroutine check_cycles(gamma, nu)
       real(wp), intent(in) :: gamma
       real(wp), intent(in) :: nu
@@ -155,7 +155,7 @@ contains
       end select
    end function velocity
 
-   !> No jump anywhere; as many monotone pieces as seen.
+   !> The motion has no jump, and the given number of monotone pieces.
    subroutine check_smooth(motion, name)
       type(motion_t), intent(in) :: motion
       character(*), intent(in) :: name
@@ -194,7 +194,7 @@ contains
       end do
    end subroutine check_pieces
 
-   !> What is cut off is below the round-off of double precision.
+   !> The truncated tails are below the round-off of double precision.
    subroutine check_tails(motion, name)
       type(motion_t), intent(in) :: motion
       character(*), intent(in) :: name
@@ -234,7 +234,7 @@ contains
       call checks%close_to(v, 0.0_wp, name//': the ground stops', atol=quadrature*scale)
    end subroutine check_velocity
 
-   !> Of a motion that begins at rest [m].
+   !> Final displacement of a motion that begins at rest [m].
    real(wp) function final_displacement(motion) result(u)
       type(motion_t), intent(in) :: motion
       real(wp) :: t
@@ -276,7 +276,7 @@ contains
       t = t_end
    end subroutine integrate
 
-   !> The size asked for is met by an extremum; twice the motion and its mirror image.
+   !> The largest acceleration equals the given size; a factor of -2 doubles and mirrors the motion.
    subroutine check_size(motion, a_max, name)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: a_max

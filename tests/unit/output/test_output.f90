@@ -1,4 +1,4 @@
-!> CSV files: complete or not at all, the same bits, only the keys that apply.
+!> CSV files: complete or absent, with the same bits and only the keys that apply.
 program test_output
    use, intrinsic :: iso_c_binding, only: c_funptr, c_int, c_intptr_t, c_long, c_null_funptr
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
@@ -17,7 +17,7 @@ program test_output
    type(checks_t) :: checks
    integer(i8) :: ticks
 
-   ! a name of its own: builds of several kinds may be tested at the same time
+   ! a unique name: builds of several kinds may be tested at the same time
    call system_clock(ticks)
    folder = 'test_output_'//trim(integer_to_text(ticks))
    call execute_command_line('rm -rf '//folder//' && mkdir '//folder)
@@ -37,7 +37,7 @@ program test_output
 
 contains
 
-   !> The name of a case is its file's.
+   !> The name of a case is the name of its file.
    subroutine test_case_name()
       call checks%that(case_name('a/b.c/case.nml') == 'case', 'folder and ending go')
       call checks%that(case_name('plain') == 'plain', 'no ending')
@@ -46,7 +46,7 @@ contains
       call checks%that(case_name('') == 'case', 'a case from memory')
    end subroutine test_case_name
 
-   !> Absent components are absent keys; the order is that of the contract.
+   !> Absent components have no key; the keys have the order of the contract.
    subroutine test_summary()
       type(case_t) :: case
       type(result_t) :: result
@@ -77,7 +77,7 @@ contains
       call checks%that(index(text, 'u_s_max_m') == 0, 'no frame, no displacement')
    end subroutine test_summary
 
-   !> One line of names, one of values, and what is needed to repeat the run.
+   !> One line of names, one of values, and the data needed to repeat the run.
    subroutine test_summary_file()
       type(case_t) :: case
       type(result_t) :: result
@@ -98,7 +98,7 @@ contains
       call checks%that(count_files() == 1, 'no history, no temporary file')
    end subroutine test_summary_file
 
-   !> Extreme numbers come back with all their bits; after overturning there is NaN.
+   !> Extreme numbers keep all their bits; after overturning the values are NaN.
    subroutine test_history_bits()
       real(wp), parameter :: third = 1.0_wp/3.0_wp
       type(case_t) :: case
@@ -125,7 +125,7 @@ contains
       end do
    end subroutine test_history_bits
 
-   !> T_s runs fastest, then gamma, then b; a failed ordinate keeps its reason.
+   !> T_s varies fastest, then gamma, then b; a failed ordinate keeps its reason.
    subroutine test_spectrum_file()
       type(case_t) :: case
       type(spectrum_t) :: spectrum
@@ -160,7 +160,7 @@ contains
       call checks%that(line_of('s.csv', 6) == 'T_s_s,u_s_max_m,status', 'bare frame')
    end subroutine test_bare_spectrum
 
-   !> A folder that does not exist is named.
+   !> The error names a folder that does not exist.
    subroutine test_missing_folder()
       type(case_t) :: case
       type(result_t) :: result
@@ -172,7 +172,7 @@ contains
       call checks%has_error(error, err_input, 'no/such/folder', 'missing folder')
    end subroutine test_missing_folder
 
-   !> A target that cannot be replaced leaves everything as it was.
+   !> A target that cannot be replaced leaves all files unchanged.
    subroutine test_target_is_folder()
       type(case_t) :: case
       type(result_t) :: result
@@ -188,8 +188,8 @@ contains
       call checks%that(count_files() == before, 'no temporary file stays')
    end subroutine test_target_is_folder
 
-   !> When the disk takes no more, the earlier file stays and the temporary one goes. A limit on
-   !> the size of files stands for the full disk.
+   !> On a full disk the earlier file stays and the temporary file is deleted. A limit on the file
+   !> size simulates the full disk.
    subroutine test_full_disk()
       integer(c_long), parameter :: few_bytes = 8192_c_long
       type(case_t) :: case
@@ -214,7 +214,7 @@ contains
       call checks%that(count_files() == before, 'temporary files removed')
    end subroutine test_full_disk
 
-   !> What the case was read from is no place for a result, under whatever name.
+   !> The input file of a case is never overwritten by a result, under any of its names.
    subroutine test_input_stays()
       type(case_t) :: case
       type(result_t) :: result
@@ -241,7 +241,7 @@ contains
       call checks%that(count_files() == before + 1, 'nothing else was written')
    end subroutine test_input_stays
 
-   !> A link stays and leads to the result; a device stays what it is.
+   !> A link is kept and its target receives the result; a device remains a device.
    subroutine test_link_stays()
       type(case_t) :: case
       type(result_t) :: result
@@ -262,7 +262,7 @@ contains
       call checks%that(status == 0, 'links and device stay')
    end subroutine test_link_stays
 
-   !> Files may grow to this size from now on.
+   !> Limit the size of files from now on.
    subroutine limit_file_size(bytes)
       integer(c_long), intent(in) :: bytes
       integer(c_int), parameter :: rlimit_fsize = 1_c_int, sigxfsz = 25_c_int
@@ -297,7 +297,7 @@ contains
          end function c_signal
       end interface
 
-      ! without this the signal of a file that is too large would end the program
+      ! without this the signal for a too large file would end the program
       previous = c_signal(sigxfsz, transfer(sig_ign, c_null_funptr))
       status = c_getrlimit(rlimit_fsize, limits)
       limits(1) = bytes
@@ -349,7 +349,7 @@ contains
       spectrum%threads = 1
    end subroutine make_spectrum
 
-   !> One line of a file in the folder of the test; '' when it has fewer.
+   !> Line of a file in the folder of the test; '' if the file has fewer lines.
    function line_of(name, number) result(line)
       character(*), intent(in) :: name
       integer, intent(in) :: number
@@ -379,7 +379,7 @@ contains
       call checks%that(status == 0, 'a number: '//line)
    end function first_number
 
-   !> Are two reals the same, the sign of zero included?
+   !> True if two reals are equal, the sign of zero included.
    logical function same_bits(a, b)
       real(wp), intent(in) :: a
       real(wp), intent(in) :: b

@@ -25,8 +25,8 @@ contains
       call checks%that(key_of(id%storey_i_drift_max) == 'storey_{i}_drift_max', 'of storeys')
    end subroutine check_numbers
 
-   !> What is in N names the same over a weight, and whatever is over a weight is
-   !> there in N.
+   !> Each quantity in N names its ratio to a weight, and each ratio to a weight has a quantity
+   !> in N.
    subroutine check_newtons()
       character(*), parameter :: weights(3) = [character(12) :: '_over_m_w_g', '_over_weight', &
          '_over_m_s_g']

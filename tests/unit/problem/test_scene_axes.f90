@@ -1,4 +1,4 @@
-!> What period, mass ratio and width do to a frame, to storeys and to a block.
+!> Effect of the axes period, mass ratio and width on a frame, on storeys and on a block.
 program test_scene_axes
    use check, only: checks_t
    use rwmf_core_error, only: error_t
@@ -21,7 +21,7 @@ program test_scene_axes
 
 contains
 
-   !> A wall, with a frame or alone.
+   !> A wall, with or without a frame.
    function scene(has_frame) result(case)
       logical, intent(in) :: has_frame
       type(case_t) :: case
@@ -56,7 +56,7 @@ contains
       end do
    end function names_of
 
-   !> Each axis sets its own number.
+   !> Each axis sets one number.
    subroutine check_frame()
       type(case_t) :: case
       type(axis_t), allocatable :: axes(:)
@@ -75,7 +75,7 @@ contains
       call checks%that(.not. allocated(case%frame%gamma), 'it gets no mass ratio')
    end subroutine check_frame
 
-   !> Lists that are scaled by hand give the mass ratio and the modes that the axes give.
+   !> Lists that are scaled by hand give the same mass ratio and modes as the axes.
    subroutine check_storeys(coupling)
       character(*), intent(in) :: coupling
       type(case_t) :: case, by_hand
@@ -113,7 +113,8 @@ contains
       call checks%close_to(axes(3)%value, 2.0_wp, coupling//': period', rtol=0.0_wp)
    end subroutine check_storeys
 
-   !> p**2 = 3 g/(4 R); size and slenderness; its own period leaves the block as it is.
+   !> The axes T_s = 2 pi/p, p**2 = 3 g/(4 R), and b set size and slenderness of a block; the period
+   !> that it has leaves it unchanged.
    subroutine check_block()
       type(case_t) :: case
       type(axis_t), allocatable :: axes(:)
@@ -137,7 +138,7 @@ contains
       call checks%close_to(axes(2)%value, T, 'period of the size', rtol=tolerance)
    end subroutine check_block
 
-   !> A hinged wall by itself has no period.
+   !> A hinged wall without a frame has no period.
    subroutine check_pinned()
       type(case_t) :: case
       type(axis_t), allocatable :: axes(:)

@@ -1,4 +1,4 @@
-!> An effect that does nothing but to limit the drifts of a frame.
+!> Effect that only limits the drifts of a frame.
 module drift_limit
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, equation_t, frame_motion
@@ -9,11 +9,11 @@ module drift_limit
    public :: limit, limit_drifts
 
    real(wp), parameter :: limit = 0.02_wp
-   !! of the frame's displacement, and of each storey's [m]
+   !! of the frame's displacement, and of each storey drift [m]
 
 contains
 
-   !> Put the effect on the list of an equation.
+   !> Add the effect to the list of an equation.
    subroutine limit_drifts(equation)
       type(equation_t), intent(inout) :: equation
       type(contribution_t) :: effect
@@ -41,7 +41,7 @@ contains
 
 end module drift_limit
 
-!> The end of a run at a drift's limit: its instant, what comes before it, and that it is the end.
+!> End of a run at a drift limit, its instant and the response before it; no run continues after it.
 program test_collapse
    use check, only: checks_t
    use drift_limit, only: limit, limit_drifts
@@ -67,7 +67,7 @@ program test_collapse
    character(13), parameter :: methods(5) = [character(13) :: 'adams', 'bdf', 'erk54', 'dop853', &
       'extrapolation']
    real(wp), parameter :: excess(3) = [0.5_wp, 1.0e-3_wp, 1.0e-7_wp]
-   !! of a peak over the limit: the last is over within 1e-3 of the period
+   !! excess of a peak over the limit [-]; the last peak exceeds it for less than 1e-3 of the period
    type(checks_t) :: checks
    integer :: i, j
 
@@ -85,7 +85,7 @@ program test_collapse
 
 contains
 
-   !> An undamped frame of 0.7 s under a pulse of 1 s.
+   !> Scene with an undamped frame of 0.7 s under a pulse of 1 s.
    function undamped_scene(method, amplitude) result(case)
       character(*), intent(in) :: method
       real(wp), intent(in) :: amplitude
@@ -100,7 +100,7 @@ contains
       case%solver%t_end = 3
    end function undamped_scene
 
-   !> Its displacement while the pulse lasts, for an amplitude of g [m].
+   !> Displacement of this frame during the pulse, for an amplitude of g [m].
    pure real(wp) function displacement(t) result(u)
       real(wp), intent(in) :: t
       !! [s]
@@ -109,7 +109,8 @@ contains
       u = -9.81_wp/(omega**2 - 4*pi**2)*(sin(2*pi*t) - 2*pi/omega*sin(omega*t))
    end function displacement
 
-   !> Its first peak, where its rate, cos(2 pi t) - cos(omega t) but for a factor, is zero.
+   !> Compute the first peak, where the velocity, proportional to cos(2 pi t) - cos(omega t), is
+   !> zero.
    subroutine first_peak(t, u)
       real(wp), intent(out) :: t
       !! [s]
@@ -121,7 +122,7 @@ contains
       u = abs(displacement(t))
    end subroutine first_peak
 
-   !> The scene of a case with the limit, from rest to its end.
+   !> Run the scene of a case with the drift limit, from rest to its end.
    subroutine follow(case, hybrid, recorder, error)
       type(case_t), intent(in) :: case
       type(hybrid_t), intent(out) :: hybrid
@@ -156,11 +157,11 @@ contains
       call integrator%destroy()
    end subroutine follow
 
-   !> The closed form passes the limit at the instant that is found.
+   !> Compare the instant of collapse with the closed form.
    subroutine check_instant(method, over)
       character(*), intent(in) :: method
       real(wp), intent(in) :: over
-      !! part by which the first peak exceeds the limit [-]
+      !! excess of the first peak over the limit [-]
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
       type(error_t), allocatable :: error
@@ -181,7 +182,7 @@ contains
             low = t
          end if
       end do
-      ! near its peak the displacement says little of the time
+      ! near its peak the displacement is insensitive to time
       call checks%close_to(hybrid%t, high, 'instant of collapse, '//method, &
          atol=1.0e-7_wp/sqrt(over))
       call checks%close_to(abs(hybrid%y(1)), limit, 'displacement there, '//method, rtol=1.0e-13_wp)
@@ -193,7 +194,7 @@ contains
       call checks%that(recorder%u_max <= limit*(1 + 1.0e-12_wp), 'nothing beyond it, '//method)
    end subroutine check_instant
 
-   !> Nothing happens where the largest displacement of all stays below the limit.
+   !> Check that a run continues to its end if the largest displacement stays below the limit.
    subroutine check_peak_below(method)
       character(*), intent(in) :: method
       type(hybrid_t) :: hybrid
@@ -210,8 +211,8 @@ contains
       call checks%close_to(hybrid%t, 3.0_wp, 'to its end, '//method)
    end subroutine check_peak_below
 
-   !> Three storeys with all modes: the first passage in a history of the same run, without wall and
-   !> beside one that a stiff cable keeps at rest while the floors move.
+   !> Compare the first passage of three storeys with all modes with a history of the same run. The
+   !> frame has no wall, or a wall that a stiff cable keeps at rest while the floors move.
    subroutine check_storeys(method, rests)
       character(*), intent(in) :: method
       logical, intent(in) :: rests
@@ -248,7 +249,8 @@ contains
       call checks%close_to(hybrid%t, t, 'instant in the history, '//method, atol=1.0e-6_wp)
    end subroutine check_storeys
 
-   !> Three unequal storeys of 2 m under a pulse of 0.3 s, shorter than their first periods.
+   !> Scene with three unequal storeys of 2 m under a pulse of 0.3 s, shorter than their first
+   !> periods.
    function storeys_scene(method, rests) result(case)
       character(*), intent(in) :: method
       logical, intent(in) :: rests
@@ -272,7 +274,7 @@ contains
       call checks%no_error(error, 'equivalent frame')
    end function storeys_scene
 
-   !> Who has collapsed stays where it is.
+   !> Check that a collapsed scene keeps its state.
    subroutine check_end_is_final()
       type(hybrid_t) :: hybrid
       type(recorder_t) :: recorder
@@ -283,7 +285,7 @@ contains
       call checks%that(hybrid%mode == mode_collapsed .and. hybrid%t < 1, 'stays collapsed')
    end subroutine check_end_is_final
 
-   !> Where nothing limits a drift, a result does not speak of collapse.
+   !> Check that a result without drift limit has no collapse fields.
    subroutine check_absence()
       type(result_t) :: result
       type(error_t), allocatable :: error

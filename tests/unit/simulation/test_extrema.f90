@@ -1,4 +1,5 @@
-!> Extrema of the reactions, the ledger in the rows of a history, and that both cost only if asked.
+!> Extrema of the reactions and the energy ledger in the rows of a history, computed only on
+!> request.
 program test_extrema
    use check, only: checks_t
    use reaction_scenes, only: column, damped, scene
@@ -27,7 +28,7 @@ program test_extrema
 
 contains
 
-   !> Extrema against a history that is finer than any feature of the response.
+   !> Compare extrema with a history that is finer than any feature of the response.
    subroutine check_extremes(method, rtol, kind)
       character(*), intent(in) :: method
       real(wp), intent(in) :: rtol
@@ -60,8 +61,9 @@ contains
       call compare(result%reactions%frame_drift_max, maxval(abs(rows)), 'frame drift, '//name)
    end subroutine check_extremes
 
-   !> Not below the largest row, and above it by no more than a row's interval allows: at an impact
-   !> a reaction jumps, so that a row lies up to dt before its one-sided value.
+   !> Check that an extremum is at least the largest row and exceeds it only by the variation within
+   !> a row interval. A reaction jumps at an impact, so a row may precede the one-sided value by up
+   !> to dt.
    subroutine compare(extreme, largest_row, name)
       real(wp), intent(in) :: extreme
       real(wp), intent(in) :: largest_row
@@ -72,8 +74,8 @@ contains
       call checks%close_to(extreme, largest_row, name, rtol=within_a_row)
    end subroutine compare
 
-   !> Sharp peaks of H/N: at the smallest N, on both sides of it where H passes zero there, and in a
-   !> piece that begins with the smallest N.
+   !> Check sharp peaks of H/N: at the smallest N, on both sides of it if H is zero there, and in a
+   !> piece that begins at the smallest N.
    subroutine check_turns_of_quotient()
       real(wp), parameter :: low(*) = [1.0e-2_wp, 1.0e-6_wp]
       real(wp), parameter :: thrust(2, 4) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, &
@@ -106,7 +108,7 @@ contains
       end do
    end subroutine check_turns_of_quotient
 
-   !> The first excess of a limit that is first exceeded between two peaks of the demand.
+   !> Check the first exceedance of a limit, between two peaks of the demand.
    subroutine check_first_exceedance()
       real(wp), parameter :: dt = 1.0e-4_wp
       type(case_t) :: case
@@ -127,7 +129,7 @@ contains
          atol=0.51_wp*dt)
    end subroutine check_first_exceedance
 
-   !> The ledger closes in every row: what came in is stored or dissipated.
+   !> Check that the ledger closes in every row: input = stored + dissipated.
    subroutine check_energy_rows()
       type(case_t) :: case
       type(result_t) :: result
@@ -153,20 +155,21 @@ contains
       call checks%that(size(result%energy%names) == 4, 'a block: input, kinetic, gravity, impact')
    end subroutine check_energy_rows
 
-   !> A run that asks for nothing keeps nothing, and the response does not depend on it.
+   !> Check that a run records only the requested outputs, and that outputs do not change the
+   !> response.
    subroutine check_only_if_asked()
       type(case_t) :: case
       type(result_t) :: plain
-      type(result_t) :: asked
+      type(result_t) :: request
       type(error_t), allocatable :: error
 
       case = scene('exact', 'truss')
       call simulate(case, plain, error)
       call checks%that(.not. allocated(plain%reactions), 'no reactions unless asked')
       case%output = output_t(dt=0.01_wp, energy=.true., reactions=.true.)
-      call simulate(case, asked, error)
-      call checks%that(abs(asked%u_s_max - plain%u_s_max) <= 0 &
-         .and. all(abs(asked%final_state - plain%final_state) <= 0), 'the same bits')
+      call simulate(case, request, error)
+      call checks%that(abs(request%u_s_max - plain%u_s_max) <= 0 &
+         .and. all(abs(request%final_state - plain%final_state) <= 0), 'the same bits')
    end subroutine check_only_if_asked
 
 end program test_extrema

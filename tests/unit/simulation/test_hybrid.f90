@@ -1,4 +1,4 @@
-!> The hybrid system: the same answers from every method, and the traps of impact integration.
+!> Hybrid system: agreement of all methods, and hard cases of impact integration.
 program test_hybrid
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use check, only: checks_t
@@ -43,8 +43,8 @@ program test_hybrid
 
 contains
 
-   !> Bounces under a pressure that falls to a fifth, one by one and in the average: as many, with
-   !> the same work of dampers and of the ground motion.
+   !> Compare averaged bounces with single ones, under a contact pressure that falls to a fifth.
+   !> Their number and the work of dampers and ground motion agree.
    subroutine check_averaged_bounces()
       type(case_t) :: case
       type(result_t) :: single
@@ -95,7 +95,8 @@ contains
          atol=1.0e-12_wp*energy)
    end subroutine check_averaged_bounces
 
-   !> An independent Taylor-series program, 11 digits (provenance: tests/reference).
+   !> Compare the peak with an independent Taylor-series program, 11 digits (provenance in
+   !> tests/reference).
    subroutine check_published_peak(method)
       character(*), intent(in) :: method
       type(result_t) :: result
@@ -107,7 +108,7 @@ contains
          rtol=1.0e-7_wp)
    end subroutine check_published_peak
 
-   !> Input = stored + viscous + impact, to the tolerance.
+   !> Check the energy balance to the tolerance: input = stored + viscous + impact.
    subroutine check_energy(method)
       character(*), intent(in) :: method
       type(result_t) :: result
@@ -116,7 +117,8 @@ contains
          'energy, '//method, result)
    end subroutine check_energy
 
-   !> Lift-off at g tan(alpha) (1 + eta_0)/(1 + 2 gamma): nothing below, something above.
+   !> Check lift-off at g tan(alpha) (1 + eta_0)/(1 + 2 gamma): rest below this acceleration,
+   !> rocking above.
    subroutine check_threshold(method)
       character(*), intent(in) :: method
       type(case_t) :: case
@@ -135,7 +137,7 @@ contains
          'lifts off above the threshold, '//method)
    end subroutine check_threshold
 
-   !> Free vibration of a block dies in finite time; the wall then rests.
+   !> Check that free vibration of a block ends in finite time; the wall then rests.
    subroutine check_chatter_ends(method)
       character(*), intent(in) :: method
       type(case_t) :: case
@@ -157,7 +159,7 @@ contains
          'impacts of the chatter, '//method)
    end subroutine check_chatter_ends
 
-   !> e = 1 without motion: the block swings for ever with the same amplitude.
+   !> Check that with e = 1 and without motion the block rocks on with constant amplitude.
    subroutine check_perfect_restitution(method)
       character(*), intent(in) :: method
       type(case_t) :: case
@@ -178,7 +180,8 @@ contains
          method, rtol=1.0e-6_wp)
    end subroutine check_perfect_restitution
 
-   !> From theta = 0 with a tiny velocity: the arch ends long before the integrator would look.
+   !> Check arches from theta = 0 with a tiny velocity. Each ends well within the integrator's usual
+   !> step.
    subroutine check_small_arch(method)
       character(*), intent(in) :: method
       type(case_t) :: case
@@ -201,7 +204,7 @@ contains
          rtol=1.0e-6_wp)
    end subroutine check_small_arch
 
-   !> A response of some nanometres is as accurate as a large one: compare with a tight run.
+   !> Check the accuracy of a response of some nanometres against a run with a tight tolerance.
    subroutine check_small_response(method)
       character(*), intent(in) :: method
       type(case_t) :: case
@@ -221,7 +224,7 @@ contains
          rtol=1.0e-7_wp)
    end subroutine check_small_response
 
-   !> History and energy do not change a bit of the answer.
+   !> Check that history and energy outputs leave every bit of the response unchanged.
    subroutine check_history_is_passive(method)
       character(*), intent(in) :: method
       type(case_t) :: case
@@ -253,7 +256,8 @@ contains
       call checks%has_error(error, err_numerical, 'max_steps', 'bound on the work')
    end subroutine check_bound_on_work
 
-   !> During the sine pulse: the closed form of a linear oscillator without damping, from rest.
+   !> Compare a frame without wall, at the end of the sine pulse, with the closed form of an
+   !> undamped linear oscillator from rest.
    subroutine check_bare_frame()
       type(case_t) :: case
       type(result_t) :: result
@@ -273,7 +277,7 @@ contains
       call checks%that(.not. allocated(result%theta_max), 'a bare frame has no rotation')
    end subroutine check_bare_frame
 
-   !> The history of a wall that rests shows the motion of each interval, not of the next one.
+   !> Check that the history of a wall at rest has the motion of each interval, not of the next one.
    subroutine check_ground_at_rest()
       type(case_t) :: case
       type(result_t) :: result

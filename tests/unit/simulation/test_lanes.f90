@@ -1,12 +1,12 @@
-!> Lanes: the order of the pairs, the same bits in every company and for every instruction set, and
-!> spectra of all effects against single runs.
+!> Order of the pairs in lanes, bitwise identity for any batch and every instruction set, and
+!> spectra of all effects compared with single runs.
 program test_lanes
    use check, only: checks_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_input_reader, only: read_case_text
    use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, lane_kernels_t, &
-      team_width
+      batch_width
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, &
       step_tolerance, tsitouras_papakostas_64, tsitouras_papakostas_75
@@ -34,7 +34,7 @@ program test_lanes
    character(*), parameter :: yielding = '&yielding u_y=0.02, hardening=0.05'
    type(checks_t) :: checks
 
-   ! its error of order 7 vanishes for linear equations
+   ! the error of order 7 vanishes for linear equations
    call check_order(tsitouras_papakostas_64(), 7, 'Tsitouras-Papakostas 6(4)')
    call check_order(tsitouras_papakostas_75(), 7, 'Tsitouras-Papakostas 7(5)')
    call check_order(dormand_prince_853(), 8, 'Dormand-Prince 8')
@@ -74,7 +74,8 @@ contains
       call checks%no_error(error, 'scene')
    end subroutine read_scene
 
-   !> Halved steps of the linear oscillator divide the error by two to the power of the order.
+   !> Check that halving the step divides the error of a linear oscillator by two to the power of
+   !> the order.
    subroutine check_order(pair, order, name)
       type(pair_t), intent(in) :: pair
       integer, intent(in) :: order
@@ -105,8 +106,8 @@ contains
          atol=0.3_wp)
    end subroutine check_order
 
-   !> Conditions of order: sums of stages are nodes, powers of nodes are integrated, an embedded
-   !> solution differs from the solution by the order of the estimate.
+   !> Check the order conditions. Sums of stages are nodes, and powers of nodes are integrated
+   !> exactly. An embedded solution differs from the solution by the order of the estimate.
    subroutine check_conditions(pair, order, name)
       type(pair_t), intent(in) :: pair
       integer, intent(in) :: order
@@ -135,7 +136,8 @@ contains
       end associate
    end subroutine check_conditions
 
-   !> The work of the dampers has the order of the pair: it is what a free oscillator loses.
+   !> Check that the work of the dampers, the energy loss of a free oscillator, has the order of the
+   !> pair.
    subroutine check_work(pair, order, name)
       type(pair_t), intent(in) :: pair
       integer, intent(in) :: order
@@ -171,7 +173,8 @@ contains
       call checks%that(all(abs(work(1, [of_input, of_plastic])) <= 0), 'no other work, '//name)
    end subroutine check_work
 
-   !> A step of sixteen lanes is that of each alone, for every instruction set.
+   !> Compare a step of sixteen lanes with a step of each lane on its own, for every instruction
+   !> set.
    subroutine check_bits(text, name)
       character(*), intent(in) :: text
       character(*), intent(in) :: name
@@ -183,8 +186,8 @@ contains
       type(pair_t) :: pair
       real(wp), allocatable :: coef(:, :), y(:, :), y_new(:, :), k(:, :, :), tolerance(:, :)
       real(wp), allocatable :: alone(:, :), k_alone(:, :, :)
-      real(wp) :: ground(team_width, most_stages, 2), h(team_width), norm(team_width), one(1)
-      real(wp) :: work(team_width, power_count), work_alone(1, power_count)
+      real(wp) :: ground(batch_width, most_stages, 2), h(batch_width), norm(batch_width), one(1)
+      real(wp) :: work(batch_width, power_count), work_alone(1, power_count)
       integer :: i, level, n
 
       if (.not. checks%wants('bits, '//name)) return
@@ -193,11 +196,11 @@ contains
       call build_equation(case, motion, equation)
       n = equation%n
       pair = dormand_prince_853()
-      coef = spread(equation%state%coef(1, :), 1, team_width)
-      allocate (y(team_width, n), y_new(team_width, n), k(team_width, n, most_stages), &
-         tolerance(team_width, 0:n), alone(1, n), k_alone(1, n, most_stages))
+      coef = spread(equation%state%coef(1, :), 1, batch_width)
+      allocate (y(batch_width, n), y_new(batch_width, n), k(batch_width, n, most_stages), &
+         tolerance(batch_width, 0:n), alone(1, n), k_alone(1, n, most_stages))
       tolerance = 1.0e-6_wp
-      do i = 1, team_width
+      do i = 1, batch_width
          y(i, :) = 0.01_wp*[(sin(real(7*i*level + i, wp)), level=1, n)]
          ground(i, :, 1) = sin(real(i, wp))
          ground(i, :, 2) = cos(real(i, wp))
@@ -208,7 +211,7 @@ contains
          kernels = lane_kernels_of(levels(level))
          call kernels%attempt_step(equation%scene, pair, coef, ground, h, tolerance, y, .false., &
             k, y_new, norm, work)
-         do i = 1, team_width
+         do i = 1, batch_width
             call attempt_one(equation%scene, pair, equation%state%coef, ground(i:i, :, :), h(i:i), &
                tolerance(i:i, :), y(i:i, :), .false., k_alone, alone, one, work_alone)
             call checks%that(all(abs(work_alone(1, :) - work(i, :)) <= 0) &
@@ -219,8 +222,8 @@ contains
       end do
    end subroutine check_bits
 
-   !> Ordinates in lanes against single runs at a tight tolerance; one by one and with two threads
-   !> the same bits.
+   !> Compare ordinates in lanes with single runs at a tight tolerance. Single ordinates and runs
+   !> with two threads have the same bits.
    subroutine check_spectrum(text, name)
       character(*), intent(in) :: text
       character(*), intent(in) :: name

@@ -1,4 +1,4 @@
-!> Rows of a table: each has the bits of the single run, or of the spectrum, of its own case.
+!> Rows of a table, each bitwise identical to the single run, or the spectrum, of the same case.
 program test_rows
    use check, only: checks_t
    use rwmf_core_error, only: error_t
@@ -12,7 +12,7 @@ program test_rows
    implicit none
 
    integer, parameter :: n = 20
-   !! rows, more than a team has lanes
+   !! rows, more than the lanes of a batch
    character(*), parameter :: wall = '&wall h=2.0, b=0.5 / &frame T_s=0.8, gamma=3, xi_s=0.05 / ' &
       //"&model formulation='exact' / &cable eta_0=1.0, eta_alpha=5.0 / "
    character(*), parameter :: loss = "&impact rule='constant', e=0.9 / "
@@ -55,7 +55,7 @@ program test_rows
 
 contains
 
-   !> A scene under a record without any pattern, or under a pulse, in memory.
+   !> Scene under a record without any pattern, or under a pulse, in memory.
    function shaken_scene(formulation, kind) result(case)
       character(*), intent(in) :: formulation
       !! or 'bare', a frame without wall
@@ -78,8 +78,8 @@ contains
          + 0.7_wp*sin(0.3_wp + 37.9_wp*0.02_wp*i)), i=0, 400)]
    end function shaken_scene
 
-   !> Rows by method 'fast' have the bits of the spectra of their cases, at both threads and where
-   !> some of them fall back to the general lanes.
+   !> Check that rows by method 'fast' have the bits of the spectra of their cases. They run on two
+   !> threads, and some of them fall back to the general lanes.
    subroutine check_spectra(formulation, kind)
       character(*), intent(in) :: formulation
       character(*), intent(in) :: kind
@@ -93,7 +93,8 @@ contains
 
       if (.not. checks%wants('spectra of '//formulation//', '//kind)) return
       wanted = [character(20) :: 'u_s_max_m', 'theta_max_over_alpha']
-      ! where the displacement tells no rotation, asking for it would lead into the general lanes
+      ! if the rotation does not follow from the displacement, requesting it would select general
+      ! lanes
       n_wanted = merge(2, 1, formulation /= 'exact' .and. formulation /= 'bare')
       n_columns = merge(2, 4, formulation == 'bare')
       case = shaken_scene(formulation, kind)
@@ -123,8 +124,8 @@ contains
       end do
    end subroutine check_spectra
 
-   !> Rows under multiples of a record, with a vertical motion that is a part of it, by general
-   !> lanes: the bits of single runs.
+   !> Compare rows under multiples of a record with single runs, bit by bit. The vertical motion is
+   !> a fraction of the record, and the rows run in general lanes.
    subroutine check_motions()
       type(case_t) :: case, single
       type(spectrum_t) :: rows
@@ -157,8 +158,8 @@ contains
       call checks%that(abs(rows%values(5, 1, 1, 1)) <= 0, 'motions: none')
    end subroutine check_motions
 
-   !> What the rules of the case do not allow is refused, the others go on; unknown columns are an
-   !> error.
+   !> Check that rows with invalid values are refused while the others run, and that unknown columns
+   !> are an error.
    subroutine check_refused()
       character(12), parameter :: methods(3) = [character(12) :: 'fast', 'dop853', 'adams']
       type(case_t) :: case
@@ -198,7 +199,7 @@ contains
       call checks%that(index(error%message, '&spectrum') == 0, 'refused: asked by the call')
    end subroutine check_refused
 
-   !> An axis and its key in one table: the message names both.
+   !> Check that the message names both when a table has an axis and its key.
    subroutine check_twice(first, second)
       character(*), intent(in) :: first, second
       type(case_t) :: case
@@ -217,7 +218,7 @@ contains
          'twice: names both, '//first)
    end subroutine check_twice
 
-   !> `accuracy` and `verify` of rows are those of their single runs.
+   !> Check that `accuracy` and `verify` of rows give the values of their single runs.
    subroutine check_accuracy()
       type(case_t) :: case, single
       type(spectrum_t) :: rows
@@ -246,8 +247,8 @@ contains
       end do
    end subroutine check_accuracy
 
-   !> Rows with accuracies of their own have the bits of their single runs, by every method; those
-   !> whose accuracy round-off denies are 'inaccurate'.
+   !> Check that rows with separate accuracies have the bits of their single runs, by every method.
+   !> Rows whose accuracy is below round-off are 'inaccurate'.
    subroutine check_own_accuracy()
       character(12), parameter :: methods(3) = [character(12) :: 'fast', 'dop853', 'adams']
       type(case_t) :: case, single
@@ -297,8 +298,8 @@ contains
       call checks%no_error(error, text)
    end subroutine read_scene
 
-   !> Rows with other numbers of some keys against single runs of texts with these numbers, by the
-   !> same method; with two threads and in another order the same bits.
+   !> Compare rows with other values of some keys with single runs of the same values, by the same
+   !> method. Two threads and another order give the same bits.
    subroutine check_runs(name, text, keys, quantity)
       character(*), intent(in) :: name
       character(*), intent(in) :: text
@@ -342,7 +343,7 @@ contains
          name//': bits in another order and in two threads')
    end subroutine check_runs
 
-   !> Numbers around those of the case.
+   !> Values around those of the case.
    function numbers_of_row(case, keys, i) result(values)
       use rwmf_problem_group_values, only: real_of
       type(case_t), intent(in) :: case
@@ -355,7 +356,7 @@ contains
          dot = index(keys(k), '.')
          values(k) = real_of(case%values, keys(k)(:dot - 1), trim(keys(k)(dot + 1:))) &
             *(1 + 0.3_wp*sin(real(7*i + 3*k, wp)))
-         ! a factor of impacts stays below one; each second exponent is a natural number
+         ! a coefficient of restitution stays below one; each second exponent is a natural number
          if (keys(k) == 'impact.e') values(k) = 0.9_wp + 0.05_wp*sin(real(i, wp))
          if (keys(k) == 'yielding.exponent' .and. mod(i, 2) == 0) values(k) = 2
          if (keys(k) == 'yielding.beta') values(k) = 0.5_wp
@@ -363,7 +364,7 @@ contains
       end do
    end function numbers_of_row
 
-   !> The case that a text with these numbers says.
+   !> Read the text of a case with these values of the keys.
    subroutine set_numbers(case, keys, values, single)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: keys(:)

@@ -1,4 +1,4 @@
-!> Numbers as text: the fewest digits that read back as the same number, for every kind of number.
+!> Shortest decimal text that reads back as the same number, for every kind of number.
 program test_decimal
    use check, only: checks_t
    use rwmf_core_kinds, only: dp, i8, wp
@@ -63,7 +63,7 @@ contains
       digits(n + 1:) = ''
    end function digits_of
 
-   !> The same by writing and reading with 15, 16 and 17 digits.
+   !> Shortest digits by writing and reading with 15, 16 and 17 digits.
    function trial(x) result(digits)
       real(dp), intent(in) :: x
       character(25) :: digits

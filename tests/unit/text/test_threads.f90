@@ -1,7 +1,7 @@
-!> Texts of many threads at once: cases, messages, warnings and files are those of one thread.
+!> Texts of many threads at once: cases, messages, warnings and files equal those of one thread.
 !>
-!> Eight threads read, run and write what one thread has read, run and written before. Every text
-!> has another length than its neighbours', so that a length that two threads share is seen.
+!> Eight threads read, run and write the same cases as one thread before. Neighbouring texts differ
+!> in length, so that a length shared by two threads is detected.
 program test_threads
    use check, only: checks_t
    use rwmf, only: advance_stepping, case_t, create_element, create_stepping, destroy_stepping, &
@@ -12,10 +12,10 @@ program test_threads
    use rwmf_text_strings, only: integer_to_text
    implicit none
 
-   !> What became of a case.
+   !> Result of a task.
    type :: answer_t
       character(:), allocatable :: text
-      !! message of a case that was refused, names or warnings of one that was not
+      !! message of a refused case, names or warnings of an accepted one
       real(wp), allocatable :: values(:)
       !! (n) numbers of the case or of its result [any]
    end type answer_t
@@ -27,7 +27,7 @@ program test_threads
    type(checks_t) :: checks
    integer(i8) :: ticks
 
-   ! a name of its own: builds of several kinds may be tested at the same time
+   ! a unique name: builds of several kinds may be tested at the same time
    call system_clock(ticks)
    folder = 'test_threads_'//trim(integer_to_text(ticks))
    call execute_command_line('mkdir '//folder)
@@ -40,10 +40,10 @@ program test_threads
 
 contains
 
-   !> Do all tasks by one thread, then by eight.
+   !> Do all tasks with one thread, then with eight.
    subroutine compare(name, tasks)
       character(*), intent(in) :: name
-      !! what they do, see `do_task`
+      !! kind of task, see `do_task`
       integer, intent(in) :: tasks
       type(answer_t), allocatable :: alone(:)
       type(answer_t), allocatable :: together(:)
@@ -93,7 +93,7 @@ contains
       end select
    end subroutine do_task
 
-   !> The same text and the same bits?
+   !> True if two results have the same text and the same bits.
    logical function is_same(a, b)
       type(answer_t), intent(in) :: a
       type(answer_t), intent(in) :: b
@@ -104,7 +104,7 @@ contains
       is_same = all(transfer(a%values, [0_i8]) == transfer(b%values, [0_i8]))
    end function is_same
 
-   !> Records to be read: a good one in each format, damaged ones.
+   !> Write record files: a valid one in each format, and damaged ones.
    subroutine write_records()
       call write_file('good', '# t, a'//nl//'0.0 0.01'//nl//'0.01, 0.2'//nl//'0.02 -0.1'//nl)
       call write_file('at2', 'a site'//nl//'NPTS=  4, DT= .0100 SEC'//nl//'0.1 0.2 -.1 0'//nl)
@@ -126,7 +126,7 @@ contains
       call checks%that(stat == 0, 'a record to be read: '//name)
    end subroutine write_file
 
-   !> A number as text that nothing of the library has made.
+   !> Number as text, written without the library.
    function decimal(number, factor) result(text)
       integer, intent(in) :: number
       real(wp), intent(in) :: factor
@@ -166,7 +166,7 @@ contains
       end if
    end subroutine read_one
 
-   !> What a case is refused for, of another kind and length for each number.
+   !> Invalid part of a case, with a different error and length for each number.
    subroutine wrong_part(number, part)
       integer, intent(in) :: number
       character(:), allocatable, intent(out) :: part
@@ -231,7 +231,7 @@ contains
       do i = 1, size(result%warnings)
          answer%text = answer%text//trim(result%warnings(i))//nl
       end do
-      ! the one number that no two runs have in common
+      ! the wall-clock time differs from run to run
       result%seconds = 0
       call write_result(case, result, folder, trim(name), error)
       if (.not. allocated(error)) then
@@ -245,7 +245,7 @@ contains
       end if
    end subroutine run_one
 
-   !> A scene with a warning or an error of its own.
+   !> Scene with its own warning or error, depending on the number.
    function scene_of(number) result(text)
       integer, intent(in) :: number
       character(400) :: text
@@ -272,7 +272,7 @@ contains
       text = trim(text)//' /'
    end function scene_of
 
-   !> A host that advances a wall and asks for its force.
+   !> Advance a wall as a host and compute its force.
    subroutine step_one(number, answer)
       integer, intent(in) :: number
       type(answer_t), intent(out) :: answer

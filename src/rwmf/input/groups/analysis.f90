@@ -1,4 +1,4 @@
-!> How a case is computed and what is kept: `&model`, `&solver`, `&output`.
+!> Groups of the numerical model, the integration and the output: `&model`, `&solver`, `&output`.
 module rwmf_input_groups_analysis
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_problem_case, only: case_t, output_t
@@ -7,7 +7,7 @@ module rwmf_input_groups_analysis
       logical_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_problem_quantity_table, only: all_quantities, is_peak, look_up, spelled
+   use rwmf_problem_quantity_table, only: all_quantities, is_peak, look_up, canonical_key
    use rwmf_simulation_quantity_words, only: meant_quantity
    implicit none
    private
@@ -15,11 +15,11 @@ module rwmf_input_groups_analysis
    public :: model_group, solver_group, output_group
 
    character(*), parameter :: all_methods = 'auto adams bdf erk54 dop853 extrapolation fast'
-   !! integrators; `rwmf_integrator_factory` says what 'auto' is
+   !! integrators; `rwmf_integrator_factory` defines 'auto'
 
 contains
 
-   !> The group `&model`: its keys, and how they are checked and read.
+   !> Group `&model` with its keys and hooks.
    type(case_group_t) function model_group() result(group)
       group%name = 'model'
       group%is_of_scene = .false.
@@ -42,7 +42,7 @@ contains
       case%model%overturning_angle = real_of(case%values, 'model', 'overturning_angle')
    end subroutine fill_model
 
-   !> The group `&solver`: its keys, and how they are checked and read.
+   !> Group `&solver` with its keys and hooks.
    type(case_group_t) function solver_group() result(group)
       group%name = 'solver'
       group%is_of_scene = .false.
@@ -68,8 +68,8 @@ contains
       group%fill => fill_solver
    end function solver_group
 
-   !> The tolerance is given or chosen for an accuracy, not both; only a record says by itself when
-   !> the simulation ends.
+   !> Check that rtol and accuracy are not both given, and that the end of the simulation is known.
+   !> Without `t_end`, only a record defines it.
    subroutine check_solver(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -92,12 +92,12 @@ contains
       end if
    end subroutine check_solver
 
-   !> A peak of the table, and something that is to be known of it.
+   !> Check that `accuracy_of` is a peak of the table and that accuracy or verify uses it.
    subroutine check_peak(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem
-      character(40) :: asked, near
+      character(40) :: request, near
       integer :: place, number
 
       if (.not. has_key(values, 'solver', 'accuracy_of')) return
@@ -107,13 +107,13 @@ contains
             //'the same group', error)
          return
       end if
-      asked = text_of(values, 'solver', 'accuracy_of')
-      call look_up(trim(spelled(asked)), place, number)
+      request = text_of(values, 'solver', 'accuracy_of')
+      call look_up(trim(canonical_key(request)), place, number)
       if (place > 0) then
          if (is_peak(all_quantities(place))) return
       end if
-      problem = trim(asked)//' is no peak of a run'
-      near = meant_quantity(trim(asked))
+      problem = trim(request)//' is no peak of a run'
+      near = meant_quantity(trim(request))
       call look_up(trim(near), place, number)
       if (place > 0 .and. near /= '') then
          if (is_peak(all_quantities(place))) problem = problem//', did you mean '//trim(near)//'?'
@@ -126,7 +126,7 @@ contains
       call fail_key(values, 'solver', 'accuracy_of', problem, error)
    end subroutine check_peak
 
-   !> Is there a record to end with, and no pulse that may go on beyond it?
+   !> True if a record defines the end of the simulation, and no pulse can last longer.
    pure logical function ends_with_record(values)
       type(group_values_t), intent(in) :: values
       logical :: is_still
@@ -150,12 +150,12 @@ contains
       case%solver%verify = logical_of(case%values, 'solver', 'verify')
       call get_real(case%values, 'solver', 'accuracy', case%solver%accuracy)
       if (has_key(case%values, 'solver', 'accuracy_of')) case%solver%accuracy_of = &
-         spelled(text_of(case%values, 'solver', 'accuracy_of'))
+         canonical_key(text_of(case%values, 'solver', 'accuracy_of'))
       call get_real(case%values, 'solver', 'atol', case%solver%atol)
       call get_real(case%values, 'solver', 't_end', case%solver%t_end)
    end subroutine fill_solver
 
-   !> The group `&output`: its keys, and how they are checked and read.
+   !> Group `&output` with its keys and hooks.
    type(case_group_t) function output_group() result(group)
       group%name = 'output'
       group%is_of_scene = .false.
@@ -172,7 +172,7 @@ contains
       group%fill => fill_output
    end function output_group
 
-   !> A limit of friction belongs to the reactions of a wall.
+   !> Check that a friction limit is given only for the reactions of a wall without a shear key.
    subroutine check_output(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error

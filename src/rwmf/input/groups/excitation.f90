@@ -1,4 +1,4 @@
-!> The horizontal ground motion, `&motion`.
+!> Group of the horizontal ground motion, `&motion`.
 module rwmf_input_groups_excitation
    use rwmf_core_error, only: error_t
    use rwmf_problem_case, only: case_t
@@ -21,7 +21,7 @@ module rwmf_input_groups_excitation
 
 contains
 
-   !> The group `&motion`: its keys, and how they are checked and read.
+   !> Group `&motion` with its keys and hooks.
    type(case_group_t) function motion_group() result(group)
       group%name = 'motion'
       group%keys = motion_keys()
@@ -61,7 +61,7 @@ contains
          of_kind('record', 'scale', 'real', '-', '1.0', any_real, 'factor on the accelerations')]
    end function motion_keys
 
-   !> What the kind of motion requires.
+   !> Check the keys that the kind of motion requires.
    subroutine check_motion(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -76,7 +76,7 @@ contains
       end if
    end subroutine check_motion
 
-   !> Amplitude and period of a pulse, and what its kind requires.
+   !> Check amplitude and period of a pulse, and the keys that its kind requires.
    subroutine check_pulse(values, kind, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: kind
@@ -116,7 +116,7 @@ contains
       call fill_source(case%values, 'motion', case%motion)
    end subroutine fill_motion
 
-   !> Free vibration is stated as kind 'none': nothing shakes the scene.
+   !> True for a motion other than kind 'none', which is free vibration.
    pure logical function has_motion(case)
       type(case_t), intent(in) :: case
 

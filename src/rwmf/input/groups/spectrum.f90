@@ -1,4 +1,4 @@
-!> The loop over periods, mass ratios and widths, `&spectrum`.
+!> Group of the grid of periods, mass ratios and widths, `&spectrum`.
 module rwmf_input_groups_spectrum
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -8,7 +8,7 @@ module rwmf_input_groups_spectrum
       has_key, integer_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, spelled
+   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, canonical_key
    use rwmf_simulation_quantity_words, only: meant_quantity
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -18,7 +18,7 @@ module rwmf_input_groups_spectrum
 
 contains
 
-   !> The group `&spectrum`: its keys, and how they are checked and read.
+   !> Group `&spectrum` with its keys and hooks.
    type(case_group_t) function spectrum_group() result(group)
       group%name = 'spectrum'
       group%is_of_scene = .false.
@@ -45,7 +45,7 @@ contains
       group%fill => fill_spectrum
    end function spectrum_group
 
-   !> Periods as a list or a grid; a mass ratio only of wall and frame, a width only of a wall.
+   !> Check scene, quantities and periods; the periods are given as a list or as a grid.
    subroutine check_spectrum(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -59,7 +59,7 @@ contains
       end if
    end subroutine check_spectrum
 
-   !> What the periods are of, and the lists that it has.
+   !> Check that the scene has the period, the mass ratios and the widths that the spectrum varies.
    subroutine check_scene(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -84,20 +84,20 @@ contains
       end if
    end subroutine check_scene
 
-   !> Quantities that the table has, each once.
+   !> Check that all quantities are known and given once.
    subroutine check_quantities(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: asked(:)
+      character(:), allocatable :: request(:)
       character(:), allocatable :: known
       character(40) :: near
       integer :: place, storey
       integer :: i
 
-      call get_texts(values, 'spectrum', 'quantities', asked)
-      if (.not. allocated(asked)) return
-      do i = 1, size(asked)
-         call look_up(trim(spelled(asked(i))), place, storey)
+      call get_texts(values, 'spectrum', 'quantities', request)
+      if (.not. allocated(request)) return
+      do i = 1, size(request)
+         call look_up(trim(canonical_key(request(i))), place, storey)
          if (place > 0) then
             if (.not. is_of_ordinate(all_quantities(place))) place = 0
          end if
@@ -107,20 +107,21 @@ contains
                if (is_of_ordinate(all_quantities(place))) known = known//' ' &
                   //trim(all_quantities(place)%key)
             end do
-            near = meant_quantity(trim(asked(i)))
+            near = meant_quantity(trim(request(i)))
             if (near /= '') known = ', did you mean '//trim(near)//'? Allowed'//known
             if (near == '') known = '; allowed'//known
-            call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is unknown'//known, &
+            call fail_key(values, 'spectrum', 'quantities', trim(request(i)) &
+               //' is unknown'//known, &
                error)
-         else if (any(spelled(asked(:i - 1)) == spelled(asked(i)))) then
-            call fail_key(values, 'spectrum', 'quantities', trim(asked(i))//' is given twice', &
+         else if (any(canonical_key(request(:i - 1)) == canonical_key(request(i)))) then
+            call fail_key(values, 'spectrum', 'quantities', trim(request(i))//' is given twice', &
                error)
          end if
          if (allocated(error)) return
       end do
    end subroutine check_quantities
 
-   !> The grid needs all of its keys, and a list of periods none.
+   !> Check that all keys of the grid are given, or none with a list of periods.
    subroutine check_grid_keys(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -143,7 +144,7 @@ contains
       end do
    end subroutine check_grid_keys
 
-   !> Ends in order, and as many periods as ends at least.
+   !> Check the order of the ends, and that different ends have at least two periods.
    subroutine check_grid(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -164,13 +165,13 @@ contains
    subroutine fill_spectrum(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: asked(:)
+      character(:), allocatable :: request(:)
 
       allocate (case%spectrum)
-      call get_texts(case%values, 'spectrum', 'quantities', asked)
-      if (allocated(asked)) then
-         allocate (character(40) :: case%spectrum%quantities(size(asked)))
-         case%spectrum%quantities(:) = spelled(asked)
+      call get_texts(case%values, 'spectrum', 'quantities', request)
+      if (allocated(request)) then
+         allocate (character(40) :: case%spectrum%quantities(size(request)))
+         case%spectrum%quantities(:) = canonical_key(request)
       end if
       call get_list(case%values, 'spectrum', 'gamma', case%spectrum%gamma)
       call get_list(case%values, 'spectrum', 'b', case%spectrum%b)

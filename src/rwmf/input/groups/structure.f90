@@ -1,4 +1,4 @@
-!> The basic groups of the structure: `&wall`, `&frame`, `&cable`, `&impact`, `&initial`.
+!> Basic groups of the structure: `&wall`, `&frame`, `&cable`, `&impact`, `&initial`.
 module rwmf_input_groups_structure
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
@@ -17,7 +17,7 @@ module rwmf_input_groups_structure
 
 contains
 
-   !> The group `&wall`: its keys, and how they are checked and read.
+   !> Group `&wall` with its keys and hooks.
    type(case_group_t) function wall_group() result(group)
       group%name = 'wall'
       group%keys = [ &
@@ -63,7 +63,7 @@ contains
       has_wall = allocated(case%wall)
    end function has_wall
 
-   !> The group `&frame`: its keys, and how they are checked and read.
+   !> Group `&frame` with its keys and hooks.
    type(case_group_t) function frame_group() result(group)
       group%name = 'frame'
       group%keys = [ &
@@ -92,7 +92,7 @@ contains
          [2*pi*sqrt(real_of(values, 'frame', 'm_s')/real_of(values, 'frame', 'k_s'))])
    end subroutine derive_frame
 
-   !> Mass ratio and period of the frame, unless storeys set them.
+   !> Check mass ratio and period of the frame, unless storeys set them.
    subroutine check_frame(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -125,7 +125,7 @@ contains
       has_frame = allocated(case%frame)
    end function has_frame
 
-   !> The group `&cable`: its keys, and how they are checked and read.
+   !> Group `&cable` with its keys and hooks.
    type(case_group_t) function cable_group() result(group)
       group%name = 'cable'
       group%needs(1) = 'wall'
@@ -143,7 +143,7 @@ contains
       group%is_present => has_cable
    end function cable_group
 
-   !> Cable law and formulation.
+   !> Check that cable law and formulation are compatible.
    subroutine check_cable(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -170,7 +170,7 @@ contains
       has_cable = allocated(case%cable)
    end function has_cable
 
-   !> The group `&impact`: its keys, and how they are checked and read.
+   !> Group `&impact` with its keys and hooks.
    type(case_group_t) function impact_group() result(group)
       group%name = 'impact'
       group%needs(1) = 'wall'
@@ -188,7 +188,7 @@ contains
       group%is_present => has_impact
    end function impact_group
 
-   !> Exactly one of e and r for rule 'constant', none for the others.
+   !> Check that rule 'constant' has exactly one of e and r, and other rules have none.
    subroutine check_impact(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -209,7 +209,7 @@ contains
       end do
    end subroutine check_impact
 
-   !> The equations use e, the case may give r.
+   !> Fill the case with e, also if the group gives r.
    subroutine fill_impact(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
@@ -230,7 +230,7 @@ contains
       has_impact = allocated(case%impact)
    end function has_impact
 
-   !> The group `&initial`: its keys, and how they are checked and read.
+   !> Group `&initial` with its keys and hooks.
    type(case_group_t) function initial_group() result(group)
       group%name = 'initial'
       group%needs(1) = 'wall'
@@ -245,7 +245,7 @@ contains
       group%is_present => has_initial
    end function initial_group
 
-   !> The start must not be overturned already, for any width of the spectrum.
+   !> Check that the initial rotation is not already overturned, for any width of the spectrum.
    subroutine check_initial(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error

@@ -1,7 +1,7 @@
-!> Records in PEER's AT2 format: accelerations in g, several to a line, after a header that gives
-!> their number and interval.
+!> Records in PEER's AT2 format: accelerations in g, several per line, after a header with their
+!> number and interval.
 !>
-!> The line with both is written in four ways:
+!> The header line with number and interval has one of four forms:
 !>
 !>     NPTS=   5372, DT=   .0100 SEC,
 !>     NPTS=  4000, DT= .01000 SEC, 0 POLE @ ...
@@ -20,7 +20,7 @@ module rwmf_input_record_at2
 
 contains
 
-   !> Is this an AT2 file? Decided by its content, not by its name.
+   !> True if the content of a file, whatever its name, has an AT2 header.
    pure logical function has_at2_header(bytes)
       character(*), intent(in) :: bytes
       !! text of the file
@@ -33,8 +33,8 @@ contains
 
    !> Read interval and accelerations.
    !>
-   !> Text behind the last number is allowed. Errors: a header that is not understood, another
-   !> quantity than an acceleration in g, fewer or more numbers than the header says.
+   !> Text after the last number is allowed. Errors: an invalid header, a quantity other than an
+   !> acceleration in g, fewer or more numbers than the header states.
    subroutine read_at2(bytes, dt, a, error)
       character(*), intent(in) :: bytes
       !! text of the file
@@ -61,13 +61,13 @@ contains
       if (.not. allocated(error)) call read_numbers(bytes, position, line, n, a, error)
    end subroutine read_at2
 
-   !> The line of NPTS and DT among the first lines.
+   !> Find the line with NPTS and DT among the first lines.
    pure subroutine find_header(bytes, line, start)
       character(*), intent(in) :: bytes
       integer, intent(out) :: line
-      !! its number, 0 when there is none
+      !! its line number, 0 if there is none
       integer, intent(out) :: start
-      !! where it begins
+      !! position of its beginning
       integer, parameter :: most_lines = 10, longest = 200
       character(:), allocatable :: text
       integer :: first
@@ -87,12 +87,12 @@ contains
       start = 1
    end subroutine find_header
 
-   !> Number of samples and interval.
+   !> Read number of samples and interval.
    subroutine read_header(text, line, n, dt, error)
       character(*), intent(in) :: text
-      !! the line with NPTS and DT
+      !! line with NPTS and DT
       integer, intent(in) :: line
-      !! its number
+      !! its line number
       integer, intent(out) :: n
       real(dp), intent(out) :: dt
       !! [s]
@@ -123,13 +123,13 @@ contains
       end if
    end subroutine read_header
 
-   !> The letters of the number behind the next equals sign.
+   !> Find the characters of the number after the next equals sign.
    pure subroutine find_value(text, position, first, last)
       character(*), intent(in) :: text
       integer, intent(in) :: position
       integer, intent(out) :: first
       integer, intent(out) :: last
-      !! the number is text(first:last), empty when there is no such sign
+      !! the number is text(first:last), empty if there is no equals sign
       integer :: equals
 
       equals = index(text(position:), '=')
@@ -140,15 +140,15 @@ contains
       if (equals > 0) last = last + verify(text(first:)//'?', '0123456789.+-EeDd') - 1
    end subroutine find_value
 
-   !> Read as many numbers as the header promises.
+   !> Read the number of values that the header states.
    subroutine read_numbers(bytes, start, header_line, n, a, error)
       character(*), intent(in) :: bytes
       integer, intent(in) :: start
-      !! where they begin
+      !! position of the first number
       integer, intent(in) :: header_line
-      !! number of the line before
+      !! line number of the header
       integer, intent(in) :: n
-      !! how many the header promises
+      !! number of values according to the header
       real(dp), allocatable, intent(out) :: a(:)
       !! (n) [g]
       type(error_t), allocatable, intent(out) :: error
@@ -158,7 +158,7 @@ contains
       integer :: line
       integer :: position
 
-      ! a number takes two bytes at least, whatever the header promises
+      ! A number takes at least two bytes, which limits the allocation for a wrong header.
       allocate (a(min(n, len(bytes)/2 + 1)))
       found = 0
       position = start
@@ -182,7 +182,7 @@ contains
       character(*), intent(in) :: text
       integer, intent(in) :: line
       integer, intent(in) :: n
-      !! how many the header promises
+      !! number of values according to the header
       real(dp), intent(inout) :: a(:)
       !! (capacity) [g]
       integer, intent(inout) :: found
@@ -213,7 +213,7 @@ contains
       end do
    end subroutine read_row
 
-   !> Does the line begin with something that is not a number?
+   !> True if the line begins with a word that is not a number.
    pure logical function is_text(line)
       character(*), intent(in) :: line
       logical :: ok

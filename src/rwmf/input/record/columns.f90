@@ -14,7 +14,7 @@ contains
    !> Read the columns of a file.
    !>
    !> Errors, each with its line: a word that is not a finite number, more than two columns, lines
-   !> of different lengths, times that do not increase; no numbers at all.
+   !> of different lengths. Times that do not increase and a file without numbers are errors too.
    subroutine read_columns(bytes, t, a, error)
       character(*), intent(in) :: bytes
       !! text of the file
@@ -39,15 +39,15 @@ contains
       end if
    end subroutine read_columns
 
-   !> Read line by line.
+   !> Read the table line by line.
    subroutine read_table(bytes, table, n, n_columns, error)
       character(*), intent(in) :: bytes
       real(dp), allocatable, intent(out) :: table(:, :)
       !! (2, lines of the file)
       integer, intent(out) :: n
-      !! rows in use
+      !! number of rows in use
       integer, intent(out) :: n_columns
-      !! 1 or 2, 0 when there are no numbers
+      !! 1 or 2, 0 if there are no numbers
       type(error_t), allocatable, intent(out) :: error
       logical :: header_seen
       integer :: first
@@ -91,10 +91,10 @@ contains
    subroutine read_row(text, line, row, n_columns, error)
       character(*), intent(in) :: text
       integer, intent(in) :: line
-      !! its number, for messages
+      !! its line number, for messages
       real(dp), intent(out) :: row(2)
       integer, intent(inout) :: n_columns
-      !! columns of the lines before, 0 when this is the first
+      !! number of columns of the lines before, 0 for the first line
       type(error_t), allocatable, intent(out) :: error
       logical :: ok
       integer :: first
@@ -133,7 +133,7 @@ contains
       integer, intent(in) :: line
       !! number of the line in the file
       character(*), intent(in) :: word
-      !! as it stands in the file
+      !! word as in the file
       type(error_t), allocatable, intent(out) :: error
       !! `err_input`
 
@@ -141,7 +141,7 @@ contains
          //"' is not a finite number")
    end subroutine fail_at_word
 
-   !> Nothing but blanks, or a comment.
+   !> True for a blank line or a comment.
    pure logical function is_empty(text)
       character(*), intent(in) :: text
       integer :: first
@@ -154,11 +154,11 @@ contains
       if (.not. is_empty) is_empty = text(first:first) == '#'
    end function is_empty
 
-   !> A line of names. What begins like a number is a damaged number instead, and so are NaN and
-   !> infinity.
+   !> True for a line of names. A word that begins like a number is a damaged number instead, and so
+   !> are NaN and infinity.
    pure logical function is_header(text)
       character(*), intent(in) :: text
-      !! not empty
+      !! line that is not empty
       character(8) :: start
       integer :: first
       integer :: last
@@ -171,7 +171,7 @@ contains
          .and. start /= 'inf' .and. start /= 'infinity'
    end function is_header
 
-   !> Where the text begins: behind the byte order mark of UTF-8, if there is one.
+   !> First byte of the text, after the byte order mark of UTF-8 if there is one.
    pure integer function first_byte(bytes)
       character(*), intent(in) :: bytes
       character(3), parameter :: mark = char(239)//char(187)//char(191)

@@ -1,7 +1,7 @@
 !> Recorded ground accelerations: one column, two columns or PEER's AT2 format.
 !>
-!> Words are separated by blanks or commas; lines that begin with `#` and one header line before
-!> the numbers are skipped. Sample 1 of one column and of AT2 is at t = 0.
+!> Words are separated by blanks or commas. Lines that begin with `#` and one header line before the
+!> numbers are skipped. Sample 1 of one-column and AT2 records is at t = 0.
 module rwmf_input_record_record_reader
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
@@ -23,15 +23,15 @@ contains
    !> Errors: those of `read_file` and `parse_record`.
    subroutine read_record(path, dt, unit, scale, g, record, error)
       character(*), intent(in) :: path
-      !! of the file
+      !! path of the file
       real(wp), intent(in), optional :: dt
       !! sampling interval of a one-column record [s]; must be absent for the other formats
       character(*), intent(in), optional :: unit
       !! 'g', 'm/s2' or 'cm/s2'; must be absent for AT2, which is in g
       real(wp), intent(in) :: scale
-      !! factor [-]
+      !! factor on the accelerations [-]
       real(wp), intent(in) :: g
-      !! what unit 'g' means [m/s2]
+      !! acceleration of unit 'g' [m/s2]
       type(record_t), intent(out) :: record
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: bytes
@@ -44,8 +44,8 @@ contains
 
    !> Read a record from the text of its file.
    !>
-   !> Errors: a line that is not understood, numbers that do not match NPTS, fewer than two samples,
-   !> times that do not increase, `dt` or `unit` missing or given without need.
+   !> Errors: an invalid line, numbers that do not match NPTS, and those of `make_record`. Times
+   !> that do not increase are an error too.
    subroutine parse_record(bytes, dt, unit, scale, g, record, error)
       character(*), intent(in) :: bytes
       !! the whole file, lines with their line feeds
@@ -54,9 +54,9 @@ contains
       character(*), intent(in), optional :: unit
       !! 'g', 'm/s2' or 'cm/s2'; must be absent for AT2, which is in g
       real(wp), intent(in) :: scale
-      !! [-]
+      !! factor on the accelerations [-]
       real(wp), intent(in) :: g
-      !! [m/s2]
+      !! acceleration of unit 'g' [m/s2]
       type(record_t), intent(out) :: record
       type(error_t), allocatable, intent(out) :: error
       type(samples_t) :: samples
@@ -75,19 +75,19 @@ contains
       call make_record(samples, dt, unit, scale, g, record, error)
    end subroutine parse_record
 
-   !> A record of its samples.
+   !> Make a record from its samples.
    !>
-   !> Errors: fewer than two samples, `dt` or `unit` missing or given without need, overflow.
+   !> Errors: fewer than two samples, `dt` or `unit` missing or not allowed, overflow.
    subroutine make_record(samples, dt, unit, scale, g, record, error)
       type(samples_t), intent(in) :: samples
       real(wp), intent(in), optional :: dt
-      !! interval of samples that come without times and interval [s]
+      !! interval of samples that have neither times nor an interval [s]
       character(*), intent(in), optional :: unit
       !! 'g', 'm/s2' or 'cm/s2'; must be absent for AT2, which is in g
       real(wp), intent(in) :: scale
-      !! [-]
+      !! factor on the accelerations [-]
       real(wp), intent(in) :: g
-      !! what unit 'g' means [m/s2]
+      !! acceleration of unit 'g' [m/s2]
       type(record_t), intent(out) :: record
       type(error_t), allocatable, intent(out) :: error
 
@@ -105,7 +105,7 @@ contains
       call set_factor(record, scale, g, error, unit)
    end subroutine make_record
 
-   !> Are exactly the keys given that the samples need?
+   !> Check that the keys are given exactly if the samples need them.
    subroutine check_keys(samples, dt, unit, error)
       type(samples_t), intent(in) :: samples
       real(wp), intent(in), optional :: dt
@@ -131,15 +131,15 @@ contains
       end if
    end subroutine check_keys
 
-   !> Times of the samples, and their interval where it is uniform.
+   !> Set the times of the samples, and their interval if it is uniform.
    subroutine set_times(record, n, t)
       type(record_t), intent(inout) :: record
-      !! its `dt` is set already for the formats without times
+      !! record; its `dt` is already set for formats without times
       integer, intent(in) :: n
       real(dp), allocatable, intent(in) :: t(:)
-      !! (n) [s], allocated when the file has times
+      !! (n) [s], allocated if the file has times
       real(wp), parameter :: printed_digits = 1e-4_wp
-      !! rounding of printed times that still counts as uniform, over dt [-]
+      !! rounding of printed times that is accepted as uniform, over dt [-]
       real(wp) :: dt
       integer :: i
 
@@ -159,12 +159,12 @@ contains
       record%dt = dt
    end subroutine set_times
 
-   !> Accelerations and the largest of them.
+   !> Set the accelerations and their largest magnitude.
    subroutine set_accelerations(record, a)
       type(record_t), intent(inout) :: record
-      !! with its times
+      !! record with its times
       real(dp), intent(in) :: a(:)
-      !! (n) as they stand in the file
+      !! (n) as in the file
       integer :: at
 
       record%a = real(a, wp)

@@ -1,5 +1,5 @@
-!> Samples of a ground acceleration, of a file or of an array: what a record is made of once a case
-!> says unit, scale and interval.
+!> Samples of a ground acceleration from a file or an array. With unit, scale and interval of the
+!> case they form a record.
 module rwmf_input_record_samples
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
@@ -11,23 +11,23 @@ module rwmf_input_record_samples
 
    public :: samples_t, samples_from_array
 
-   !> Samples, checked one by one.
+   !> Samples after a check of each number.
    type :: samples_t
       real(dp), allocatable :: a(:)
       !! (n) accelerations [unit of the record]
       real(dp), allocatable :: t(:)
-      !! (n) strictly increasing times [s]; absent when they follow an interval
+      !! (n) strictly increasing times [s]; absent if an interval gives them
       real(dp), allocatable :: dt
-      !! interval that the samples come with [s]
+      !! interval given by the source of the samples [s]
       character(:), allocatable :: format
       !! 'one column', 'two columns', 'AT2' or 'array'
       character(8) :: crc32
-      !! of the bytes of the file, or of the numbers, hexadecimal
+      !! checksum of the bytes of the file, or of the numbers, hexadecimal
    end type samples_t
 
 contains
 
-   !> Samples of an array, under the rules for those of a file.
+   !> Make samples from an array, under the same rules as for a file.
    !>
    !> Errors: a number that is not finite, times that do not increase, arrays of different lengths.
    subroutine samples_from_array(a, samples, error, t)
@@ -36,7 +36,7 @@ contains
       type(samples_t), intent(out) :: samples
       type(error_t), allocatable, intent(out) :: error
       real(dp), intent(in), optional :: t(:)
-      !! (n) strictly increasing times [s]; absent when the case gives the interval
+      !! (n) strictly increasing times [s]; absent if the case gives the interval
       integer :: i
 
       samples%format = 'array'
@@ -66,7 +66,7 @@ contains
       end if
    end subroutine samples_from_array
 
-   !> Every number is finite.
+   !> Check that every number is finite.
    subroutine check_finite(what, numbers, error)
       character(*), intent(in) :: what
       real(dp), intent(in) :: numbers(:)

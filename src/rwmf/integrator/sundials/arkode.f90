@@ -1,5 +1,5 @@
-!> ARKODE's ERKStep behind the `integrator_t` interface, with the Dormand-Prince 5(4) pair: that of
-!> the paper's ode45.
+!> ARKODE's ERKStep behind the `integrator_t` interface, with the Dormand-Prince 5(4) pair of the
+!> paper's ode45.
 module rwmf_integrator_sundials_arkode
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_funloc, c_loc, c_long, &
       c_null_ptr, c_ptr
@@ -20,8 +20,9 @@ module rwmf_integrator_sundials_arkode
 
    public :: erk_t
 
-   !> ARKODE's ERKStep. A second instance with fixed step repeats a part of the last step, so that
-   !> a state inside it is a solution of the method and not of an interpolant of lower order.
+   !> Integrator with ARKODE's ERKStep. A second instance with fixed step repeats a part of the last
+   !> step. Therefore a state inside it is a solution of the method and not of an interpolant of
+   !> lower order.
    type, extends(sundials_t) :: erk_t
       private
       type(c_ptr) :: scout = c_null_ptr
@@ -53,7 +54,7 @@ contains
       self%scout_state = 0
    end subroutine create_erk
 
-   !> One ERKStep instance with our tableau, equation and silence.
+   !> Create one ERKStep instance with the tableau and the equation, without messages.
    subroutine initialise_erk(self, t, vector, memory, error)
       class(erk_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -122,8 +123,8 @@ contains
       self%steps = self%steps + 1_i8
    end subroutine step_erk
 
-   !> A step so short that ARKODE would return the time of its end with the state of its beginning.
-   !> Taylor's formula is exact there.
+   !> Take a step so short that ARKODE would return the time of its end with the state of its
+   !> beginning. Taylor's formula is exact there.
    subroutine step_by_hand(self, t_end, error)
       class(erk_t), intent(inout) :: self
       real(wp), intent(in) :: t_end
@@ -151,7 +152,7 @@ contains
       y = self%y1
       if (t >= self%t1) return
       y = self%y0
-      ! ARKODE refuses a step of a few round-offs; there Taylor's formula is exact.
+      ! ARKODE rejects a step of a few round-offs, where Taylor's formula is exact
       if (t - self%t0 <= 100*epsilon(t)*abs(t)) then
          call taylor_step(self%equation, self%t0, max(0.0_wp, t - self%t0), y)
          return

@@ -1,7 +1,7 @@
-!> What the integrators of SUNDIALS share. Only the files of this folder name it.
+!> Common parts of the SUNDIALS integrators. Only the files of this folder depend on SUNDIALS.
 !>
 !> Each instance owns one SUNContext. Parameters reach the callbacks through the user data pointer.
-!> SUNDIALS itself stays silent: its flags become our errors.
+!> SUNDIALS itself prints nothing: its flags are converted to errors of this library.
 module rwmf_integrator_sundials_common
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
       c_null_ptr, c_ptr
@@ -24,9 +24,9 @@ module rwmf_integrator_sundials_common
    integer(c_int), parameter :: no_memory = -20
    !! flag of CVODE and ARKODE
    integer(c_int), parameter :: too_small = -1000
-   !! flag of our own: steps no longer move the time
+   !! flag of this module: steps no longer advance the time
 
-   !> What both families share: context, vectors, equation.
+   !> State shared by CVODE and ARKODE: context, vectors, equation.
    type, abstract, extends(integrator_t) :: sundials_t
       type(c_ptr) :: context = c_null_ptr
       type(c_ptr) :: memory = c_null_ptr
@@ -38,17 +38,17 @@ module rwmf_integrator_sundials_common
       type(N_Vector), pointer :: vector => null()
       type(N_Vector), pointer :: tolerances => null()
       logical :: is_initialised = .false.
-      !! memory has seen its first initial value
+      !! memory has received its first initial value
       real(wp) :: rtol = 0
       !! relative tolerance [-]
       real(wp) :: t_stop = 0
-      !! stop time that the integrator knows; it forgets it when it gets there [s]
+      !! stop time set in the integrator, which clears it on arrival [s]
       real(wp) :: t_first
       !! latest end of the first step after a start [s]
    end type sundials_t
 
    interface
-      !> SUNDIALS' C function.
+      !> C function of SUNDIALS.
       type(c_ptr) function array_pointer(vector) bind(c, name='N_VGetArrayPointer')
          import :: c_ptr
          implicit none
@@ -58,7 +58,7 @@ module rwmf_integrator_sundials_common
 
 contains
 
-   !> Right-hand side as SUNDIALS calls it. A value that is not finite asks for a smaller step.
+   !> Evaluate the right-hand side for SUNDIALS. A value that is not finite requests a smaller step.
    integer(c_int) function evaluate_rhs(t, vector, vector_dot, user_data) bind(c, name='')
       real(c_double), value :: t
       !! [s]
@@ -76,32 +76,32 @@ contains
       evaluate_rhs = merge(0_c_int, 1_c_int, all(ieee_is_finite(y_dot(2:))))
    end function evaluate_rhs
 
-   !> States of a vector. The Fortran interface's own function returns a pointer of the wrong
-   !> extent, and costs more than the rest of a right-hand side's wrapping.
+   !> Return the states of a vector. The Fortran interface's own function returns a pointer of the
+   !> wrong extent, and costs more than the rest of the wrapper.
    subroutine data_of(vector, n, values)
       type(N_Vector), intent(in), target :: vector
       integer, intent(in) :: n
       !! number of states
       real(c_double), pointer, contiguous, intent(out) :: values(:)
-      !! (n) states, in place: the vector's own memory
+      !! (n) states, in the vector's own memory
 
       call c_f_pointer(array_pointer(c_loc(vector)), values, [n])
    end subroutine data_of
 
-   !> Error handler that says nothing: flags are checked where they are returned.
+   !> Ignore an error report of SUNDIALS: flags are checked at each call.
    subroutine stay_silent(code, module_name, function_name, message, user_data) bind(c, name='')
       integer(c_int), value :: code
-      !! SUNDIALS' number of the error
+      !! number of the error in SUNDIALS
       type(c_ptr), value :: module_name, function_name, message, user_data
    end subroutine stay_silent
 
-   !> Check a flag; a failure becomes an error with time, state and advice.
+   !> Check a flag and convert a failure to an error with time, state and advice.
    logical function has_failed(self, flag, what, error)
       class(sundials_t), intent(in) :: self
       integer(c_int), intent(in) :: flag
-      !! of SUNDIALS; >= 0 is success
+      !! flag of SUNDIALS; >= 0 is success
       character(*), intent(in) :: what
-      !! the call
+      !! name of the call
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: cause
       character(12) :: digits
@@ -129,7 +129,7 @@ contains
       call fail_step(self, 'SUNDIALS '//what, self%rtol, cause, error)
    end function has_failed
 
-   !> Flag of a constructor that returns a null pointer when memory is short.
+   !> Flag of a constructor, which returns a null pointer without memory.
    pure integer(c_int) function made(is_there)
       logical, intent(in) :: is_there
       !! the constructor has returned an object
@@ -137,13 +137,13 @@ contains
       made = merge(0_c_int, no_memory, is_there)
    end function made
 
-   !> Context, vectors and the working state of both families.
+   !> Create context, vectors and working state.
    subroutine create_common(self, equation, tolerance, error)
       class(sundials_t), intent(inout) :: self
       type(equation_t), intent(inout), target :: equation
       type(tolerance_t), intent(in) :: tolerance
       type(error_t), allocatable, intent(out) :: error
-      !! no memory, or SUNDIALS refuses
+      !! out of memory, or a failure of SUNDIALS
 
       self%equation => equation
       self%steps = 0_i8
@@ -163,7 +163,7 @@ contains
       self%atol = tolerance%atol
    end subroutine create_common
 
-   !> Free what `create_common` made.
+   !> Free the objects of `create_common`.
    subroutine destroy_common(self)
       class(sundials_t), intent(inout) :: self
       integer(c_int) :: flag
@@ -175,11 +175,11 @@ contains
       self%is_initialised = .false.
    end subroutine destroy_common
 
-   !> Release a vector of SUNDIALS and what it holds; harmless when there is none.
+   !> Free a vector of SUNDIALS and its data; no effect on a null pointer.
    subroutine free_vector(vector, values)
       type(N_Vector), pointer, intent(inout) :: vector
       real(c_double), pointer, intent(inout) :: values(:)
-      !! (states) data of the vector, which become null as well
+      !! (states) data of the vector, null on return
 
       if (associated(vector)) call FN_VDestroy(vector)
       vector => null()
@@ -188,9 +188,9 @@ contains
 
    !> Latest end of the first step of a flight [s].
    !>
-   !> A first step has a low order: across a whole flight that is too small for the tolerance it
-   !> returns a velocity of the wrong sign, so that the wall would hit its base at once, again and
-   !> again. Before the top of the flight it cannot.
+   !> A first step has a low order. Across a whole flight below the tolerance it returns a velocity
+   !> of the wrong sign. The wall would then hit its base again and again. Before the top of the
+   !> flight this is impossible.
    pure real(wp) function first_end(t, span)
       real(wp), intent(in) :: t
       !! [s]
@@ -200,7 +200,7 @@ contains
       first_end = t + max(0.4_wp*span, 16*spacing(t))
    end function first_end
 
-   !> Where the next step has to stop at the latest [s].
+   !> Latest end of the next step [s].
    pure real(wp) function step_end(self, t_limit)
       class(sundials_t), intent(in) :: self
       real(wp), intent(in) :: t_limit

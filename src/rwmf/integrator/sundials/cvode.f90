@@ -28,19 +28,19 @@ module rwmf_integrator_sundials_cvode
    public :: cvode_t
 
    ! The local errors of thousands of short steps add up in a multistep method that restarts at each
-   ! impact, and most in BDF. With these shares of the tolerance an rtol delivers about the same
-   ! accuracy with every method (measured on random cases, docs/validation/accuracy.md).
+   ! impact, and most in BDF. With these shares of the tolerance, rtol gives about equal accuracy
+   ! with every method (measured on random cases, docs/validation/accuracy.md).
    real(wp), parameter :: adams_share = 0.03_wp
    real(wp), parameter :: bdf_share = 0.05_wp
    real(wp), parameter :: adams_iteration = 0.3_wp
-   !! part of its tolerance that Adams leaves to the functional iteration: with so small a share of
-   !! the caller's, the iteration need not be more exact than the step
+   !! part of the Adams tolerance for the functional iteration. For so small a share of the caller's
+   !! tolerance the iteration need not be more exact than the step.
    real(wp), parameter :: least_rtol = 1.0e-14_wp
-   !! below, CVODE's error test sees nothing but round-off
+   !! smallest relative tolerance: below it, CVODE's error test detects only round-off
    integer, parameter :: most_stuck = 100
-   !! steps too short for the time to move, after which the next one will be no longer
+   !! largest number of consecutive steps too short to advance the time
 
-   !> CVODE.
+   !> Integrator with CVODE.
    type, extends(sundials_t) :: cvode_t
       private
       logical, public :: is_stiff = .false.
@@ -58,7 +58,7 @@ module rwmf_integrator_sundials_cvode
 
 contains
 
-   !> Jacobian of the right-hand side as CVODE calls it.
+   !> Evaluate the Jacobian of the right-hand side for CVODE.
    integer(c_int) function evaluate_jacobian(t, vector, vector_dot, matrix, user_data, &
       work_1, work_2, work_3) bind(c, name='')
       real(c_double), value :: t
@@ -98,7 +98,7 @@ contains
       if (has_failed(self, made(c_associated(self%memory)), 'CVodeCreate', error)) return
    end subroutine create_cvode
 
-   !> First use: everything that CVODE wants after CVodeInit, in the order that it wants it.
+   !> Set up CVODE at its first use, in the order required after CVodeInit.
    subroutine initialise_cvode(self, t, error)
       class(cvode_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -191,7 +191,7 @@ contains
       self%steps = self%steps + 1_i8
    end subroutine step_cvode
 
-   !> CVODE's own interpolant has the order of the step.
+   !> Evaluate CVODE's own interpolant, which has the order of the step.
    subroutine state_at_cvode(self, t, y, error)
       class(cvode_t), intent(inout) :: self
       real(wp), intent(in) :: t

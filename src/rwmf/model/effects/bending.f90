@@ -1,11 +1,12 @@
-!> A wall that bends, `&bending`: modes of the uniform cantilever in the frame that turns with the
-!> base (docs/theory/bending.md).
+!> Effect `&bending`: the wall bends in modes of the uniform cantilever, in the frame that turns with
+!> the base (docs/theory/bending.md).
 module rwmf_model_effects_bending
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_model_beam, only: beam_t, create_beam, link_floors, linked_floors_t
    use rwmf_model_bent_wall, only: landing
    use rwmf_model_effects_bending_loop, only: bending_coefficients, fixed_columns, floor_columns
+   use rwmf_model_effects_p_delta, only: leaning_loads
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, model_t
    use rwmf_model_scene, only: elsewhere, frame_term, scene_t, through_link
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
@@ -26,7 +27,7 @@ module rwmf_model_effects_bending
 
 contains
 
-   !> The group `&bending`: its keys, and how they are checked and read.
+   !> Define the group `&bending` with its keys and checks.
    type(case_group_t) function bending_group() result(group)
       type(key_t) :: damping
 
@@ -34,7 +35,7 @@ contains
          'xi in each mode, or in the first and in proportion to the stiffness above')
       group%name = 'bending'
       group%needs(1) = 'wall'
-      group%reasons(1) = 'it is the wall that bends'
+      group%reasons(1) = 'it describes the stiffness of the wall'
       group%keys = [ &
          with_si('N m2', usually('[1, 1e8]', required('bending', 'EI_over_m_w', 'real', 'm3/s2', &
             positive, 'bending stiffness of the wall over m_w'))), &
@@ -43,13 +44,13 @@ contains
          usually('[1e8, 1e12]', dimensional('bending', 'E', 'real', 'Pa', 'EI_over_m_w', '', &
             'or the modulus of elasticity, with &wall thickness')), &
          optional_key('bending', 'cracking', 'real', '-', '1.0', '(0, 1]', &
-            'factor on the moment of inertia of the gross section; with E only'), &
+            'factor on the moment of inertia of the gross section; only with E'), &
          optional_key('bending', 'modes', 'integer', '', '3', '[1, 12]', 'number of modes'), &
          usually('[0.001, 0.2]', optional_key('bending', 'xi', 'real', '-', '0.02', not_negative, &
             'damping ratio of the modes')), &
          damping, &
          optional_key('bending', 'nu', 'real', '-', '', '[0, 0.5]', &
-            'Poisson''s ratio; given: the wall deforms in shear as well')]
+            'Poisson''s ratio; if given, the wall also deforms in shear')]
       group%derive => derive_bending
       group%check => check_bending
       group%fill => fill_bending
@@ -58,7 +59,7 @@ contains
       group%refuse_element => refuse_element
    end function bending_group
 
-   !> EI from the modulus of elasticity and the section.
+   !> Derive EI from the modulus of elasticity and the section.
    subroutine derive_bending(values, error)
       type(group_values_t), intent(inout) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -67,7 +68,7 @@ contains
       if (.not. has_key(values, 'bending', 'E')) return
       mass = real_of(values, 'wall', 'm_w')
       if (.not. has_key(values, 'wall', 'thickness')) then
-         call fail_key(values, 'bending', 'E', 'needs &wall thickness, which says the section', &
+         call fail_key(values, 'bending', 'E', 'needs &wall thickness, for the moment of inertia', &
             error)
       else if (.not. mass > 0) then
          call fail_key(values, 'bending', 'E', 'needs the mass of the wall: m_w, or density and ' &
@@ -79,7 +80,7 @@ contains
       end if
    end subroutine derive_bending
 
-   !> What a wall that bends excludes.
+   !> Refuse the groups and values that a bending wall excludes.
    subroutine check_bending(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -93,14 +94,14 @@ contains
             //trim(text_of(values, 'model', 'formulation'))//"': it needs 'exact'", error)
       else if (text_of(values, 'wall', 'base') == 'pinned') then
          call fail_group(values, 'bending', "must not be given with &wall base = 'pinned': modes " &
-            //'of a cantilever describe a wall that rocks', error)
+            //'of a cantilever describe a rocking wall', error)
       else if (has_group(values, 'link')) then
-         call fail_group(values, 'bending', 'must not be given with &link: its tilt is not in ' &
-            //'the equations of a bent wall', error)
+         call fail_group(values, 'bending', 'must not be given with &link: the equations of ' &
+            //'a bending wall have no tilted link', error)
       else if (.not. has_group(values, 'impact') .or. text_of(values, 'impact', 'rule') &
                /= 'coupled') then
          call fail_group(values, 'bending', "needs &impact rule = 'coupled': the momentum balance " &
-            //'of the modes says what an impact leaves', error)
+            //'of the modes gives the velocities after an impact', error)
       end if
       if (allocated(error) .or. .not. has_group(values, 'frame')) return
       coupling = ''
@@ -108,12 +109,10 @@ contains
       if (has_group(values, 'yielding') .and. coupling /= 'full') then
          call fail_group(values, 'yielding', "must not be given with &bending but for &storeys " &
             //"coupling = 'full', whose storeys yield one by one", error)
-      else if (has_group(values, 'p_delta') .and. coupling == 'every_floor') then
-         call fail_group(values, 'p_delta', "must not be given with &bending and &storeys " &
-            //"coupling = 'every_floor'; 'full' and 'reduced' allow it", error)
       end if
    end subroutine check_bending
 
+   !> Store the values of the group in the case.
    subroutine fill_bending(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
@@ -130,13 +129,14 @@ contains
          nu, cracking])
    end subroutine fill_bending
 
+   !> True if the wall bends.
    pure logical function has_bending(case)
       type(case_t), intent(in) :: case
 
       has_bending = has_numbers(case, 'bending')
    end function has_bending
 
-   !> Displacements and velocities of the modes.
+   !> Add the names of the displacements and velocities of the modes to the states.
    pure subroutine add_mode_states(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)
@@ -153,8 +153,8 @@ contains
       names = [character(name_length) :: names, states(:, 1), states(:, 2)]
    end subroutine add_mode_states
 
-   !> The modes' contribution to the equation, if the case has them. All that acts on the frame comes
-   !> before them in the scene, all else after them.
+   !> Prepare the contribution of the modes to the equation. Effects that act on the frame come
+   !> before them in the scene, all others after them.
    subroutine prepare_bending(case, equation, bending)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -191,28 +191,28 @@ contains
       bending%land => land
    end subroutine prepare_bending
 
-   !> Floors that are linked one by one leave the straight line: their loop takes the place of that
-   !> of the frame.
+   !> Collect the floors that are linked one by one. Their loop replaces the loop of the frame.
    subroutine link_to_floors(case, equation)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(linked_floors_t) :: floors
-      real(wp) :: pace, ratio
+      real(wp) :: stretch, ratio
+      !! square of the frequency over that of the case; mass unit over m_w
       integer :: i
 
       associate (frame => case%storeys%frame)
-         pace = equation%p%omega_s/frame%omega(1)
+         stretch = (equation%p%omega_s/frame%omega(1))**2
          ratio = equation%p%gamma*frame%shape(size(frame%m), 1)**2
          floors%share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
          floors%m = ratio*frame%m
-         floors%k = ratio*frame%k*pace**2
-         floors%load = 0*floors%m
+         floors%k = ratio*frame%k*stretch
+         floors%load = ratio*leaning_loads(case)
          floors%viscous_time = 2*equation%p%xi_s/equation%p%omega_s
       end associate
       call link_floors(equation%beam, floors)
    end subroutine link_to_floors
 
-   !> As the loops read them.
+   !> Fill in the coefficients of the loops.
    pure subroutine coefficients_of_bending(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
@@ -235,7 +235,7 @@ contains
       end associate
    end subroutine coefficients_of_bending
 
-   !> The modes move about as much as the top of the wall.
+   !> Expected sizes of the modes: the modes move about as much as the top of the wall.
    subroutine mode_sizes(effect, equation, size_guess, sizes)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
@@ -250,14 +250,14 @@ contains
       end associate
    end subroutine mode_sizes
 
-   !> At an impact wall and modes share the impulse at the new corner. Where the wall would turn back
-   !> into its base it stays there.
+   !> Apply an impact. Wall and modes share the impulse at the new corner. If the wall would turn back
+   !> into its base, it stays there.
    subroutine land(effect, equation, y, after, stays)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
-      !! on the side that the wall comes from
+      !! equation on the side before the impact
       real(wp), intent(inout) :: y(:)
-      !! (states) at theta = 0, theta' before the impact; those of the modes change
+      !! (states) at theta = 0, with theta' before the impact; the modes change
       real(wp), intent(inout) :: after
       !! theta' after the impact [rad/s]
       logical, intent(inout) :: stays
@@ -265,12 +265,13 @@ contains
       call landing(equation, effect%constants(1), y, after, stays)
    end subroutine land
 
+   !> Refuse an element of a host program.
    subroutine refuse_element(case, error)
       type(case_t), intent(in) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, err_input, 'an element has no &bending: the modes have to be remembered, ' &
-         //'and an element holds no state; a wall that steps with the host (create_stepping) does')
+      call fail(error, err_input, 'an element must not have &bending: it holds no state, ' &
+         //'and the modes are states; a stepping wall (create_stepping) allows it')
    end subroutine refuse_element
 
 end module rwmf_model_effects_bending

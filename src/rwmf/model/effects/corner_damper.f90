@@ -1,7 +1,7 @@
 !> Viscous dampers between the foundation and the corners of the base, one at each corner.
 !>
-!> The damper under the corner that lifts is drawn out by the chord 4b sin(phi/2); the other one is
-!> at rest. Virtual work turns its force c d(stroke)/dt into the moment c (2b cos(phi/2))**2 phi'
+!> The stroke of the damper under the lifting corner is the chord 4b sin(phi/2); the other damper
+!> is at rest. By virtual work its force c d(stroke)/dt gives the moment c (2b cos(phi/2))**2 phi'
 !> against the motion.
 module rwmf_model_effects_corner_damper
    use rwmf_core_error, only: error_t
@@ -21,7 +21,7 @@ module rwmf_model_effects_corner_damper
 
 contains
 
-   !> The group `&damper`: its keys, and how they are checked and read.
+   !> Describe the group `&damper`: its keys and the procedures that check and read them.
    type(case_group_t) function damper_group() result(group)
       group%name = 'damper'
       group%needs(1) = 'wall'
@@ -49,7 +49,7 @@ contains
       has_damper = allocated(case%damper)
    end function has_damper
 
-   !> The dampers' contribution to the equation, if the case has them.
+   !> Prepare the contribution of the dampers to the equation, if the case has them.
    subroutine prepare_damper(case, equation, damper)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation

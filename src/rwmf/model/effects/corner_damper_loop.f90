@@ -1,4 +1,4 @@
-!> Loop over lanes of the corner dampers.
+!> Corner dampers in the equation of motion, for all lanes.
 module rwmf_model_effects_corner_damper_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_viscous, power_count
@@ -9,7 +9,7 @@ module rwmf_model_effects_corner_damper_loop
 
 contains
 
-   !> Part of the damper in the equation of motion.
+   !> Add the moment of the damper under the lifting corner.
    pure subroutine add_damper(coef, motion)
       real(wp), intent(in) :: coef(lane_count)
       !! c (2b)**2 over m_w R**2 [1/s]
@@ -23,12 +23,12 @@ contains
       end do
    end subroutine add_damper
 
-   !> Power that it takes.
+   !> Add the power that this damper dissipates.
    pure subroutine add_damper_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum [-]
+      !! weight of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count)
-      !! that of `add_damper` [1/s]
+      !! coefficient of `add_damper` [1/s]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]

@@ -1,9 +1,9 @@
 !> Inerters between the foundation and the corners of the base, one at each corner.
 !>
-!> An inerter resists the relative acceleration of its ends with B times it. The one under the
-!> corner that lifts is drawn out by the chord 4b sin(phi/2); the other one is at rest. Its kinetic
-!> energy B (2b cos(phi/2) phi')**2/2 adds to the inertia and, because the arm falls with rocking, a
-!> term in phi'**2.
+!> An inerter resists the relative acceleration of its ends with B times this acceleration. The
+!> stroke of the inerter under the lifting corner is the chord 4b sin(phi/2); the other inerter is
+!> at rest. Its kinetic energy B (2b cos(phi/2) phi')**2/2 adds to the inertia. Since the arm
+!> decreases with the rotation, it also adds a term in phi'**2.
 module rwmf_model_effects_corner_inerter
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -22,7 +22,7 @@ module rwmf_model_effects_corner_inerter
 
 contains
 
-   !> The group `&inerter`: its keys, and how they are checked and read.
+   !> Describe the group `&inerter`: its keys and the procedures that check and read them.
    type(case_group_t) function inerter_group() result(group)
       group%name = 'inerter'
       group%needs(1) = 'wall'
@@ -50,7 +50,7 @@ contains
       has_inerter = allocated(case%inerter)
    end function has_inerter
 
-   !> The inerters' contribution to the equation, if the case has them.
+   !> Prepare the contribution of the inerters to the equation, if the case has them.
    subroutine prepare_inerter(case, equation, inerter)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation

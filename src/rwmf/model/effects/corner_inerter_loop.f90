@@ -1,4 +1,4 @@
-!> Loop over lanes of the corner inerters.
+!> Corner inerters in the equation of motion, for all lanes.
 module rwmf_model_effects_corner_inerter_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t
@@ -9,7 +9,7 @@ module rwmf_model_effects_corner_inerter_loop
 
 contains
 
-   !> Part of the inerter in the equation of motion.
+   !> Add the inertia and moment of the inerter under the lifting corner.
    pure subroutine add_inerter(coef, motion)
       real(wp), intent(in) :: coef(lane_count)
       !! B (2b)**2 over m_w R**2 [-]

@@ -18,7 +18,7 @@ module rwmf_model_effects_fuse
 
 contains
 
-   !> The group `&fuse`: its keys, and how they are checked and read.
+   !> Describe the group `&fuse`: its keys and the procedures that check and read them.
    type(case_group_t) function fuse_group() result(group)
       group%name = 'fuse'
       group%needs(1) = 'wall'
@@ -57,8 +57,8 @@ contains
          [real_of(values, 'fuse', 'F_y')/real_of(values, 'fuse', 'k')])
    end subroutine derive_fuse
 
-   !> Keys of a law only with it; the stiffness of a fuse must leave the wall a period that can be
-   !> followed.
+   !> Check that keys of a law are given only with it, and that the fuse leaves the wall a period
+   !> long enough to integrate.
    subroutine check_fuse(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -97,11 +97,11 @@ contains
       has_fuse = allocated(case%fuse)
    end function has_fuse
 
-   !> The fuses' contribution to the equation, if the case has them.
+   !> Prepare the contribution of the fuses to the equation, if the case has them.
    subroutine prepare_fuse(case, equation, fuse)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
-      !! with its springs
+      !! equation with its springs
       type(contribution_t), intent(out) :: fuse
 
       fuse%is_present = has_fuse(case)
@@ -113,7 +113,8 @@ contains
       fuse%acts = under_corner
    end subroutine prepare_fuse
 
-   !> Of the fuse whose corner lifts, and the force of the other; they come last, left and right.
+   !> Coefficients of the fuse under the lifting corner, and force of the other. The fuses are the
+   !> last two springs, left and right.
    pure subroutine fuse_coefficients(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model

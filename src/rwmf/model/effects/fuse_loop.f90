@@ -1,4 +1,4 @@
-!> Loop over lanes of the fuses.
+!> Fuses in the equation of motion, for all lanes.
 module rwmf_model_effects_fuse_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t
@@ -9,12 +9,12 @@ module rwmf_model_effects_fuse_loop
 
 contains
 
-   !> Part of the fuse in the equation of motion: a force on a line over the stroke 4b sin(phi/2)
-   !> with the arm 2b cos(phi/2).
+   !> Add the force of the fuse to the moment. The force is linear in the stroke 4b sin(phi/2), and
+   !> its arm is 2b cos(phi/2).
    pure subroutine add_fuse(coef, motion)
       real(wp), intent(in) :: coef(lane_count, 3)
-      !! 2b times the force at no stroke over m_w R**2 [1/s2]; 8b**2 times its slope over m_w R**2
-      !! [1/s2]; force of the fuse under the pivot over m_w, which has no arm [m/s2]
+      !! 2b times the force at zero stroke over m_w R**2 [1/s2]; 8b**2 times the slope over m_w
+      !! R**2 [1/s2]; force of the fuse under the pivot, which has no arm, over m_w [m/s2]
       type(lane_motion_t), intent(inout) :: motion
       integer :: i
 

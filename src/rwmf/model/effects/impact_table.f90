@@ -1,4 +1,4 @@
-!> Loss at impact by the velocity, `&impact rule = 'table'`.
+!> Velocity factor at impact from a table over the velocity, `&impact rule = 'table'`.
 module rwmf_model_effects_impact_table
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -16,7 +16,7 @@ module rwmf_model_effects_impact_table
 
 contains
 
-   !> What a rule 'table' adds to the group `&impact`.
+   !> Keys that the rule 'table' adds to the group `&impact`.
    type(case_group_t) function impact_table_group() result(group)
       group%name = 'impact'
       group%after = 'impact'
@@ -32,7 +32,7 @@ contains
       group%refuse_element => refuse_element
    end function impact_table_group
 
-   !> Both columns of a table, of one length, with velocities in order; none for other rules.
+   !> Check that both columns have equal length and increasing velocities; other rules have none.
    subroutine check_impact_table(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error

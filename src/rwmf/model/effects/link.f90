@@ -20,7 +20,7 @@ module rwmf_model_effects_link
 
 contains
 
-   !> The group `&link`: its keys, and how they are checked and read.
+   !> Describe the group `&link`: its keys and the procedures that check and read them.
    type(case_group_t) function link_group() result(group)
       group%name = 'link'
       group%needs = [character(12) :: 'wall', 'frame']
@@ -32,7 +32,7 @@ contains
       group%is_present => has_link
    end function link_group
 
-   !> The link must stay shorter than vertical: longer than the corner ever rises or sinks.
+   !> Check that the link cannot become vertical: it must exceed the vertical travel of the corner.
    subroutine check_link(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -61,7 +61,7 @@ contains
       case%link = link_t(real_of(case%values, 'link', 'L'))
    end subroutine fill_link
 
-   !> The tilt of the link belongs to the kinematics that all lanes share (`tilt_link`).
+   !> Prepare the tilt of the link, which is part of the kinematics of all lanes (`tilt_link`).
    subroutine prepare_link(case, link)
       type(case_t), intent(in) :: case
       type(contribution_t), intent(out) :: link

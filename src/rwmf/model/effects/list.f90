@@ -1,5 +1,5 @@
-!> The one list of effects beyond wall, frame and cable. Whatever reads, checks, describes or lists
-!> a case walks along it.
+!> List of all effects beyond wall, frame and cable. The procedures that read, check, describe or
+!> list a case iterate over it.
 module rwmf_model_effects_list
    use rwmf_model_effects_bending, only: bending_group, prepare_bending
    use rwmf_model_effects_corner_damper, only: damper_group, prepare_damper
@@ -27,11 +27,11 @@ module rwmf_model_effects_list
 
 contains
 
-   !> Every effect, in the order in which it is asked.
+   !> Create the list of all effects, in the order of their evaluation.
    function all_effects() result(effects)
       type(case_group_t), allocatable :: effects(:)
 
-      ! one by one: gfortran 12 loses the keys of what stands in an array constructor
+      ! assigned one by one: gfortran 12 loses the keys of elements of an array constructor
       allocate (effects(effect_count))
       effects(storeys_effect) = storeys_group()
       effects(link_effect) = link_group()
@@ -48,10 +48,10 @@ contains
       effects(bending_effect) = bending_group()
    end function all_effects
 
-   !> What an effect of the list brings into the equation of motion, if the case calls for it.
+   !> Prepare the contribution of one effect to the equation of motion, if the case has the effect.
    subroutine prepare_effect(number, case, equation, effect)
       integer, intent(in) :: number
-      !! place of the effect in the list
+      !! index of the effect in the list
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(contribution_t), intent(out) :: effect
@@ -78,7 +78,7 @@ contains
       case (bending_effect)
          call prepare_bending(case, equation, effect)
       case default
-         ! a base, a rule of impacts, a law of the cable: nothing beyond wall and cable
+         ! base, rule of impacts, law of the cable: no contribution beyond wall and cable
       end select
    end subroutine prepare_effect
 

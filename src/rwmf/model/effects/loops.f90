@@ -1,4 +1,4 @@
-!> The equation of motion of the lanes: kinematics, and the loops of a scene one after the other.
+!> Equation of motion of the lanes: kinematics, followed by the loop of each term of a scene.
 module rwmf_model_effects_loops
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_bending_loop, only: add_mode_power, add_modes, bend_wall, release_modes
@@ -25,16 +25,16 @@ module rwmf_model_effects_loops
 
 contains
 
-   !> First-order form of the equation of motion: kinematics, then what each loop of the scene adds
-   !> to inertia and moment, and the rates of its own states.
+   !> Compute the rates of all states: kinematics, then the inertia and moment of each term of the
+   !> scene and the rates of its states.
    subroutine lane_rates(scene, coef, y, motion, y_dot)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the terms, for the current side and the active branches
       real(wp), intent(in) :: y(lane_count, scene%n)
-      !! theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; states of effects
+      !! theta [rad] and theta' [rad/s], bare frame u [m] and u' [m/s]; then states of effects
       type(lane_motion_t), intent(inout) :: motion
-      !! with the accelerations of the ground; on return kinematics, inertia and moment as well
+      !! ground accelerations on entry; on return also kinematics, inertia and moment
       real(wp), intent(out) :: y_dot(lane_count, scene%n)
       !! rates of the states
       integer :: i
@@ -80,7 +80,7 @@ contains
             case (vertical_effect)
                call add_vertical(coef(1, own), motion)
             case (p_delta_effect)
-               ! one coordinate has no states of its own: none is read
+               ! a term with one coordinate has no states and reads none of y
                call add_p_delta(term%n, coef(1, own), y(1, min(term%state, scene%n)), motion, &
                   y_dot(1, min(term%state, scene%n)))
             case (nl_damper_effect)
@@ -89,7 +89,7 @@ contains
                call add_modes(term%law, term%n, coef(1, own), y(1, term%state), &
                   coef(1, first_wall + 6), motion, y_dot(1, term%state))
             case default
-               ! has no loop, and therefore no term
+               ! this effect has no loop and therefore no term
             end select
          end associate
       end do
@@ -106,20 +106,20 @@ contains
       end if
    end subroutine lane_rates
 
-   !> Add the powers of the ground motion, of dampers, and of smooth plastic flow to a sum; what
-   !> springs on straight lines dissipate follows from their elongations.
+   !> Add the powers of ground motion, dampers and smooth plastic flow to a sum. The dissipation of
+   !> springs on straight lines is computed from their elongations instead.
    subroutine lane_powers(scene, weight, coef, y, y_dot, motion, total)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: weight
-      !! of the powers in the sum [-]
+      !! weight of the powers in the sum [-]
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the terms, for the current side and the active branches
       real(wp), intent(in) :: y(lane_count, scene%n)
       !! states
       real(wp), intent(in) :: y_dot(lane_count, scene%n)
       !! rates of the states
       type(lane_motion_t), intent(in) :: motion
-      !! as `lane_rates` leaves it
+      !! motion as set by `lane_rates`
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over `power_unit` [W/kg]
       integer :: i
@@ -150,19 +150,19 @@ contains
                call add_mode_power(term%law, term%n, weight, coef(1, own), y(1, term%state), &
                   motion, total)
             case default
-               ! stores all that it takes, or dissipates on straight lines
+               ! this term stores energy only, or dissipates on straight lines
             end select
          end associate
       end do
    end subroutine lane_powers
 
-   !> Unit of these powers: R**2; 1 of a bare frame [m2].
+   !> Unit of these powers: R**2, for a bare frame 1 [m2].
    pure subroutine power_unit(scene, coef, unit)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
-      !! coefficients of the loops, on the side and the branches in force
+      !! coefficients of the terms, for the current side and the active branches
       real(wp), intent(out) :: unit(lane_count)
-      !! R**2; 1 of a bare frame [m2]
+      !! R**2, for a bare frame 1 [m2]
       integer :: i
 
       !$omp simd

@@ -1,9 +1,9 @@
-!> Nonlinear viscous dampers between the foundation and the corners of the base, one at each corner:
-!> F = F_1 |v|**exponent against the velocity v of the stroke.
+!> Nonlinear viscous dampers between the foundation and each corner of the base. Their force is F_1
+!> |v|**exponent against the velocity v of the stroke.
 !>
-!> The damper under the corner that lifts is drawn out by the chord 4b sin(phi/2) with
-!> v = 2b cos(phi/2) phi', and has the arm 2b cos(phi/2). On a hinged wall both dampers work, each
-!> with half of that stroke and of that arm. The law has a corner at v = 0.
+!> The stroke of the damper under the lifting corner is the chord 4b sin(phi/2). It has the
+!> velocity v = 2b cos(phi/2) phi' and the arm 2b cos(phi/2). Under a hinged wall both dampers act,
+!> each with half of this stroke and arm. The law has a kink at v = 0.
 module rwmf_model_effects_nl_damper
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -21,7 +21,7 @@ module rwmf_model_effects_nl_damper
 
 contains
 
-   !> The group `&nl_damper`: its keys, and how they are checked and read.
+   !> Describe the group `&nl_damper`: its keys and the procedures that check and read them.
    type(case_group_t) function nl_damper_group() result(group)
       group%name = 'nl_damper'
       group%needs(1) = 'wall'
@@ -51,7 +51,7 @@ contains
       has_nl_damper = has_numbers(case, 'nl_damper')
    end function has_nl_damper
 
-   !> The dampers' contribution to the equation, if the case has them.
+   !> Prepare the contribution of the dampers to the equation, if the case has them.
    subroutine prepare_nl_damper(case, equation, damper)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation

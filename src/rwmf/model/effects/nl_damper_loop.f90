@@ -1,4 +1,4 @@
-!> Loop over lanes of the nonlinear dampers.
+!> Nonlinear dampers in the equation of motion, for all lanes.
 module rwmf_model_effects_nl_damper_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_viscous, power_count
@@ -9,7 +9,7 @@ module rwmf_model_effects_nl_damper_loop
 
 contains
 
-   !> Part of the dampers in the equation of motion.
+   !> Add the force of the dampers to the moment.
    pure subroutine add_nl_damper(coef, motion)
       real(wp), intent(in) :: coef(lane_count, 3)
       !! 2b [m]; 2b times the force at 1 m/s over m_w R**2 [1/s2]; exponent [-]
@@ -25,12 +25,12 @@ contains
       end do
    end subroutine add_nl_damper
 
-   !> Power that they take.
+   !> Add the power that the dampers dissipate.
    pure subroutine add_nl_damper_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum [-]
+      !! weight of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count, 3)
-      !! those of `add_nl_damper` [m], [1/s2], [-]
+      !! coefficients of `add_nl_damper` [m], [1/s2], [-]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
@@ -45,15 +45,15 @@ contains
       end do
    end subroutine add_nl_damper_power
 
-   !> |v|**exponent of the velocity of the stroke over 1 m/s.
+   !> Raise the velocity of the stroke over 1 m/s to the exponent, |v|**exponent.
    pure subroutine raise_rate(coef, motion, power)
       real(wp), intent(in) :: coef(lane_count, 3)
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(out) :: power(lane_count)
-      !! [-]
+      !! |v|**exponent, with v in m/s [-]
       integer :: i
 
-      ! the power of libm for one lane after the other: vectorised ones have other last bits
+      ! libm's scalar power, lane by lane: the vectorised power differs in the last bits
       !GCC$ novector
       do i = 1, lane_count
          power(i) = abs(coef(i, 1)*motion%half_cosine(i)*motion%rate(i))**coef(i, 3)

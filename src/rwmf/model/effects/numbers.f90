@@ -1,4 +1,4 @@
-!> Numbers of the effects: their places in the one list, by which the loops over lanes know them.
+!> Numbers of the effects: their indices in `all_effects`, which the loops over lanes use as well.
 module rwmf_model_effects_numbers
    implicit none
    private

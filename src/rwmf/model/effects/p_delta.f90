@@ -1,10 +1,12 @@
-!> Gravity on the displaced frame, `&p_delta`: a massless leaning column that carries m_g g.
+!> Gravity on the displaced frame (P-Delta), `&p_delta`: a massless leaning column with the weight
+!> m_g g.
 !>
-!> Between two floors that are displaced by d over the height of their storey it pushes both apart
-!> with W d/height, W the weight above: a negative stiffness of that storey (docs/theory/theory.md).
+!> In a storey with relative displacement d it pushes the two floors apart with W d/height, where W
+!> is the weight above. This is a negative storey stiffness. Theory: docs/theory/storeys.md.
 module rwmf_model_effects_p_delta
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
+   use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
       frame_motion, model_t
    use rwmf_model_floor_motion, only: storey_motion
@@ -21,13 +23,13 @@ module rwmf_model_effects_p_delta
 
    integer, parameter :: of_mass = 1
    integer, parameter :: of_height = 2
-   !! 0 for that of the wall or of the storeys
+   !! index of the height; 0 for the height of the wall or of the storeys
    integer, parameter :: of_limit = 3
-   !! places of the keys among the numbers of the group
+   !! indices of the keys among the numbers of the group
 
 contains
 
-   !> The group `&p_delta`: its keys, and how they are checked and read.
+   !> Describe the group `&p_delta`: its keys and the procedures that check and read them.
    type(case_group_t) function p_delta_group() result(group)
       group%name = 'p_delta'
       group%needs(1) = 'frame'
@@ -97,7 +99,7 @@ contains
       has_p_delta = has_numbers(case, 'p_delta')
    end function has_p_delta
 
-   !> Height of the frame that a case gives; 0 for none [m].
+   !> Height of the frame given by a case; 0 if it gives none [m].
    pure real(wp) function leaning_height(case) result(height)
       type(case_t), intent(in) :: case
       real(wp) :: numbers(3)
@@ -108,11 +110,11 @@ contains
       height = numbers(of_height)
    end function leaning_height
 
-   !> Push of the weights above each storey over what it is displaced by, over the unit of the
-   !> floors' masses; zero without `&p_delta` [1/s2].
+   !> P-Delta push on each storey per storey displacement, over the unit of the floors' masses. It
+   !> is zero without `&p_delta` [1/s2].
    pure function leaning_loads(case) result(loads)
       type(case_t), intent(in) :: case
-      !! with `&storeys`
+      !! case with `&storeys`
       real(wp) :: loads(size(case%storeys%frame%m))
       real(wp) :: numbers(3)
       integer :: i
@@ -139,8 +141,8 @@ contains
       call fail(error, err_input, 'an element has no &p_delta: the frame is the host''s')
    end subroutine refuse_element
 
-   !> What each storey is pushed by: weights over heights of a single degree of freedom, of one
-   !> mode, or of floors that move by themselves.
+   !> Prepare the P-Delta push on a single degree of freedom, on one mode, or on storeys with
+   !> states.
    subroutine prepare_p_delta(case, equation, effect)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -167,14 +169,17 @@ contains
       effect%n_coef = max(1, 2*effect%n)
    end subroutine prepare_p_delta
 
-   !> The constants, push over m_w (without wall over the mass of frame or roof) per displacement of
-   !> each storey that moves by itself, or of the roof [1/s2]; where only the roof does, that of it
-   !> which the links do not bear [1/s2]; drifts over the limit per displacement [1/m].
+   !> Set the constants of a frame with storeys, in this order.
+   !>
+   !> The first is the push per displacement of each storey with states, or of the roof, over m_w
+   !> [1/s2]. Without such states, the part of the roof's push that the links do not bear follows
+   !> [1/s2]. The last are the drifts over their limit per displacement [1/m]. Without wall, the
+   !> mass of the frame or of the roof replaces m_w.
    subroutine prepare_storeys(case, equation, limit, effect)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: limit
-      !! of the drifts [-]
+      !! limit of the drifts [-]
       type(contribution_t), intent(inout) :: effect
       real(wp), allocatable :: load(:), bend(:)
       real(wp) :: push
@@ -189,6 +194,11 @@ contains
             effect%constants = [load/equation%floors%unit, 1/(limit*frame%height)]
             return
          end if
+         if (has_numbers(case, 'bending') .and. equation%floors%are_linked) then
+            effect%constants = [load*frame_mass(equation)*frame%shape(n, 1)**2, 1/(limit &
+               *frame%height)]
+            return
+         end if
          bend = (frame%shape(:, 1) - [0.0_wp, frame%shape(:n - 1, 1)])/frame%shape(n, 1)
          push = frame_mass(equation)*sum(load*bend**2)*frame%shape(n, 1)**2
          effect%constants = [push, merge(load(1)*bend(1), push, equation%floors%are_linked), &
@@ -196,7 +206,7 @@ contains
       end associate
    end subroutine prepare_storeys
 
-   !> As the loops read them.
+   !> Coefficients of `add_p_delta`.
    pure subroutine p_delta_coefficients(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
@@ -212,28 +222,29 @@ contains
       end associate
    end subroutine p_delta_coefficients
 
-   !> Energy of the weights that sink.
+   !> Potential energy of the sinking weights.
    real(wp) function p_delta_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
-      real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
+      real(wp), allocatable :: d(:), rate(:)
 
       call displacements(equation, y, d, rate)
       energy = -sum(effect%constants(:size(d))*d**2)/2
    end function p_delta_energy
 
-   !> What links to the wall do not have to pull back, and what floors are pushed by.
+   !> Force at the links to the wall, and sum of the forces on the floors. They are negative where
+   !> gravity pushes the frame [m/s2].
    function p_delta_force(effect, equation, y) result(force)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: force(2)
-      real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
+      real(wp), allocatable :: d(:), rate(:)
 
       call displacements(equation, y, d, rate)
       associate (n => size(d))
-         if (equation%floors%n > 0) then
+         if (n > 1) then
             force = [-effect%constants(n)*d(n), effect%constants(n)*d(n) - effect%constants(1)*d(1)]
          else
             force = [-effect%constants(2)*d(1), 0.0_wp]
@@ -248,29 +259,38 @@ contains
       real(wp), intent(out) :: ratio(:)
       real(wp), intent(out) :: rate(:)
 
-      call displacements(equation, y, ratio, rate)
-      if (equation%floors%n == 0) then
-         ratio = ratio(1)
-         rate = rate(1)
-      end if
+      real(wp), allocatable :: d(:), d_dot(:)
+
+      call displacements(equation, y, d, d_dot)
       associate (share => effect%constants(size(effect%constants) - size(ratio) + 1:))
-         ratio = ratio*share
-         rate = rate*share
+         if (size(d) == size(ratio)) then
+            ratio = d*share
+            rate = d_dot*share
+         else
+            ratio = d(1)*share
+            rate = d_dot(1)*share
+         end if
       end associate
    end subroutine p_delta_drifts
 
-   !> What the storeys that move by themselves, or else the roof, are displaced by, and how fast.
+   !> Displacement and velocity of each storey that moves by itself, or else of the roof.
    subroutine displacements(equation, y, d, rate)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
-      real(wp), intent(out) :: d(:)
-      !! [m]
-      real(wp), intent(out) :: rate(:)
-      !! [m/s]
+      real(wp), allocatable, intent(out) :: d(:)
+      !! displacement [m]
+      real(wp), allocatable, intent(out) :: rate(:)
+      !! velocity [m/s]
 
       if (equation%floors%n > 0) then
+         allocate (d(equation%floors%n), rate(equation%floors%n))
          call storey_motion(equation, equation%state%side, y, d, rate)
+      else if (allocated(equation%beam%floors)) then
+         call linked_floor_motion(equation, y, d, rate)
+         d = d - [0.0_wp, d(:size(d) - 1)]
+         rate = rate - [0.0_wp, rate(:size(rate) - 1)]
       else
+         allocate (d(1), rate(1))
          call frame_motion(equation, equation%state%side, y, d(1), rate(1))
       end if
    end subroutine displacements

@@ -1,4 +1,4 @@
-!> Loop over lanes of the gravity on a displaced frame.
+!> Gravity on a displaced frame (P-Delta) in the equation of motion, for all lanes.
 module rwmf_model_effects_p_delta_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t
@@ -9,13 +9,13 @@ module rwmf_model_effects_p_delta_loop
 
 contains
 
-   !> Push of the leaning column: on a frame of one coordinate, or on floors and roof.
+   !> Add the push of the leaning column to a frame of one coordinate, or to floors and roof.
    pure subroutine add_p_delta(n, coef, y, motion, y_dot)
       integer, intent(in) :: n
-      !! number of storeys that move by themselves; 0: one coordinate
+      !! number of storeys with states; 0: one coordinate
       real(wp), intent(in) :: coef(lane_count, max(1, 2*n))
-      !! one coordinate: push per displacement over m_w [1/s2]; storeys: R [m], push per
-      !! displacement of each [1/s2], one over the mass of each floor below the roof [-]
+      !! one coordinate: push per displacement over m_w [1/s2]; storeys: R [m], push of each per
+      !! displacement [1/s2], reciprocal mass of each floor below the roof [-]
       real(wp), intent(in) :: y(lane_count, max(0, 2*n - 2))
       !! displacements [m] and velocities of the floors below the roof
       type(lane_motion_t), intent(inout) :: motion
@@ -24,7 +24,7 @@ contains
       real(wp) :: above(lane_count), below(lane_count)
       !! displacements of two floors [m]
       real(wp) :: push(lane_count, n)
-      !! of each storey [m/s2]
+      !! push of each storey [m/s2]
       integer :: i, j
 
       if (n == 0) then

@@ -13,7 +13,7 @@ module rwmf_model_effects_pinned_base
 
 contains
 
-   !> What a hinged base adds to the group `&wall`.
+   !> Keys that a hinged base adds to the group `&wall`.
    type(case_group_t) function pinned_base_group() result(group)
       group%name = 'wall'
       group%after = 'wall'
@@ -24,7 +24,7 @@ contains
       group%is_present => has_pinned_base
    end function pinned_base_group
 
-   !> What a wall hinged in the middle of its base excludes.
+   !> Refuse the groups that a wall hinged in the middle of its base excludes.
    subroutine check_pinned_base(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error

@@ -1,5 +1,5 @@
-!> Cable that yields or breaks, `&cable eta_y, hardening, rupture_strain`, and the cable by its
-!> strands, whose steel and length say the forces.
+!> Cable that yields or breaks, `&cable eta_y, hardening, rupture_strain`, and the cable given by
+!> its strands, whose steel and length determine the forces.
 module rwmf_model_effects_tendon
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -19,7 +19,7 @@ module rwmf_model_effects_tendon
 
 contains
 
-   !> The group `&tendon`: its keys, and how they are checked and read.
+   !> Describe the tendon keys of the group `&cable` and the procedures that check and read them.
    type(case_group_t) function tendon_group() result(group)
       character(*), parameter :: of_strands = 'strands strand_area modulus initial_stress'
 
@@ -58,16 +58,16 @@ contains
       group%refuse_element => refuse_element
    end function tendon_group
 
-   !> Forces over the weight of the wall from stresses, and from the strain at theta = alpha.
+   !> Derive forces over the weight of the wall from stresses and from the strain at theta = alpha.
    subroutine derive_strands(values, error)
       type(group_values_t), intent(inout) :: values
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: area
-      !! over the weight of the wall [m2/N]
+      !! area over the weight of the wall [m2/N]
       real(wp) :: stress
-      !! at theta = 0 [Pa]
+      !! stress at theta = 0 [Pa]
       real(wp) :: strain
-      !! from there to theta = alpha [-]
+      !! strain from theta = 0 to theta = alpha [-]
 
       if (.not. has_key(values, 'cable', 'strands')) return
       area = real_of(values, 'cable', 'strands')*real_of(values, 'cable', 'strand_area') &
@@ -87,7 +87,7 @@ contains
       end if
    end subroutine derive_strands
 
-   !> Length over which the cable is strained [m].
+   !> Length that determines the strain of the cable [m].
    pure real(wp) function strained_length(values) result(length)
       type(group_values_t), intent(in) :: values
 
@@ -95,7 +95,7 @@ contains
       if (has_key(values, 'cable', 'length')) length = real_of(values, 'cable', 'length')
    end function strained_length
 
-   !> Elongations need a stiffness, and the cable must not begin beyond its limits.
+   !> Check that the cable has a stiffness and that its limits exceed the prestress.
    subroutine check_tendon(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -134,27 +134,27 @@ contains
       if (.not. allocated(error)) call check_widths(values, eta_0, error)
    end subroutine check_tendon
 
-   !> For any width of the spectrum: the stiffness of the tendon must leave the wall a period that
-   !> can be followed, and the prestress alone must not break it.
+   !> Check each width of the spectrum. The stiffness of the tendon must give the wall a period
+   !> long enough to integrate, and the prestress alone must not break the tendon.
    subroutine check_widths(values, eta_0, error)
       type(group_values_t), intent(in) :: values
       real(wp), intent(in) :: eta_0
-      !! [-]
+      !! prestress over m_w g [-]
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem
       real(wp), allocatable :: b(:)
       real(wp), allocatable :: elongation(:)
-      !! (widths) up to theta = alpha [m]
+      !! (widths) elongation up to theta = alpha [m]
       real(wp) :: h
       real(wp) :: rise
-      !! of the force over m_w g up to theta = alpha [-]
+      !! increase of the force over m_w g up to theta = alpha [-]
       real(wp) :: strain
       integer :: i
 
       h = real_of(values, 'wall', 'h')
       rise = real_of(values, 'cable', 'eta_alpha') - eta_0
       call get_list(values, 'spectrum', 'b', b)
-      ! the forces of strands are those of the width in force
+      ! strands give the forces of the current width
       if (has_key(values, 'cable', 'strands') .or. .not. allocated(b)) then
          b = [real_of(values, 'wall', 'b')]
       end if
@@ -200,7 +200,7 @@ contains
          'cable', 'strands')*real_of(case%values, 'cable', 'strand_area')
    end subroutine fill_tendon
 
-   !> Can the cable of a case yield or break?
+   !> Return whether the cable of a case can yield or break.
    pure logical function has_tendon(case)
       type(case_t), intent(in) :: case
 

@@ -1,7 +1,7 @@
 !> Vertical ground motion: in the frame of the ground the wall weighs m_w (g + v_g'').
 !>
-!> The cable pulls with its own force P, which no motion of the ground changes; the frame's mass
-!> moves horizontally only. What is left is the arm of the wall's weight times m_w v_g''.
+!> The cable force P does not depend on the motion of the ground, and the frame's mass moves
+!> horizontally only. So the only effect is the moment of m_w v_g'' about the pivot.
 module rwmf_model_effects_vertical_motion
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
@@ -23,7 +23,7 @@ module rwmf_model_effects_vertical_motion
 
 contains
 
-   !> The group `&vertical`: its keys, and how they are checked and read.
+   !> Describe the group `&vertical`: its keys and the procedures that check and read them.
    type(case_group_t) function vertical_group() result(group)
       group%name = 'vertical'
       group%after = 'motion'
@@ -46,7 +46,7 @@ contains
       group%refuse_element => refuse_element
    end function vertical_group
 
-   !> A ratio to the horizontal motion, or a record.
+   !> Check that the group gives either a ratio to the horizontal motion or a record.
    subroutine check_vertical(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -94,7 +94,7 @@ contains
          //'&vertical file: the host hands over the motion, and &vertical ratio follows it')
    end subroutine refuse_element
 
-   !> The vertical motion's contribution to the equation, if the case has it.
+   !> Prepare the contribution of the vertical motion to the equation, if the case has it.
    subroutine prepare_vertical(case, equation, vertical)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -117,15 +117,15 @@ contains
       coef(1) = 1/model%p%R
    end subroutine vertical_coefficients
 
-   !> Lowest vertical acceleration until a time, at most zero [m/s2].
+   !> Lowest vertical acceleration up to a time, at most zero [m/s2].
    pure real(wp) function lowest_vertical(motion, t_end) result(lowest)
       type(motion_t), intent(in) :: motion
       real(wp), intent(in) :: t_end
-      !! [s]
+      !! end of the time range [s]
       integer, parameter :: most_turns = 8
-      !! of an interval: a harmonic, the one motion with more, only repeats itself then
+      !! turning points of an interval; only a harmonic has more, and repeats itself after these
       real(wp) :: t
-      !! [s]
+      !! time [s]
       integer :: i, turn
 
       lowest = 0

@@ -1,4 +1,4 @@
-!> Loop over lanes of the vertical ground motion.
+!> Vertical ground motion in the equation of motion, for all lanes.
 module rwmf_model_effects_vertical_motion_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_input, power_count
@@ -9,7 +9,7 @@ module rwmf_model_effects_vertical_motion_loop
 
 contains
 
-   !> Part of the vertical motion in the equation of motion.
+   !> Add the moment of the vertical ground motion.
    pure subroutine add_vertical(coef, motion)
       real(wp), intent(in) :: coef(lane_count)
       !! 1/R [1/m]
@@ -22,12 +22,12 @@ contains
       end do
    end subroutine add_vertical
 
-   !> Power that it puts in while the wall's centroid rises.
+   !> Add the power of the vertical ground motion on the rising wall.
    pure subroutine add_vertical_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum [-]
+      !! weight of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count)
-      !! that of `add_vertical`, 1/R [1/m]
+      !! coefficient of `add_vertical`, 1/R [1/m]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]

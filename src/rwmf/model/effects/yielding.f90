@@ -1,5 +1,5 @@
 !> Inelastic frame, `&yielding`: its strength as one spring or storey by storey, its law, and the
-!> ductility at which it has collapsed.
+!> ductility at collapse.
 module rwmf_model_effects_yielding
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
@@ -27,7 +27,7 @@ module rwmf_model_effects_yielding
 
 contains
 
-   !> The group `&yielding`: its keys, and how they are checked and read.
+   !> Describe the group `&yielding`: its keys and the procedures that check and read them.
    type(case_group_t) function yielding_group() result(group)
       group%name = 'yielding'
       group%needs(1) = 'frame'
@@ -86,15 +86,15 @@ contains
       group%refuse_element => refuse_element
    end function yielding_group
 
-   !> Forces over the weight of the frame, those of storeys over their stiffness.
+   !> Derive yield forces over the weight of the frame, and those of storeys over their stiffness.
    subroutine derive_yielding(values, error)
       type(group_values_t), intent(inout) :: values
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: force(:)
       real(wp), allocatable :: k(:)
-      !! over the unit of mass [1/s2]
+      !! stiffnesses over the unit of mass [1/s2]
       real(wp), allocatable :: m(:)
-      !! over the same
+      !! masses over the same unit
 
       if (has_key(values, 'yielding', 'F_y')) then
          if (has_group(values, 'storeys')) then
@@ -118,7 +118,7 @@ contains
          return
       end if
       call get_list(values, 'storeys', 'm_over_m_w', m)
-      ! lists that do not fit each other are for the rules of &storeys
+      ! the rules of &storeys refuse lists of different lengths
       if (size(k) /= size(m)) return
       if (size(force) == 1) force = spread(force(1), 1, size(k))
       if (size(force) == size(k)) then
@@ -147,7 +147,7 @@ contains
       if (.not. allocated(error)) call check_rotation(values, error)
    end subroutine check_yielding
 
-   !> Smooth storeys one by one do not know which way they go from a start away from zero.
+   !> Check that smooth storeys with all modes start at zero; their initial loading is undefined.
    subroutine check_law(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -158,7 +158,7 @@ contains
          //"'bouc_wen' and &storeys coupling = 'full', whose hysteresis begins at zero", error)
    end subroutine check_law
 
-   !> Keys of a law only with it, and those that it cannot do without.
+   !> Check that keys of a law are given only with it, and that its required keys are present.
    subroutine check_keys_of_law(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -188,11 +188,11 @@ contains
       if (.not. allocated(error)) call check_four(values, 'lambda_exponent', error)
    end subroutine check_keys_of_law
 
-   !> One number for all modes of wear, or four.
+   !> Check that a list of wear parameters has one number for all modes of wear, or four.
    subroutine check_four(values, key, error)
       type(group_values_t), intent(in) :: values
       character(*), intent(in) :: key
-      !! its name
+      !! name of the key
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: list(:)
 
@@ -203,8 +203,8 @@ contains
          //' values, must have one for all or four (strength, cap, reloading, unloading)', error)
    end subroutine check_four
 
-   !> A frame that softens runs away in the end: something must end the run. The laws that lose
-   !> strength do so beyond their cap; others have no line for it.
+   !> Check that a softening law has an event that ends the run, because a softening frame
+   !> collapses. Laws that lose strength soften beyond their cap; the others cannot soften.
    subroutine check_softening(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -222,7 +222,7 @@ contains
       end if
    end subroutine check_softening
 
-   !> How the storeys are linked; '' without storeys.
+   !> Coupling of the storeys to the wall; '' without storeys.
    pure function coupling(values)
       type(group_values_t), intent(in) :: values
       character(11) :: coupling
@@ -231,7 +231,7 @@ contains
       if (has_group(values, 'storeys')) coupling = text_of(values, 'storeys', 'coupling')
    end function coupling
 
-   !> The springs of the frame are those of its period and mass: without mass nothing yields.
+   !> Check that the frame has mass: its springs follow from its period and mass.
    subroutine check_mass(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -249,14 +249,14 @@ contains
       end do
    end subroutine check_mass
 
-   !> Is the strength that of single storeys, as given or because no other can be meant?
+   !> Return whether the strength is given storey by storey, or must be.
    pure logical function yields_by_storey(values)
       type(group_values_t), intent(in) :: values
 
       yields_by_storey = has_key(values, 'yielding', 'storey_u_y') .or. coupling(values) == 'full'
    end function yields_by_storey
 
-   !> Storeys that yield one by one: which frames have them, and how many there are.
+   !> Check the frames that allow yielding storeys, and the number of strengths.
    subroutine check_storey_strengths(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -293,8 +293,8 @@ contains
       end if
    end subroutine check_storey_strengths
 
-   !> With a short link the frame's displacement turns back at a large rotation; its spring follows
-   !> the rotation only as long as both grow together.
+   !> Check the range of rotations with a short link. Its frame displacement reverses at a large
+   !> rotation, and the frame's spring is defined only while both grow together.
    subroutine check_rotation(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -303,7 +303,7 @@ contains
       if (.not. has_group(values, 'link')) return
       if (text_of(values, 'model', 'formulation') /= 'exact' &
           .and. text_of(values, 'wall', 'base') /= 'pinned') return
-      ! storeys of a frame with all its modes do not follow the rotation
+      ! with all modes, storeys do not follow the rotation
       if (coupling(values) == 'full') return
       limit = turning_rotation(real_of(values, 'wall', 'h'), real_of(values, 'link', 'L'))
       if (real_of(values, 'model', 'overturning_angle') <= limit) return
@@ -312,8 +312,9 @@ contains
          //'back while the wall goes on', error)
    end subroutine check_rotation
 
-   !> Rotation to the left at which the displacement of the link's far end is largest, by
-   !> bisection: u = 2h sin(phi) - (L - sqrt(L**2 - v**2)), v = 2h (1 - cos(phi)) [rad].
+   !> Rotation to the left at which the displacement of the link's far end is largest [rad].
+   !>
+   !> Bisection on the slope of u = 2h sin(phi) - (L - sqrt(L**2 - v**2)), v = 2h (1 - cos(phi)).
    pure real(wp) function turning_rotation(h, L) result(low)
       real(wp), intent(in) :: h
       !! half height [m]
@@ -350,7 +351,7 @@ contains
       call fill_law(case%values, case%yielding%spring)
    end subroutine fill_yielding
 
-   !> The numbers of a law of straight lines.
+   !> Read the numbers of a law of straight lines.
    subroutine fill_law(values, law)
       type(group_values_t), intent(in) :: values
       type(spring_law_t), intent(inout) :: law
@@ -370,7 +371,7 @@ contains
       law%pinch_displacement = real_of(values, 'yielding', 'pinch_displacement')
    end subroutine fill_law
 
-   !> Four numbers of one or four.
+   !> Expand one number to four, or copy four.
    pure function spread_out(list) result(four)
       real(wp), intent(in) :: list(:)
       !! (1 or 4)
@@ -386,12 +387,13 @@ contains
       has_yielding = allocated(case%yielding)
    end function has_yielding
 
-   !> The frame's springs are on lines that the frame's own loop reads; the smooth law has a loop.
-   !> Storeys of a frame with all its modes yield one by one and belong to them.
+   !> Prepare the contribution of the yielding frame. Springs on straight lines use the loop of the
+   !> frame; the smooth law has a loop. With all modes the storeys yield one by one and belong to
+   !> `&storeys`.
    subroutine prepare_yielding(case, equation, yielding)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
-      !! with its springs
+      !! equation with its springs
       type(contribution_t), intent(out) :: yielding
 
       yielding%is_present = has_yielding(case)
@@ -412,15 +414,15 @@ contains
       end if
    end subroutine prepare_yielding
 
-   !> Displacements at which frame or storeys have collapsed. Where a straight line links the
-   !> storeys the weakest one says it for the roof.
+   !> Set the displacements at which frame or storeys collapse. If the storeys are linked along a
+   !> straight line, the weakest storey determines that of the roof.
    subroutine prepare_collapse(case, equation, yielding)
       type(case_t), intent(in) :: case
-      !! with `&yielding ultimate`
+      !! case with `&yielding ultimate`
       type(equation_t), intent(in) :: equation
       type(contribution_t), intent(inout) :: yielding
       real(wp), allocatable :: u_y(:)
-      !! displacement at first yield of what collapses [m]
+      !! displacement of the frame or of each storey at first yield [m]
 
       if (.not. allocated(case%yielding%storey_u_y)) then
          u_y = [yield_displacement(case)]
@@ -435,7 +437,7 @@ contains
       yielding%put_drifts => ductilities
    end subroutine prepare_collapse
 
-   !> Ductilities over the ultimate one.
+   !> Ductilities over the ultimate ductility, and their rates.
    subroutine ductilities(effect, equation, y, ratio, rate)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
@@ -463,7 +465,7 @@ contains
       end associate
    end subroutine bouc_wen_coefficients
 
-   !> The smooth law has a state of its own: one for the frame, or one for each storey.
+   !> Add the names of the states z of the smooth law: one for the frame, or one for each storey.
    pure subroutine add_hysteretic_states(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)

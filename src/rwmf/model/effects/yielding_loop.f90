@@ -1,4 +1,4 @@
-!> Loop over lanes of a frame whose hysteresis is smooth.
+!> Frame with smooth hysteresis in the equation of motion, for all lanes.
 module rwmf_model_effects_yielding_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
@@ -10,18 +10,18 @@ module rwmf_model_effects_yielding_loop
 
 contains
 
-   !> Hysteretic part of the frame's force, and the rate of its state.
+   !> Add the hysteretic part of the frame's force to the moment and compute the rate of its state.
    pure subroutine add_bouc_wen(factors, coef, z, motion, z_dot)
       integer, intent(in) :: factors
-      !! of the power, see `raise_state`
+      !! factors of the power, see `raise_state`
       real(wp), intent(in) :: coef(lane_count, 4)
-      !! force at z = 1 over m_w R [1/s2]; R over the displacement at yield [-]; part lost [-];
+      !! force at z = 1 over m_w R [1/s2]; R over the yield displacement [-]; lost part [-];
       !! exponent [-]
       real(wp), intent(in) :: z(lane_count)
-      !! [-]
+      !! hysteretic state [-]
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(out) :: z_dot(lane_count)
-      !! [1/s]
+      !! rate of the hysteretic state [1/s]
       real(wp) :: power(lane_count)
       integer :: i
 
@@ -33,16 +33,16 @@ contains
       end do
    end subroutine add_bouc_wen
 
-   !> Power that plastic flow takes: of the velocity, what z does not follow.
+   !> Add the power dissipated by plastic flow: hysteretic force times plastic velocity.
    pure subroutine add_bouc_wen_power(weight, coef, z, z_dot, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum [-]
+      !! weight of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count, 4)
       !! coefficients of `add_bouc_wen`
       real(wp), intent(in) :: z(lane_count)
-      !! [-]
+      !! hysteretic state [-]
       real(wp), intent(in) :: z_dot(lane_count)
-      !! [1/s]
+      !! rate of the hysteretic state [1/s]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]

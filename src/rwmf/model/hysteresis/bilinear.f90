@@ -1,18 +1,18 @@
-!> Elastic-plastic spring that remembers: linear kinematic hardening or softening, friction,
+!> Elastic-plastic spring with memory: linear kinematic hardening or softening, friction,
 !> slackness, rupture.
 !>
-!> Its force depends on the elongation x and on what has happened to it: on the branch in force and
-!> on the plastic elongation p. Within a branch the force is a smooth function of x; a branch ends
-!> at a known elongation (`bilinear_limits`), or where the motion turns back (`turn_bilinear`).
+!> Its force depends on the elongation x, on the active branch and on the plastic elongation p.
+!> Within a branch the force is a smooth function of x. A branch ends at a known elongation
+!> (`bilinear_limits`) or where the motion reverses (`turn_bilinear`).
 !>
 !>    elastic   F = F_0 + k (x - p)
 !>    yielding  F = +-F_y + H p, with p following from x
-!>    slack     F = 0, a tendon that is too long
-!>    broken    F = 0 for good
+!>    slack     F = 0, a tendon that plastic elongation has slackened
+!>    broken    F = 0 permanently
 !>
-!> H < 0 is a spring that softens. Friction that holds more than it bears while it slips, with a
-!> `breakaway` above 1, lets go at once: p grows by what the drop of the force sets free, and the
-!> energy is lost. Numbers are in the caller's units, see `spring_t`.
+!> A spring with H < 0 softens. A friction spring with `breakaway` above 1 sticks with a larger
+!> force than it slips with. When it begins to slip, the force drops, p grows accordingly and the
+!> released energy is dissipated. Numbers are in the caller's units, see `spring_t`.
 module rwmf_model_hysteresis_bilinear
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_spring, only: branch_t, spring_t
@@ -32,7 +32,7 @@ module rwmf_model_hysteresis_bilinear
 
 contains
 
-   !> Straight line of the branch that is in force.
+   !> Compute the straight line of the active branch.
    elemental subroutine draw_line(spring, branch)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -57,7 +57,7 @@ contains
       end select
    end function bilinear_force
 
-   !> Its derivative by x.
+   !> Derivative of the force by x.
    elemental real(wp) function bilinear_tangent(spring, branch) result(tangent)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
@@ -72,7 +72,7 @@ contains
       end select
    end function bilinear_tangent
 
-   !> Plastic elongation at the elongation x: that part of it that unloading would leave.
+   !> Plastic elongation at the elongation x, which remains after elastic unloading.
    elemental real(wp) function bilinear_plastic(spring, branch, x) result(plastic)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
@@ -84,12 +84,12 @@ contains
          /(spring%stiffness + spring%modulus)
    end function bilinear_plastic
 
-   !> Elongation at which a spring without prestress would have no force, unloaded slowly: its
-   !> plastic part, but for much hardening, where it yields on the way back.
+   !> Elongation of zero force after slow unloading of a spring without prestress. This is its
+   !> plastic part, unless hardening is so large that the spring yields during unloading.
    elemental real(wp) function bilinear_residual(spring, plastic) result(residual)
       type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: plastic
-      !! part of its elongation
+      !! plastic part of the elongation
 
       residual = plastic
       if (spring%modulus*abs(plastic) > spring%yield) residual = sign(spring%yield/spring%modulus, &
@@ -103,7 +103,7 @@ contains
       real(wp), intent(in) :: x
       real(wp) :: plastic
       real(wp) :: elastic_part
-      !! of the elongation
+      !! elastic part of the elongation
 
       plastic = bilinear_plastic(spring, branch, x)
       elastic_part = x - plastic
@@ -111,11 +111,11 @@ contains
          elastic_part = -spring%force_0/spring%stiffness
       end if
       energy = elastic_part*(spring%force_0 + spring%stiffness*elastic_part/2)
-      ! what has broken gives nothing back
+      ! a broken spring returns no energy
       if (branch%kind /= broken) energy = energy + spring%modulus*plastic**2/2
    end function bilinear_energy
 
-   !> Energy that plastic flow has taken up to the elongation x: F_y |dp|, summed over all branches.
+   !> Energy dissipated by plastic flow up to the elongation x: F_y |dp|, summed over all branches.
    elemental real(wp) function bilinear_loss(spring, branch, x) result(loss)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
@@ -126,18 +126,19 @@ contains
          branch, x) - branch%plastic)
    end function bilinear_loss
 
-   !> Elongations between which the branch in force holds.
+   !> Elongations between which the active branch is valid.
    !>
-   !> Yielding that begins within round-off of a turn would go on while the spring unloads: going
-   !> back beyond the elongation at which it began ends it as well. Friction that let go is not held
-   !> again by round-off.
+   !> If yielding begins within round-off of a reversal, the spring could keep yielding while it
+   !> unloads. So the branch also ends where x returns below the elongation at which it began. For
+   !> friction the limit has a margin, so that round-off does not make a slipping spring stick
+   !> again.
    pure subroutine bilinear_limits(spring, branch, low, high)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
       real(wp), intent(out) :: low
-      !! or -huge where there is none
+      !! -huge if there is no lower limit
       real(wp), intent(out) :: high
-      !! or huge where there is none
+      !! huge if there is no upper limit
       real(wp) :: slack
 
       slack = 0
@@ -161,12 +162,12 @@ contains
       case (is_slack)
          high = branch%plastic - spring%force_0/spring%stiffness
       case default
-         ! broken for good
+         ! a broken spring has no limits
       end select
    end subroutine bilinear_limits
 
-   !> Elongation at which a spring begins to yield in one direction; friction that slips: at which
-   !> it began to.
+   !> Elongation at which a spring begins to yield in one direction; for slipping friction, the
+   !> elongation at which it began to slip.
    pure real(wp) function first_yield(spring, branch, direction) result(x)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
@@ -182,7 +183,7 @@ contains
          - spring%force_0)/spring%stiffness
    end function first_yield
 
-   !> The elongation passes a limit of the branch.
+   !> Begin the next branch where the elongation passes a limit of the active branch.
    pure subroutine pass_bilinear(spring, branch, is_rising)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -190,7 +191,7 @@ contains
       !! the elongation grows
       type(branch_t) :: held
       real(wp) :: x
-      !! where it happens
+      !! elongation at the limit
 
       held = branch
       select case (branch%kind)
@@ -216,19 +217,19 @@ contains
       case (yields_down, is_slack)
          branch%kind = elastic
       case default
-         ! no limits
+         ! this branch has no limits
       end select
       call draw_line(spring, branch)
    end subroutine pass_bilinear
 
-   !> Friction lets go at the elongation x, and its force drops to that at which it slips; or what
-   !> holds breaks. What this sets free is lost.
+   !> Release the stored energy when friction begins to slip or the spring breaks at the elongation
+   !> x. The energy released by the drop of the force is dissipated.
    pure subroutine let_go(spring, held, branch, x)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: held
-      !! the branch before
+      !! branch before the event
       type(branch_t), intent(inout) :: branch
-      !! that of another kind which has begun
+      !! branch after the event, whose kind is set
       real(wp), intent(in) :: x
 
       branch%lost = branch%lost + bilinear_energy(spring, held, x) - bilinear_energy(spring, &
@@ -236,7 +237,7 @@ contains
       branch%plastic = bilinear_plastic(spring, branch, x)
    end subroutine let_go
 
-   !> The motion turns back at the elongation x: what yielded unloads elastically.
+   !> Reverse the motion at the elongation x: a yielding spring begins to unload elastically.
    pure subroutine turn_bilinear(spring, branch, x)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -249,14 +250,14 @@ contains
       call draw_line(spring, branch)
    end subroutine turn_bilinear
 
-   !> Does it follow a line of yielding?
+   !> Return whether a branch is a yielding one.
    elemental logical function is_yielding(branch)
       type(branch_t), intent(in) :: branch
 
       is_yielding = abs(branch%kind) == yields_up
    end function is_yielding
 
-   !> Has it broken?
+   !> Return whether the spring has broken.
    pure logical function is_broken(branch)
       type(branch_t), intent(in) :: branch
 

@@ -1,14 +1,14 @@
-!> Frame whose restoring force follows Bouc and Wen: a smooth hysteresis with one more state z.
+!> Frame whose restoring force follows Bouc and Wen, a smooth hysteresis with one more state z.
 !>
 !>    F/m_s = omega_s**2 (a u + (1 - a) u_y z)
 !>    z' = u'/u_y (1 - |z|**n (beta sign(u' z) + 1 - beta))
 !>
-!> a is the hardening ratio. beta + gamma = 1, so that |z| tends to 1: another sum would only give
-!> u_y another meaning. For n -> infinity the law becomes the bilinear one of `spring_t`.
+!> a is the hardening ratio. beta + gamma = 1, so that |z| tends to 1; any other sum would only
+!> rescale u_y. For n -> infinity the law becomes the bilinear one of `spring_t`.
 !>
-!> The signs of u' and z hold for a piece of motion; the hybrid loop ends it at a peak and where z
-!> passes zero. Inside a step the rate of z is smooth (but for the start at z = 0 where n is no
-!> natural number).
+!> The signs of u' and z are constant within a piece of motion. The hybrid loop ends a piece at a
+!> peak and where z passes zero. Within a step the rate of z is smooth. An exception is the start
+!> from z = 0 if n is not a natural number.
 module rwmf_model_hysteresis_bouc_wen
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
@@ -23,15 +23,15 @@ module rwmf_model_hysteresis_bouc_wen
    private
 
    public :: prepare_bouc_wen, new_hysteresis, follow_loading_direction, follow_signs
-   public :: will_pass_zero, stable_pace, load_bouc_wen, bouc_wen_sizes
+   public :: will_pass_zero, stable_rate, load_bouc_wen, bouc_wen_sizes
    public :: bouc_wen_energy, bouc_wen_residual, bouc_wen_force, lagging_displacement
 
 contains
 
-   !> Parameters, and the place of z among the states.
+   !> Set the parameters and the position of z among the states.
    subroutine prepare_bouc_wen(case, equation)
       type(case_t), intent(in) :: case
-      !! with `&yielding`
+      !! case with `&yielding`
       type(equation_t), intent(inout) :: equation
 
       equation%hysteresis = new_hysteresis(case%yielding, yield_displacement(case), &
@@ -42,10 +42,10 @@ contains
       equation%state%ends_at_peak = .true.
    end subroutine prepare_bouc_wen
 
-   !> Bring a frame that has not moved yet to an initial displacement, as if it had grown from zero.
+   !> Load a frame at rest to an initial displacement, as if it had grown slowly from zero.
    subroutine load_bouc_wen(equation, y)
       type(equation_t), intent(in) :: equation
-      !! with the side in force
+      !! equation with the current side
       real(wp), intent(inout) :: y(:)
       !! (states)
 
@@ -55,15 +55,15 @@ contains
       end associate
    end subroutine load_bouc_wen
 
-   !> The law of one spring.
+   !> Create the law of one spring.
    pure type(hysteresis_t) function new_hysteresis(yielding, u_y, stiffness) result(law)
       type(yielding_t), intent(in) :: yielding
       real(wp), intent(in) :: u_y
       !! displacement at yield [m]
       real(wp), intent(in) :: stiffness
-      !! elastic, over any mass [1/s2]
+      !! elastic stiffness over any mass [1/s2]
       real(wp), parameter :: most = 8
-      !! factors whose product is as accurate as a power, and cheaper [-]
+      !! largest number of factors whose product is as accurate as a power, and faster [-]
 
       law%u_y = u_y
       law%hardening = yielding%hardening
@@ -74,8 +74,8 @@ contains
       law%factors = nint(law%exponent)
    end function new_hysteresis
 
-   !> A piece of motion begins in the loading direction in force: what follows from the signs of u'
-   !> and z.
+   !> Update the lost part and the coefficients at the beginning of a piece of motion, from the
+   !> signs of u' and z.
    pure subroutine follow_loading_direction(model, state, y)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -88,13 +88,13 @@ contains
       if (abs(state%signs%lost - lost) > 0) call renew_effects(model, state)
    end subroutine follow_loading_direction
 
-   !> What follows from them for one law.
+   !> Set the sense and the lost part of one law from the signs of u' and z.
    pure subroutine follow_signs(law, z, signs)
       type(hysteresis_t), intent(in) :: law
       real(wp), intent(in) :: z
-      !! [-]
+      !! hysteretic state [-]
       type(motion_signs_t), intent(inout) :: signs
-      !! with the loading direction
+      !! signs, with the loading direction already set
 
       signs%sense = signs%loading_direction
       signs%lost = 1
@@ -105,39 +105,39 @@ contains
       if (modulo(law%factors, 2) == 1) signs%lost = signs%sense*signs%lost
    end subroutine follow_signs
 
-   !> Does |z| fall in the piece of motion in force, so that z may pass zero?
+   !> Return whether |z| decreases in the current piece of motion, so that z may pass zero.
    pure logical function will_pass_zero(equation)
       type(equation_t), intent(in) :: equation
 
       will_pass_zero = equation%state%signs%sense /= equation%state%signs%loading_direction
    end function will_pass_zero
 
-   !> Steps per rotation in which z relaxes to its bound that an explicit pair needs to be stable:
-   !> with fewer it errs by far more than its embedded methods see [1/rad].
-   pure real(wp) function stable_pace(equation) result(pace)
+   !> Steps per radian that keep an explicit Runge-Kutta pair stable while z relaxes to its bound
+   !> [1/rad]. With fewer steps the true error far exceeds the embedded error estimate.
+   pure real(wp) function stable_rate(equation) result(pace)
       type(equation_t), intent(in) :: equation
       real(wp), parameter :: longest = 4.5_wp
-      !! step over the time constant of z at its bound [-]
+      !! largest stable step over the time constant of z at its bound [-]
 
       associate (law => equation%hysteresis)
          pace = law%exponent*abs(equation%state%signs%lost)*frame_travel(equation) &
             /(longest*law%u_y)
       end associate
-   end function stable_pace
+   end function stable_rate
 
-   !> z is below 1, and u/u_y while the frame is elastic.
+   !> Estimate the size of z: u/u_y while the frame is elastic, at most 1.
    subroutine bouc_wen_sizes(effect, equation, size_guess, sizes)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
-      !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
+      !! sizes of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
       real(wp), intent(out) :: sizes(:)
-      !! (states of the effect) of z [-]
+      !! (states of the effect) size of z [-]
 
       sizes = min(1.0_wp, frame_travel(equation)*size_guess(1)/equation%hysteresis%u_y)
    end subroutine bouc_wen_sizes
 
-   !> Energy in the frame beyond that of an elastic one, all of it strain [J/kg].
+   !> Strain energy of the frame minus that of an elastic one; its kinetic part is zero [J/kg].
    function bouc_wen_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
@@ -153,7 +153,7 @@ contains
       end associate
    end function bouc_wen_energy
 
-   !> Displacement at which the frame would have no force, unloaded slowly [m].
+   !> Displacement of zero frame force after slow unloading [m].
    real(wp) function bouc_wen_residual(equation, y) result(residual)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -175,7 +175,7 @@ contains
          - lagging_displacement(equation, y))
    end function bouc_wen_force
 
-   !> By how much the force over the elastic stiffness lags behind the displacement [m].
+   !> Displacement minus the force over the elastic stiffness [m].
    real(wp) function lagging_displacement(equation, y) result(lag)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)

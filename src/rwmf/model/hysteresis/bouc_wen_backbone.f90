@@ -1,11 +1,11 @@
-!> Where Bouc and Wen's hysteresis stands after a slow loading, from nothing to a displacement or
-!> from a state to no force.
+!> State of Bouc and Wen's hysteresis after slow loading from rest to a displacement, or after slow
+!> unloading from a state to zero force.
 !>
-!> With x = u/u_y, and z >= 0 counted from where it is zero, dx = dz/(1 - c z**n); c = 1 while |z|
-!> grows, 1 - 2 beta <= 0 while it falls. With z = 1 - exp(-w) the way is the integral of
-!> h(w) = exp(-w)/(1 - c (1 - exp(-w))**n), which is bounded, for c = 1 by 1/n <= h <= 1, and smooth
-!> but for w = 0: tanh-sinh quadrature gives all digits. From some w on z is 1 to round-off: h is
-!> then 1/n, or zero while |z| falls.
+!> With x = u/u_y, and z >= 0 measured from its zero, dx = dz/(1 - c z**n). c = 1 while |z| grows
+!> and 1 - 2 beta <= 0 while it decreases. With z = 1 - exp(-w) the change of x is the integral of
+!> h(w) = exp(-w)/(1 - c (1 - exp(-w))**n). h is bounded, for c = 1 by 1/n <= h <= 1, and smooth
+!> except at w = 0. Tanh-sinh quadrature is therefore accurate to round-off. Above some w, z is 1
+!> to round-off; h is then 1/n, or zero while |z| decreases.
 module rwmf_model_hysteresis_bouc_wen_backbone
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
@@ -22,7 +22,7 @@ contains
    !> z after the first loading to x = u/u_y [-].
    pure real(wp) function virgin_displacement(x, n) result(z)
       real(wp), intent(in) :: x
-      !! [-]
+      !! displacement over u_y [-]
       real(wp), intent(in) :: n
       !! exponent, >= 1 [-]
       real(wp) :: w
@@ -31,16 +31,16 @@ contains
       z = sign(state_of(w), x)
    end function virgin_displacement
 
-   !> x = u/u_y where the force a x + (1 - a) z is gone after a slow motion back [-].
+   !> x = u/u_y of zero force a x + (1 - a) z after slow unloading [-].
    pure elemental real(wp) function unloaded_displacement(x, z, a, beta, n) result(rest)
       real(wp), intent(in) :: x
-      !! where the motion begins [-]
+      !! x at the beginning of unloading [-]
       real(wp), intent(in) :: z
-      !! and its state [-]
+      !! z at the beginning of unloading [-]
       real(wp), intent(in) :: a
       !! hardening ratio [-]
       real(wp), intent(in) :: beta
-      !! shape while |z| falls, >= 0.5 [-]
+      !! shape factor while |z| decreases, >= 0.5 [-]
       real(wp), intent(in) :: n
       !! exponent, >= 1 [-]
       real(wp) :: w, direction, x_0, c
@@ -52,7 +52,7 @@ contains
       w = min(2*atanh(min(1.0_wp, abs(z))/(2 - min(1.0_wp, abs(z)))), largest())
       falls = direction*z < 0
       c = merge(1 - 2*beta, growing, falls)
-      ! where z is zero on the branch on which the motion begins
+      ! x at which z is zero on the first branch of the unloading
       x_0 = x + merge(direction, -direction, falls)*distance(w, n, c)
       if (falls .and. direction*x_0 < 0) then
          falls = .false.
@@ -63,16 +63,16 @@ contains
       rest = x_0 + merge(-direction, direction, falls)*distance(w, n, c)
    end function unloaded_displacement
 
-   !> The w at which a x + (1 - a) z, counted from z = 0, has come to a level.
+   !> The w at which a x + (1 - a) z, measured from z = 0, reaches a level.
    pure real(wp) function position_of(level, a, n, c, w_max) result(w)
       real(wp), intent(in) :: level
       !! >= 0 [-]
       real(wp), intent(in) :: a
-      !! from 0 to 1 [-]
+      !! hardening ratio, from 0 to 1 [-]
       real(wp), intent(in) :: n
       real(wp), intent(in) :: c
       real(wp), intent(in) :: w_max
-      !! the level is reached before
+      !! upper bound of the result
       integer, parameter :: most = 100
       type(bracket_t) :: bracket
       real(wp) :: excess
@@ -90,7 +90,7 @@ contains
       end do
    end function position_of
 
-   !> z = 1 - exp(-w) without loss of digits [-].
+   !> z = 1 - exp(-w), accurate to round-off [-].
    pure real(wp) function state_of(w) result(z)
       real(wp), intent(in) :: w
       !! >= 0 [-]
@@ -100,7 +100,7 @@ contains
       end associate
    end function state_of
 
-   !> The w beyond which nothing is left of 1 - z.
+   !> The w above which 1 - z is below round-off.
    pure real(wp) function largest()
 
       largest = 2 - log(epsilon(1.0_wp))
@@ -114,12 +114,12 @@ contains
       real(wp), intent(in) :: c
       real(wp), parameter :: step = 1.0_wp/64
       integer, parameter :: points = 300
-      !! on either side; beyond them the weights are below round-off
+      !! number of points on either side; beyond them the weights are below round-off
       real(wp) :: curved
-      !! the part of w in which h changes
+      !! range of w over which h varies
       real(wp) :: t
       real(wp) :: part
-      !! of the way through it [-]
+      !! fraction of this range [-]
       real(wp) :: weight
       integer :: i
 
@@ -135,7 +135,7 @@ contains
       if (c >= growing) distance = distance + (w - curved)/n
    end function distance
 
-   !> h(w) [-]; logarithm and power of numbers close to 1 keep their digits.
+   !> h(w) [-], with logarithms and powers of numbers close to 1 accurate to round-off.
    pure real(wp) function integrand(w, n, c) result(h)
       real(wp), intent(in) :: w
       !! >= 0 [-]

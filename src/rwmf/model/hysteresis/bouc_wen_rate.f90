@@ -1,8 +1,8 @@
 !> Rate of the hysteretic state of Bouc and Wen, z' = u'/u_y (1 - lost*power): the loop over lanes
 !> that frame and storeys share.
 !>
-!> `lost` is the part of |z|**n that is lost in the piece of motion in force: 1 while |z| grows,
-!> 1 - 2 beta while it falls; with the sign of z where z**n takes the place of |z|**n and n is odd.
+!> `lost` is the factor of |z|**n in the current piece of motion: 1 while |z| grows, 1 - 2 beta
+!> while it decreases. Where z**n replaces |z|**n and n is odd, `lost` carries the sign of z.
 module rwmf_model_hysteresis_bouc_wen_rate
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count
@@ -13,23 +13,23 @@ module rwmf_model_hysteresis_bouc_wen_rate
 
 contains
 
-   !> z**n, or |z|**n where n is even or no small natural number.
+   !> Compute z**n, or |z|**n if n is even or not a small natural number.
    !>
-   !> Beyond zero, where only trial states of a step and its search go, a natural power goes on as
-   !> it comes: a step sees no corner.
+   !> Only trial states of a step and of the event search pass zero. A natural power continues
+   !> smoothly there, so that no step contains a kink.
    pure subroutine raise_state(factors, exponent, z, power)
       integer, intent(in) :: factors
-      !! n where it is a small natural number, so that the power is a product; else 0
+      !! n if it is a small natural number, so that the power is a product; else 0
       real(wp), intent(in) :: exponent(lane_count)
       !! n [-]
       real(wp), intent(in) :: z(lane_count)
-      !! [-]
+      !! hysteretic state [-]
       real(wp), intent(out) :: power(lane_count)
-      !! [-]
+      !! its power [-]
       real(wp), parameter :: largest_state = 1.26_wp
-      !! |z| of a trial state that no step keeps; its power of 1000 is a number [-]
+      !! bound of |z| of trial states, all of which are rejected; its power 1000 is finite [-]
       real(wp), parameter :: largest = 1.0e3_wp
-      !! of such powers: the next trial state stays a number as well
+      !! bound of such powers, which keeps the next trial state finite
       real(wp) :: factor(lane_count)
       integer :: i, n
 
@@ -48,7 +48,7 @@ contains
             end do
          end do
       else
-         ! the power of libm for one lane after the other: vectorised ones have other last bits
+         ! libm's scalar power, lane by lane: the vectorised power differs in the last bits
          !GCC$ novector
          do i = 1, lane_count
             power(i) = min(min(abs(z(i)), largest_state)**exponent(i), largest)

@@ -1,22 +1,24 @@
-!> A spring that loses strength and stiffness: the modified model of Ibarra, Medina and Krawinkler,
+!> Spring that loses strength and stiffness: the modified model of Ibarra, Medina and Krawinkler,
 !> peak-oriented or pinched.
 !>
-!> Envelope, to both sides: slope k up to F_y, `hardening` k up to the capping point, down from
-!> there to the residual force. What unloads does so with the stiffness of unloading to zero force,
-!> and begins an excursion to the other side there: straight to the peak beyond which it is on the
-!> envelope again, by way of the last turn where that way is stiffer and lower; pinched, first to
-!> the pinching point. Each excursion and each turn wears the spring by
+!> The envelope is the same on both sides. It has the slope k up to F_y and the slope `hardening` k
+!> up to the capping point. Beyond it the force falls to the residual force. Unloading follows the
+!> unloading stiffness to zero force, where an excursion to the other side begins. The excursion
+!> aims straight at the peak, where it rejoins the envelope. It passes through the last reversal if
+!> this is lower than the peak and the line to it is stiffer. A pinched spring aims at the pinching
+!> point first. Each excursion and each reversal wears the spring by
 !>
 !>    beta = (E_i/(E_t - sum E_j))**c
 !>
-!> with the energy E_i of the excursion, the capacity E_t and those of all so far, this one
-!> included: strength and hardening by (1 - beta_s), the line beyond the capping point by
-!> (1 - beta_c), the peak moves out by (1 + beta_a), and at a turn the stiffness of unloading falls
-!> by (1 - beta_k). Where an excursion takes more than is left of a capacity the spring breaks.
+!> E_i is the energy of the excursion, E_t the capacity, and the sum includes all excursions so far
+!> and the present one. Strength and hardening are multiplied by (1 - beta_s), the falling line by
+!> (1 - beta_c), and the elongation of the peak by (1 + beta_a). At a reversal the unloading
+!> stiffness is multiplied by (1 - beta_k). The spring breaks when an excursion takes more than the
+!> remaining capacity.
 !>
 !> L. F. Ibarra, R. A. Medina and H. Krawinkler, Earthquake Engng Struct. Dyn. 34 (2005) 1489-1511;
 !> D. G. Lignos and H. Krawinkler, J. Struct. Eng. 137 (2011) 1291-1302. Where the papers leave the
-!> order of things open it is that of `IMKPeakOriented` and `IMKPinching` of OpenSees (2023).
+!> order of operations open, it is that of `IMKPeakOriented` and `IMKPinching` of OpenSees (2023).
 !> Numbers are in the caller's units, see `spring_t`.
 module rwmf_model_hysteresis_degrading
    use rwmf_core_kinds, only: wp
@@ -40,7 +42,7 @@ module rwmf_model_hysteresis_degrading
 
 contains
 
-   !> Branch of a spring to which nothing has happened yet.
+   !> Set the initial branch of a spring.
    pure subroutine start_degrading(spring, branch)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -59,7 +61,7 @@ contains
       end associate
    end subroutine start_degrading
 
-   !> The elongation passes a limit of the branch.
+   !> Begin the next branch where the elongation passes a limit of the active branch.
    pure subroutine pass_degrading(spring, branch, is_rising)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -67,7 +69,7 @@ contains
       !! the elongation grows
       real(wp) :: x
       integer :: sense
-      !! of the motion
+      !! direction of the motion, +1 or -1
 
       sense = merge(1, -1, is_rising)
       x = merge(branch%high, branch%low, is_rising)
@@ -89,7 +91,7 @@ contains
       end if
    end subroutine pass_degrading
 
-   !> The motion turns back at the elongation x: the spring unloads, less stiff than before.
+   !> Reverse the motion at the elongation x: the spring unloads, less stiff than before.
    pure subroutine turn_degrading(spring, branch, x)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -119,13 +121,13 @@ contains
       end associate
    end subroutine turn_degrading
 
-   !> Unload from a point to where the force is zero.
+   !> Unload from a point to zero force.
    pure subroutine unload(spring, branch, x, force)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
       real(wp), intent(in) :: x
       real(wp), intent(in) :: force
-      !! on the side in force
+      !! force on the current side
       real(wp) :: limits(2)
 
       call lay_line(branch, unloading, 0, x, branch%side*force, branch%wear%unloading)
@@ -134,13 +136,13 @@ contains
       branch%high = maxval(limits)
    end subroutine unload
 
-   !> The force passes zero: what the excursion that ends here has taken wears the side to which the
-   !> next one goes.
+   !> Begin an excursion at zero force. The energy of the excursion that ends here wears the side
+   !> of the new one.
    pure subroutine begin_excursion(spring, branch, side, x)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
       integer, intent(in) :: side
-      !! of the new excursion
+      !! side of the new excursion, +1 or -1
       real(wp), intent(in) :: x
       real(wp) :: wear(3)
       integer :: i
@@ -169,13 +171,13 @@ contains
       end associate
    end subroutine begin_excursion
 
-   !> Part that one of the four modes of wear takes now, by the energy since the last excursion
-   !> began; above 1 where that is more than is left of its capacity.
+   !> Degradation factor beta of one of the four modes of wear, from the energy since the last
+   !> excursion began. It is above 1 if this energy exceeds the remaining capacity.
    pure real(wp) function part_lost(spring, branch, mode) result(part)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
       integer, intent(in) :: mode
-      !! place in `capacity`
+      !! index of the mode in `capacity`
       real(wp) :: energy, left
 
       part = 0
@@ -188,46 +190,46 @@ contains
       end associate
    end function part_lost
 
-   !> Follow a branch outward from the elongation x, or that after it where nothing is left of it.
+   !> Follow a branch outward from the elongation x, or the next one if x is beyond its end.
    pure subroutine follow(spring, branch, x, first)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
       real(wp), intent(in) :: x
       integer, intent(in) :: first
-      !! kind of the branch
-      real(wp) :: start(2), goal(2), slope
+      !! kind of the first branch to try
+      real(wp) :: start(2), target_event(2), slope
       integer :: kind
 
       associate (side => branch%side, worn => branch%wear%sides(branch%side))
          start = side*[x, line_force(branch, x)]
          kind = first
          do
-            goal = goal_of(spring, branch, worn, kind)
-            if (goal(1) > start(1) + slack(spring, x)) exit
+            target_event = target_of(spring, branch, worn, kind)
+            if (target_event(1) > start(1) + slack(spring, x)) exit
             kind = merge(after_pinch(branch), kind + 1, kind == to_pinch)
          end do
-         if (kind == remains .and. .not. goal(2) > 0) then
+         if (kind == remains .and. .not. target_event(2) > 0) then
             call break_down(branch, x)
             return
          end if
          slope = 0
-         if (kind < remains) slope = (goal(2) - start(2))/(goal(1) - start(1))
+         if (kind < remains) slope = (target_event(2) - start(2))/(target_event(1) - start(1))
          if (kind >= hardens) start(2) = envelope(spring, worn, start(1))
          if (kind == hardens) slope = worn%slope
          if (kind == softens) slope = -softening(spring)
          call lay_line(branch, kind, side, x, side*start(2), slope)
          if (side > 0) then
             branch%low = x - slack(spring, x)
-            branch%high = goal(1)
+            branch%high = target_event(1)
          else
-            branch%low = -goal(1)
+            branch%low = -target_event(1)
             branch%high = x + slack(spring, x)
          end if
       end associate
    end subroutine follow
 
-   !> How far beyond a turn, or behind the beginning of a branch, the spring is still there: a turn
-   !> that round-off makes of the state at either would wear it.
+   !> Tolerance of the limits at a reversal and at the beginning of a branch. It prevents wear by a
+   !> spurious reversal due to round-off of the state.
    pure real(wp) function slack(spring, x)
       type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: x
@@ -235,42 +237,42 @@ contains
       slack = 1.0e-10_wp*max(abs(x), spring%yield/spring%stiffness)
    end function slack
 
-   !> Elongation and force at which a branch ends on the side in force.
-   pure function goal_of(spring, branch, worn, kind) result(goal)
+   !> Elongation and force at the end of a branch, on the current side.
+   pure function target_of(spring, branch, worn, kind) result(target_event)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
       type(worn_side_t), intent(in) :: worn
-      !! the side
+      !! wear of the current side
       integer, intent(in) :: kind
-      !! of the branch
-      real(wp) :: goal(2)
+      !! kind of the branch
+      real(wp) :: target_event(2)
 
       select case (kind)
       case (to_pinch)
-         goal = branch%wear%pinch
+         target_event = branch%wear%pinch
       case (to_last)
-         goal = worn%last
+         target_event = worn%last
       case (to_peak)
-         goal = worn%peak
+         target_event = worn%peak
       case (hardens)
-         goal(1) = capping_point(spring, worn)
-         goal(2) = envelope(spring, worn, goal(1))
+         target_event(1) = capping_point(spring, worn)
+         target_event(2) = envelope(spring, worn, target_event(1))
       case (softens)
-         goal = [(worn%falling - spring%backbone%residual)/softening(spring), &
+         target_event = [(worn%falling - spring%backbone%residual)/softening(spring), &
             spring%backbone%residual]
       case default
-         goal = [huge(1.0_wp), spring%backbone%residual]
+         target_event = [huge(1.0_wp), spring%backbone%residual]
       end select
-   end function goal_of
+   end function target_of
 
-   !> Where the way to the peak goes first from a point: to the last turn where this is lower than
-   !> the peak, and the way there stiffer.
+   !> First target on the way from a point to the peak. It is the last reversal if this is lower
+   !> than the peak and the line to it is stiffer, else the peak.
    pure integer function stiffer(worn, x, force) result(kind)
       type(worn_side_t), intent(in) :: worn
       real(wp), intent(in) :: x
-      !! on the side in force
+      !! elongation on the current side
       real(wp), intent(in) :: force
-      !! on the side in force
+      !! force on the current side
 
       kind = to_peak
       if (worn%last(1) <= x .or. worn%last(2) <= force .or. worn%last(2) >= worn%peak(2)) return
@@ -278,7 +280,7 @@ contains
           *(worn%last(1) - x)) kind = to_last
    end function stiffer
 
-   !> The branch beyond the pinching point.
+   !> Kind of the branch beyond the pinching point.
    pure integer function after_pinch(branch) result(kind)
       type(branch_t), intent(in) :: branch
 
@@ -286,8 +288,8 @@ contains
          branch%wear%pinch(2))
    end function after_pinch
 
-   !> The branch by which a spring that has unloaded only in part goes on beyond its last turn: by
-   !> the pinching point where that is ahead and the way to it less stiff, else to the peak.
+   !> Kind of the branch beyond the last reversal, after partial unloading. It aims at the pinching
+   !> point if this is ahead and the line to it less stiff, else at the peak.
    pure integer function after_turn(spring, branch) result(kind)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
@@ -301,12 +303,12 @@ contains
       end associate
    end function after_turn
 
-   !> Elongation and force of the pinching point of an excursion that begins at an elongation.
+   !> Elongation and force of the pinching point of an excursion that begins at the elongation x.
    pure function pinching_point(spring, branch, x) result(pinch)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: x
-      !! on the side in force
+      !! elongation on the current side
       real(wp) :: pinch(2)
 
       pinch = 0
@@ -322,7 +324,7 @@ contains
       type(spring_t), intent(in) :: spring
       type(worn_side_t), intent(in) :: worn
       real(wp), intent(in) :: x
-      !! positive on the side
+      !! elongation, positive on the side
 
       if (x < worn%yield/spring%stiffness) then
          force = spring%stiffness*x
@@ -334,7 +336,7 @@ contains
       force = max(force, spring%backbone%residual)
    end function envelope
 
-   !> Elongation at which the worn envelope turns down.
+   !> Elongation of the capping point of the worn envelope.
    pure real(wp) function capping_point(spring, worn) result(x)
       type(spring_t), intent(in) :: spring
       type(worn_side_t), intent(in) :: worn
@@ -343,21 +345,21 @@ contains
          /(worn%slope + softening(spring))
    end function capping_point
 
-   !> Largest force of the envelope that nothing has worn.
+   !> Largest force of the unworn envelope.
    pure real(wp) function capping_force(spring) result(force)
       type(spring_t), intent(in) :: spring
 
       force = spring%yield + spring%hardening*(spring%stiffness*spring%backbone%cap - spring%yield)
    end function capping_force
 
-   !> How steep the envelope falls beyond the capping point.
+   !> Magnitude of the slope of the envelope beyond the capping point.
    pure real(wp) function softening(spring) result(slope)
       type(spring_t), intent(in) :: spring
 
       slope = capping_force(spring)/spring%backbone%post_cap
    end function softening
 
-   !> The spring has no force any more, and what it held is lost.
+   !> Break the spring: its force drops to zero and its stored energy is dissipated.
    pure subroutine break_down(branch, x)
       type(branch_t), intent(inout) :: branch
       real(wp), intent(in) :: x
@@ -366,7 +368,7 @@ contains
       call lay_line(branch, broken, 0, x, 0.0_wp, 0.0_wp)
    end subroutine break_down
 
-   !> Energy that the spring has taken up to the elongation x: what unloading does not give back.
+   !> Energy dissipated by the spring up to the elongation x, which unloading does not return.
    elemental real(wp) function degrading_loss(branch, x) result(loss)
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: x
@@ -384,7 +386,7 @@ contains
       energy = stored(branch, line_force(branch, x))
    end function degrading_energy
 
-   !> Energy that unloading would give back.
+   !> Energy that unloading would return.
    elemental real(wp) function stored(branch, force) result(energy)
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: force
@@ -392,7 +394,7 @@ contains
       energy = force**2/(2*branch%wear%unloading)
    end function stored
 
-   !> Elongation at which the spring would have no force, unloaded slowly from the elongation x.
+   !> Elongation of zero force after slow unloading from the elongation x.
    elemental real(wp) function unloaded_elongation(spring, branch, x) result(residual)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch

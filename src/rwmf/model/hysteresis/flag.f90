@@ -1,15 +1,15 @@
-!> A spring that comes back to its origin, as one with prestress and friction, or of a shape-memory
-!> alloy, does: its loop is a flag.
+!> Self-centring spring with a flag-shaped loop, as for prestress with friction or a shape-memory
+!> alloy.
 !>
 !>    F = k x                                   near the origin
 !>    F = F_y + a k (x - x_y)                   while x grows beyond x_y = F_y/k
-!>    F = (1 - h) F_y + a k (x - (1 - h) x_y)   on the way back
+!>    F = (1 - h) F_y + a k (x - (1 - h) x_y)   while x decreases
 !>    slope k between both lines, which are h x_y apart
 !>
-!> and the same mirrored for x < 0 (h: `flag_height`, a: `hardening`). A closed cycle from zero to
-!> x_m takes h F_y (1 - a) (x_m - x_y). The law is `SelfCentering` of OpenSees without its slip and
-!> bearing; the stored energy is what the way back to zero gives. Numbers are in the caller's units,
-!> see `spring_t`.
+!> The loop is mirrored for x < 0 (h: `flag_height`, a: `hardening`). A closed cycle from zero to
+!> x_m dissipates h F_y (1 - a) (x_m - x_y). The law is `SelfCentering` of OpenSees without its
+!> slip and bearing. The stored energy is the work recovered by unloading to zero. Numbers are in
+!> the caller's units, see `spring_t`.
 module rwmf_model_hysteresis_flag
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_spring, only: branch_t, lay_line, line_force, spring_t, work_along
@@ -25,7 +25,7 @@ module rwmf_model_hysteresis_flag
 
 contains
 
-   !> Branch of a spring to which nothing has happened yet, or which has come back.
+   !> Begin the branch through the origin, for a new spring or one that has returned.
    pure subroutine start_flag(spring, branch)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -35,7 +35,7 @@ contains
       branch%low = -branch%high
    end subroutine start_flag
 
-   !> The elongation passes a limit of the branch.
+   !> Begin the next branch where the elongation passes a limit of the active branch.
    pure subroutine pass_flag(spring, branch, is_rising)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -43,7 +43,7 @@ contains
       !! the elongation grows
       real(wp) :: x
       integer :: sense
-      !! of the motion
+      !! direction of the motion, +1 or -1
 
       sense = merge(1, -1, is_rising)
       x = merge(branch%high, branch%low, is_rising)
@@ -63,7 +63,8 @@ contains
       end if
    end subroutine pass_flag
 
-   !> Follow the lower line to where it meets that through the origin, if there is any of it left.
+   !> Follow the lower line to its intersection with the line through the origin, if x is beyond
+   !> it.
    pure subroutine come_back(spring, branch, x)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -84,14 +85,14 @@ contains
       end if
    end subroutine come_back
 
-   !> The motion turns back at the elongation x: along the slope k to the other line.
+   !> Reverse the motion at the elongation x: follow the slope k to the other line.
    pure subroutine turn_flag(spring, branch, x)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
       real(wp), intent(in) :: x
       real(wp) :: width
       integer :: sense
-      !! of the motion beyond
+      !! direction of the motion after the reversal, +1 or -1
 
       if (branch%direction == 0) return
       branch%lost = flag_loss(spring, branch, x)
@@ -102,8 +103,8 @@ contains
       branch%high = x + merge(width, 0.0_wp, sense > 0)
    end subroutine turn_flag
 
-   !> Energy that the spring has taken up to the elongation x: the upper line does, all others give
-   !> back what they store.
+   !> Energy dissipated up to the elongation x. Only the upper line dissipates; all others return
+   !> the energy that they store.
    elemental real(wp) function flag_loss(spring, branch, x) result(loss)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
@@ -114,15 +115,15 @@ contains
          - flag_energy(spring, branch, x) + flag_energy(spring, branch, branch%begin)
    end function flag_loss
 
-   !> Stored energy at the elongation x: what the way back to zero would give, down with the slope k
-   !> and along the lower line.
+   !> Stored energy at the elongation x, recovered by unloading to zero with the slope k and along
+   !> the lower line.
    elemental real(wp) function flag_energy(spring, branch, x) result(energy)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
       real(wp), intent(in) :: x
       real(wp) :: force, low, meets
       real(wp) :: below
-      !! elongation at which the way comes to the lower line
+      !! elongation at which unloading reaches the lower line
 
       associate (k => spring%stiffness)
          force = branch%side*line_force(branch, x)
@@ -143,7 +144,7 @@ contains
    elemental real(wp) function lower_force(spring, x) result(force)
       type(spring_t), intent(in) :: spring
       real(wp), intent(in) :: x
-      !! positive
+      !! elongation, positive on the side of the flag
 
       associate (level => (1 - spring%flag_height)*spring%yield)
          force = level + spring%hardening*(spring%stiffness*x - level)

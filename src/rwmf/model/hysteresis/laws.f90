@@ -1,6 +1,5 @@
-!> Springs with memory, whatever their law: how they begin, what a branch says of force and energy,
-!> and how the motion takes them from one to the next. Numbers are in the caller's units, see
-!> `spring_t`.
+!> Common interface of all springs with memory: initial branch, force and energy of a branch, and
+!> transitions between branches. Numbers are in the caller's units, see `spring_t`.
 module rwmf_model_hysteresis_laws
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bilinear, only: bilinear_energy, bilinear_force, bilinear_limits, &
@@ -21,7 +20,7 @@ module rwmf_model_hysteresis_laws
 
 contains
 
-   !> A spring that has not moved yet.
+   !> Create the parameters of a spring.
    elemental type(spring_t) function new_spring(stiffness, yield, hardening, force_0, is_tendon, &
       rupture, law) result(spring)
       real(wp), intent(in) :: stiffness
@@ -31,13 +30,13 @@ contains
       real(wp), intent(in) :: hardening
       !! stiffness after yielding over elastic stiffness, in (-1, 1)
       real(wp), intent(in), optional :: force_0
-      !! at x = 0, below `yield`; 0
+      !! force at x = 0, below `yield`; default 0
       logical, intent(in), optional :: is_tendon
-      !! bears tension only; no
+      !! true if it bears tension only; default false
       real(wp), intent(in), optional :: rupture
-      !! elongation at which it breaks; never
+      !! elongation at rupture; default none
       type(spring_law_t), intent(in), optional :: law
-      !! what strength and hardening leave open; bilinear
+      !! law and its further parameters; default bilinear
 
       spring%stiffness = stiffness
       spring%yield = yield
@@ -68,7 +67,7 @@ contains
       end select
    end function new_spring
 
-   !> Branch of a spring to which nothing has happened yet.
+   !> Initial branch of a spring.
    elemental type(branch_t) function new_branch(spring) result(branch)
       type(spring_t), intent(in) :: spring
 
@@ -82,8 +81,8 @@ contains
       end select
    end function new_branch
 
-   !> Bring a spring that has not moved yet to the elongation x, as if it had grown from zero, and
-   !> let it go.
+   !> Load a spring at rest to the elongation x, as if it had grown slowly from zero, and begin to
+   !> unload it.
    pure subroutine load_spring(spring, branch, x)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -125,8 +124,7 @@ contains
       end if
    end function spring_plastic
 
-   !> Elongation at which a spring without prestress would have no force, unloaded slowly from the
-   !> elongation x.
+   !> Elongation of zero force after slow unloading from the elongation x, without prestress.
    elemental real(wp) function spring_residual(spring, branch, x) result(residual)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
@@ -158,7 +156,7 @@ contains
       end select
    end function spring_energy
 
-   !> Energy that the spring has taken up to the elongation x, summed over all branches.
+   !> Energy dissipated by the spring up to the elongation x, summed over all branches.
    elemental real(wp) function spring_loss(spring, branch, x) result(loss)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
@@ -174,26 +172,26 @@ contains
       end select
    end function spring_loss
 
-   !> Count what the spring takes from here on.
+   !> Reset the dissipated energy to zero.
    elemental subroutine forget_loss(branch)
       type(branch_t), intent(inout) :: branch
-      !! that does not yield
+      !! branch that does not yield
 
       branch%wear%counted = branch%wear%counted - branch%lost
       branch%lost = 0
    end subroutine forget_loss
 
-   !> Elongations between which the branch in force holds.
+   !> Elongations between which the active branch is valid.
    !>
-   !> Yielding that begins within round-off of a turn would go on while the spring unloads: going
-   !> back beyond the elongation at which it began ends it as well.
+   !> If yielding begins within round-off of a reversal, the spring could keep yielding while it
+   !> unloads. So the branch also ends where x returns below the elongation at which it began.
    pure subroutine spring_limits(spring, branch, low, high)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
       real(wp), intent(out) :: low
-      !! or -huge where there is none
+      !! -huge if there is no lower limit
       real(wp), intent(out) :: high
-      !! or huge where there is none
+      !! huge if there is no upper limit
 
       if (spring%law == law_bilinear) then
          call bilinear_limits(spring, branch, low, high)
@@ -203,7 +201,7 @@ contains
       end if
    end subroutine spring_limits
 
-   !> The elongation passes a limit of the branch.
+   !> Begin the next branch where the elongation passes a limit of the active branch.
    pure subroutine pass_limit(spring, branch, is_rising)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -220,7 +218,7 @@ contains
       end select
    end subroutine pass_limit
 
-   !> The motion turns back at the elongation x: what yielded unloads.
+   !> Reverse the motion at the elongation x: a yielding spring begins to unload.
    pure subroutine turn_spring(spring, branch, x)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
@@ -236,7 +234,7 @@ contains
       end select
    end subroutine turn_spring
 
-   !> Sign that the rate of the elongation keeps on the branch in force; 0: either.
+   !> Sign that the rate of the elongation keeps on the active branch; 0: either.
    elemental integer function loading_direction(spring, branch) result(direction)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
@@ -245,7 +243,7 @@ contains
       if (spring%law == law_bilinear) direction = merge(branch%kind, 0, is_yielding(branch))
    end function loading_direction
 
-   !> Does a turn change what the spring does when it goes on?
+   !> Return whether a reversal changes the later response of the spring.
    elemental logical function has_wear(spring)
       type(spring_t), intent(in) :: spring
 

@@ -1,8 +1,9 @@
 !> Springs with memory in a scene: a tendon that yields or breaks, fuses under the corners, a
-!> yielding frame. Where they sit, what they add to the equation, and how they follow the motion.
+!> yielding frame. This module places them, adds their forces to the equation and updates their
+!> branches.
 !>
-!> Their branches are smooth functions of the rotation. The rotation at which a branch ends is known
-!> beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
+!> Their branches are smooth functions of the rotation. The rotation at the end of a branch is
+!> computed beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
 module rwmf_model_hysteresis_spring_set
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
@@ -31,8 +32,8 @@ module rwmf_model_hysteresis_spring_set
 
 contains
 
-   !> Straight lines of the branches that are in force; to be called when one has changed. What
-   !> followed from the others is forgotten.
+   !> Update the straight lines of the active branches after a branch has changed. Discard
+   !> the cached windows of the previous branches.
    subroutine follow_branches(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -48,17 +49,17 @@ contains
       call renew_coefficients(model, state)
    end subroutine follow_branches
 
-   !> The springs that a case calls for.
+   !> Create the springs that a case requires.
    subroutine choose_springs(case, frame_yields, equation)
       type(case_t), intent(in) :: case
       logical, intent(in) :: frame_yields
-      !! as a spring with branches
+      !! true if the frame yields as a spring with branches
       type(equation_t), intent(inout) :: equation
       type(spring_t) :: fuse
       real(wp), allocatable :: shares(:)
-      !! of the frame's springs in its stiffness [-]
+      !! shares of the frame's springs in its stiffness [-]
       real(wp) :: stroke_y
-      !! [m]
+      !! stroke at first yield [m]
 
       allocate (equation%springs(0))
       if (frame_yields) then
@@ -70,8 +71,9 @@ contains
          equation%springs = frame_springs(case, equation%p%omega_s**2, shares)
       end if
       if (allocated(case%fuse)) then
-         ! Both fuses of a hinged wall at half the arm are one, that of the left corner, with twice
-         ! the stroke: the stroke that counts here is that of a rocking wall.
+         ! Both fuses of a hinged wall act at half the arm. They are modelled as one, that of the
+         ! left corner, with twice the stroke, since the stroke used here is that of a rocking
+         ! wall.
          stroke_y = case%fuse%stroke_y
          if (.not. equation%has_impacts) stroke_y = 2*stroke_y
          fuse = new_spring(case%fuse%eta_y*equation%p%g/stroke_y, case%fuse%eta_y*equation%p%g, &
@@ -87,18 +89,18 @@ contains
       call reset_springs(equation%model_t, equation%state)
    end subroutine choose_springs
 
-   !> Spring of the frame, or one for each of its storeys where a straight line links them to the
-   !> rotation: all of them follow the roof.
+   !> Create the spring of the frame, or one for each storey if the floors are linked to the wall
+   !> along a straight line. All of them follow the roof.
    function frame_springs(case, stiffness, shares) result(springs)
       type(case_t), intent(in) :: case
-      !! with `&yielding`
+      !! case with `&yielding`
       real(wp), intent(in) :: stiffness
-      !! of the frame over m_s [1/s2]
+      !! stiffness of the frame over m_s [1/s2]
       real(wp), intent(in) :: shares(:)
-      !! (springs)
+      !! (springs) shares of the stiffness [-]
       type(sprung_t) :: springs(size(shares))
       real(wp) :: u_y(size(shares))
-      !! displacement of the roof at first yield [m]
+      !! displacement of the roof at first yield of each spring [m]
       integer :: i
 
       if (allocated(case%yielding%storey_u_y)) then
@@ -112,10 +114,10 @@ contains
       end do
    end function frame_springs
 
-   !> Displacement at which each storey of a case yields first [m].
+   !> Displacement of each storey at first yield [m].
    pure function storey_strengths(case) result(u_y)
       type(case_t), intent(in) :: case
-      !! with `&yielding storey_u_y`
+      !! case with `&yielding storey_u_y`
       real(wp) :: u_y(size(case%storeys%frame%m))
 
       if (size(case%yielding%storey_u_y) == 1) then
@@ -125,10 +127,10 @@ contains
       end if
    end function storey_strengths
 
-   !> Displacement at which the frame of a case yields first [m].
+   !> Displacement of the frame at first yield [m].
    pure real(wp) function yield_displacement(case) result(u_y)
       type(case_t), intent(in) :: case
-      !! with `&yielding` and the frame's T_s
+      !! case with `&yielding` and the frame's T_s
 
       if (allocated(case%yielding%u_y)) then
          u_y = case%yielding%u_y
@@ -137,7 +139,7 @@ contains
       end if
    end function yield_displacement
 
-   !> Does the frame's hysteresis consist of branches? A host may leave the law open.
+   !> Return whether the frame's hysteresis consists of branches. True if a host gives no law.
    pure logical function has_branches(yielding)
       type(yielding_t), intent(in) :: yielding
 
@@ -145,7 +147,7 @@ contains
       if (allocated(yielding%law)) has_branches = yielding%law /= 'bouc_wen'
    end function has_branches
 
-   !> The law of the frame's springs.
+   !> Law of the frame's springs.
    pure type(spring_law_t) function law_of(yielding) result(law)
       type(yielding_t), intent(in) :: yielding
 
@@ -153,21 +155,21 @@ contains
       if (allocated(yielding%law)) law%name = yielding%law
    end function law_of
 
-   !> Does a spring move on the side in force? A fuse does when its corner lifts; the left one of a
-   !> hinged wall always, and stands for both.
+   !> Return whether a spring moves on the current side. A fuse moves when its corner lifts. Under
+   !> a hinged wall the left fuse always moves and represents both.
    pure logical function moves(place, side)
       integer, intent(in) :: place
-      !! of the spring: `place_left`, `place_right` or `place_frame`
+      !! place of the spring: `place_left`, `place_right` or `place_frame`
       integer, intent(in) :: side
-      !! of the motion, +1 or -1
+      !! current side of the motion, +1 or -1
 
       moves = place == place_frame .or. place == side
    end function moves
 
-   !> Energy that all springs have dissipated by yielding since t = 0 [J/kg].
+   !> Energy dissipated by yielding of all springs since t = 0 [J/kg].
    real(wp) function springs_loss(equation, theta) result(loss)
       type(equation_t), intent(in) :: equation
-      !! with springs
+      !! equation with springs
       real(wp), intent(in) :: theta
       !! [rad] or [m]
       real(wp) :: x
@@ -188,7 +190,7 @@ contains
       end associate
    end function springs_loss
 
-   !> Energy in the fuses [J/kg].
+   !> Energy stored in the fuses [J/kg].
    real(wp) function fuses_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
@@ -210,7 +212,8 @@ contains
       end do
    end function fuses_energy
 
-   !> Energy in the yielding frame beyond that of an elastic one, all of it strain [J/kg].
+   !> Strain energy of the yielding frame minus that of an elastic one; its kinetic part is zero
+   !> [J/kg].
    function yielding_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
@@ -232,11 +235,11 @@ contains
       end do
    end function yielding_energy
 
-   !> Elongations of all springs at the ends of the range of rotations, where all are monotone.
+   !> Elongations of all springs at the ends of the range of rotations in which all are monotone.
    function reach_of(model) result(reach)
       type(model_t), intent(in) :: model
       real(wp) :: reach(2, -1:1, 0:size(model%springs))
-      !! by side and spring, see `rotation_at` [m]
+      !! elongations by side and spring, see `rotation_at` [m]
       integer :: number
       integer :: side
 
@@ -250,15 +253,15 @@ contains
       end do
    end function reach_of
 
-   !> Least |theta| at which the springs are asked for their elongation; of a hinged wall, whose
-   !> side never changes, the least theta [rad].
+   !> Smallest |theta| at which elongations of the springs are computed. For a hinged wall, whose
+   !> side never changes, it is the smallest theta [rad].
    pure real(wp) function least_angle(model)
       class(model_t), intent(in) :: model
 
       least_angle = merge(0.0_wp, -model%angle_limit, model%has_impacts)
    end function least_angle
 
-   !> All springs as they were before anything happened.
+   !> Reset all springs to their initial branches.
    subroutine reset_springs(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -269,7 +272,7 @@ contains
       call follow_branches(model, state)
    end subroutine reset_springs
 
-   !> Bring springs that have not moved yet to an initial rotation, as if it had grown from zero.
+   !> Load springs at rest to an initial rotation, as if it had grown slowly from zero.
    subroutine load_to(model, state, theta)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -287,14 +290,14 @@ contains
             exit
          end if
       end do
-      ! What has yielded on the way may unload from here on.
+      ! springs that have yielded during this loading may unload from here on
       call turn_back(model, state, theta)
       call renew_window(model, state)
       call forget_loss(state%tendon)
       call forget_loss(state%springs)
    end subroutine load_to
 
-   !> The rotations between which the branches in force hold on the side in force.
+   !> Set the range of rotations in which the active branches are valid on the current side.
    subroutine renew_window(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -308,7 +311,7 @@ contains
       end associate
    end subroutine renew_window
 
-   !> The same from the limits of the springs.
+   !> Compute this range from the limits of the springs.
    type(window_t) function window_of(model, state) result(window)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
@@ -324,13 +327,13 @@ contains
       end do
    end function window_of
 
-   !> Narrow a window to that of one spring.
+   !> Narrow a window to the limits of one spring.
    subroutine narrow_window(model, side, number, spring, branch, window)
       type(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! in force, +1 or -1
+      !! current side, +1 or -1
       integer, intent(in) :: number
-      !! of the spring; 0 is the tendon
+      !! number of the spring; 0 is the tendon
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
       type(window_t), intent(inout) :: window
@@ -345,13 +348,13 @@ contains
       window%high = min(window%high, maxval(theta))
    end subroutine narrow_window
 
-   !> Elongation of a spring at a rotation of the side in force [m].
+   !> Elongation of a spring at a rotation on the current side [m].
    real(wp) function elongation_of(model, side, number, phi) result(x)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! in force, +1 or -1
+      !! current side, +1 or -1
       integer, intent(in) :: number
-      !! of the spring; 0 is the tendon
+      !! number of the spring; 0 is the tendon
       real(wp), intent(in) :: phi
       !! |theta| [rad]; bare frame: displacement [m]
       real(wp) :: arm
@@ -365,18 +368,18 @@ contains
       end if
    end function elongation_of
 
-   !> Rotation (bare frame: displacement) at which a spring has the elongation x inside the range up
-   !> to overturning, where all elongations are monotone; else +-huge.
+   !> Rotation (bare frame: displacement) at which a spring has the elongation x. It is +-huge
+   !> outside the range up to overturning, in which all elongations are monotone.
    real(wp) function rotation_at(model, side, number, x) result(theta)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! in force, +1 or -1
+      !! current side, +1 or -1
       integer, intent(in) :: number
-      !! of the spring; 0 is the tendon
+      !! number of the spring; 0 is the tendon
       real(wp), intent(in) :: x
-      !! [m]
+      !! elongation [m]
       type(bracket_t) :: bracket
-      !! of |theta|
+      !! bracket of |theta|
       integer :: direction
       !! +1 if the elongation grows with |theta|
 
@@ -399,20 +402,20 @@ contains
       theta = side*bracket%high
    end function rotation_at
 
-   !> |theta| at which a spring has an elongation that it comes to, where a formula says so; else
-   !> the largest number. A straight cable and the far end of a tilted link have none.
+   !> |theta| at which a spring reaches an elongation, if a closed formula exists; else the largest
+   !> number. A straight cable and the far end of a tilted link have no formula.
    pure real(wp) function angle_of(model, side, number, x) result(angle)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! in force, +1 or -1
+      !! current side, +1 or -1
       integer, intent(in) :: number
-      !! of the spring; 0 is the tendon
+      !! number of the spring; 0 is the tendon
       real(wp), intent(in) :: x
-      !! [m]
+      !! elongation [m]
       real(wp) :: away
-      !! from the pivot over 2R [-]
+      !! displacement from the pivot over 2R [-]
       real(wp) :: cosine
-      !! of alpha - phi
+      !! cosine of alpha - phi
 
       angle = huge(angle)
       associate (R => model%p%R, shape => model%geometry)
@@ -423,7 +426,7 @@ contains
          else if (.not. shape%link > 0) then
             away = side*x/(2*R)
             if (shape%sine_link(side) > 0) then
-               ! as a difference of sines that keeps all digits of a small rotation
+               ! a difference of sines, which keeps all digits of a small rotation
                associate (s => model%p%sin_alpha, c => model%p%cos_alpha)
                   cosine = sqrt(c**2 + away*(2*s - away))
                   angle = atan2(s*(away*(2*s - away)/(cosine + c)) + c*away, c*cosine &
@@ -436,8 +439,7 @@ contains
       end associate
    end function angle_of
 
-   !> The rotation has come to a limit of the window: the springs whose limit it is go over to their
-   !> next branch.
+   !> Begin the next branch of each spring that has its limit at the end of the window.
    subroutine pass_window(model, state, is_rising)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -460,21 +462,21 @@ contains
       call renew_window(model, state)
    end subroutine pass_window
 
-   !> Let one spring pass its limit if it has it there.
+   !> Begin the next branch of one spring if its limit is at this rotation.
    subroutine pass_one(model, side, number, limit, is_rising, spring, branch)
       type(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! in force, +1 or -1
+      !! current side, +1 or -1
       integer, intent(in) :: number
       real(wp), intent(in) :: limit
-      !! [rad] or [m]
+      !! limit of the rotation or displacement [rad] or [m]
       logical, intent(in) :: is_rising
       !! theta grows
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(inout) :: branch
       real(wp) :: x(2)
       logical :: grows
-      !! the elongation does
+      !! true if the elongation grows
 
       call spring_limits(spring, branch, x(1), x(2))
       grows = is_rising .eqv. side > 0
@@ -486,20 +488,23 @@ contains
       end if
    end subroutine pass_one
 
-   !> The motion turns back, or hits the base, at a rotation: what yielded unloads. A frame that the
-   !> wall takes through its position at rest does not turn; where its law could tell, it goes on.
+   !> Unload yielding springs where the motion reverses or the wall hits the base.
+   !>
+   !> A frame that the wall carries through its position at rest does not reverse. If its law has
+   !> wear, its branch continues.
    subroutine turn_back(model, state, theta, goes_on, onward)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: theta
       !! [rad] or [m]
       logical, intent(in), optional :: goes_on
-      !! the wall hits the base, and theta' keeps its sign; no
+      !! true if the wall hits the base and theta' keeps its sign; default false
       integer, intent(in), optional :: onward
-      !! sign of theta' from here on: springs that it goes on loading stay as they are; all unload
+      !! sign of theta' after the event; springs that continue loading are unchanged. Default: all
+      !! unload
       logical :: unloads, passes
       integer :: of_frame, of_corner
-      !! directions that go on, those of elongations at the wall beside that of the frame
+      !! directions of continued loading, of the frame and of elongations at the wall
       integer :: i
 
       if (.not. (model%has_bilinear_springs .and. state%ends_at_peak)) return
@@ -527,11 +532,11 @@ contains
       if (unloads) call follow_branches(model, state)
    end subroutine turn_back
 
-   !> Columns of the history: forces of the frame, all its springs together, and of the fuses.
+   !> Write the history columns of the frame's total spring force and the forces of the fuses.
    subroutine put_spring_forces(row, equation, theta)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
-      !! with springs
+      !! equation with springs
       real(wp), intent(in) :: theta
       !! [rad] or [m]
       real(wp) :: forces(size(equation%springs))
@@ -548,12 +553,12 @@ contains
          case (place_right)
             call put(row, id%fuse_right_force_over_m_w_g, forces(i))
          case default
-            ! the frame's, which are in the row already
+            ! springs of the frame, written above
          end select
       end do
    end subroutine put_spring_forces
 
-   !> Forces of frame and fuses, over the weight of m_s and of m_w [-].
+   !> Forces of frame springs and fuses, over the weight of m_s and of m_w [-].
    function spring_forces(equation, theta) result(forces)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -577,12 +582,12 @@ contains
       end if
    end function spring_forces
 
-   !> Force with which both fuses push a rocking wall up, over m_w g [-].
+   !> Upward force of both fuses on a rocking wall, over m_w g [-].
    real(wp) function fuse_uplift(equation, theta) result(push)
       type(equation_t), intent(in) :: equation
-      !! with fuses
+      !! equation with fuses
       real(wp), intent(in) :: theta
-      !! [rad]
+      !! current rotation [rad]
       real(wp) :: forces(size(equation%springs))
 
       ! the fuses come last
@@ -590,18 +595,18 @@ contains
       push = -sum(forces(size(forces) - 1:))
    end function fuse_uplift
 
-   !> Has the tendon broken?
+   !> Return whether the tendon has broken.
    pure logical function tendon_is_broken(equation)
       type(equation_t), intent(in) :: equation
 
       tendon_is_broken = equation%cable%is_tendon .and. is_broken(equation%state%tendon)
    end function tendon_is_broken
 
-   !> What the tendon has lost of its force at theta = 0, over m_w g [-].
+   !> Loss of the tendon force at theta = 0, over m_w g [-].
    real(wp) function prestress_loss(equation, theta) result(loss)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
-      !! present rotation [rad]
+      !! current rotation [rad]
       type(branch_t) :: unloaded
 
       unloaded = equation%state%tendon
@@ -623,8 +628,8 @@ contains
       end associate
    end function plastic_displacement
 
-   !> How far it differs from that of the lowest storey, as a displacement of the roof: not zero
-   !> where storeys yield one by one [m].
+   !> Plastic displacement minus that implied by the lowest storey, as a displacement of the roof.
+   !> It is not zero where storeys yield one by one [m].
    real(wp) function uneven_plastic_part(equation, theta) result(plastic)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -637,7 +642,7 @@ contains
       end associate
    end function uneven_plastic_part
 
-   !> Displacement at which the frame would have no force, unloaded slowly [m].
+   !> Displacement of zero frame force after slow unloading [m].
    real(wp) function frame_residual(equation, theta) result(residual)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -650,7 +655,7 @@ contains
       end associate
    end function frame_residual
 
-   !> The same of each spring of the frame [m].
+   !> Displacement of zero force after slow unloading, of each spring of the frame [m].
    function frame_residuals(equation, theta) result(residuals)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta

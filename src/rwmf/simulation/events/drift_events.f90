@@ -1,9 +1,7 @@
-!> The instant at which a drift passes its limit, and the scene collapses, inside the last step of
-!> an integrator.
+!> Time at which a drift exceeds its collapse limit inside the last step of an integrator.
 !>
-!> Drifts are no functions of the rotation alone, so that they are looked for in the states. The
-!> step is cut at the first passage: later searches find what comes before, and then nothing has
-!> collapsed.
+!> Drifts are not functions of the rotation alone, so the search uses all states. It ends the step
+!> at the first passage. Later searches then cover only the part before the collapse.
 module rwmf_simulation_events_drift_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -18,7 +16,7 @@ module rwmf_simulation_events_drift_events
 
    public :: cut_step, has_collapsed, is_uncut
 
-   !> Drifts over their limits [-], with their rates.
+   !> Ratios of the drifts to their limits [-], with their rates.
    type, extends(functions_t) :: drifts_t
       integer :: n
       !! number of drifts with a limit
@@ -28,7 +26,7 @@ module rwmf_simulation_events_drift_events
 
 contains
 
-   !> Drifts over their limits at a state.
+   !> Evaluate the ratios of the drifts to their limits at a state.
    subroutine evaluate_drifts(self, t, y, f)
       class(drifts_t), intent(in) :: self
       real(wp), intent(in) :: t
@@ -39,11 +37,11 @@ contains
       call drift_ratios(self%step%equation, y, f(:, 0), f(:, 1))
    end subroutine evaluate_drifts
 
-   !> Is a drift at its limit, or beyond it?
+   !> Return whether a drift is at its limit or beyond it.
    logical function has_collapsed(equation, n, y)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: n
-      !! number of drifts with a limit; 0: nothing can collapse
+      !! number of drifts with a limit; 0 excludes collapse
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: ratio(n), rate(n)
@@ -54,10 +52,10 @@ contains
       has_collapsed = any(abs(ratio) >= 1)
    end function has_collapsed
 
-   !> Is it plain from the ends of a step that `cut_step` would leave it whole?
+   !> Return whether the ends of a step suffice to show that `cut_step` leaves it whole.
    logical function is_uncut(step, n)
       type(step_view_t), intent(in) :: step
-      !! without an integrator
+      !! step without an integrator
       integer, intent(in) :: n
       !! number of drifts with a limit
       type(drifts_t) :: drifts
@@ -75,7 +73,7 @@ contains
       is_uncut = are_quiet(span_between(drifts, a, b), limits_of(n))
    end function is_uncut
 
-   !> Drifts are expected to stay within their limits on both sides.
+   !> Limits of the drifts on both sides.
    pure function limits_of(n) result(watches)
       integer, intent(in) :: n
       !! number of drifts with a limit
@@ -88,14 +86,14 @@ contains
       end do
    end function limits_of
 
-   !> Cut the last step of the integrator at the first end of a storey's branch, or where a drift
-   !> passes its limit before.
+   !> End the last step of the integrator at the first branch end of a storey, or at an earlier
+   !> collapse.
    subroutine cut_step(step, drifts, ending, error)
       type(step_view_t), intent(inout) :: step
       integer, intent(in) :: drifts
-      !! number of those with a limit
+      !! number of drifts with a limit
       type(storey_end_t), intent(out) :: ending
-      !! what happens at its end
+      !! event at the end of the step
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
 
@@ -104,7 +102,7 @@ contains
       call stop_at_collapse(step, drifts, ending, error)
    end subroutine cut_step
 
-   !> Cut a step where the first drift passes its limit.
+   !> End a step where the first drift exceeds its limit.
    subroutine stop_at_collapse(step, n, ending, error)
       type(step_view_t), intent(inout) :: step
       integer, intent(in) :: n
@@ -134,7 +132,7 @@ contains
       if (ending%collapses) call shorten(step, ending%t, error)
    end subroutine stop_at_collapse
 
-   !> Let the last step of the integrator end at a time inside.
+   !> Shorten the last step of the integrator to a time inside it.
    subroutine shorten(step, t, error)
       type(step_view_t), intent(inout) :: step
       real(wp), intent(in) :: t

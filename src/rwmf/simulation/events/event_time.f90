@@ -1,4 +1,4 @@
-!> Instants inside the last step of an integrator where a state passes a level, to round-off.
+!> Times inside the last step of an integrator at which a state passes a level, to round-off.
 module rwmf_simulation_events_event_time
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -11,36 +11,36 @@ module rwmf_simulation_events_event_time
    public :: find_event_time, passage
 
    integer, parameter :: most_iterations = 200
-   !! a bisection of the whole range of exponents takes fewer
+   !! bisection of the whole range of exponents takes fewer iterations
 
 contains
 
    !> Find t in a piece of a step with y(component) = level.
    !>
-   !> Newton's method from the polynomial through both ends, kept inside a bracket that every
-   !> evaluation tightens. A short correction is carried out by Taylor's formula of second order,
-   !> whose remainder is then round-off: mostly one state is asked of the integrator.
+   !> Newton's method starts from the polynomial through both ends, inside a bracket that every
+   !> evaluation narrows. A second-order Taylor series applies a short correction, with a remainder
+   !> at round-off. In most cases the integrator interpolates one state only.
    subroutine find_event_time(step, component, level, t, y, error)
       type(step_view_t), intent(in) :: step
-      !! at its end y - level has the other sign than at its beginning, or is zero
+      !! piece with opposite signs of y - level at both ends, or zero at its end
       integer, intent(in) :: component
       !! 1 for theta, 2 for theta', or the number of a further state
       real(wp), intent(in) :: level
-      !! [rad], [rad/s] or of the further state
+      !! [rad], [rad/s] or in the unit of the further state
       real(wp), intent(out) :: t
       !! [s]
       real(wp), intent(out) :: y(:)
-      !! (states) there
+      !! (states) at t
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       real(wp), parameter :: short = 2.0e-7_wp
-      !! part of the piece whose third power times a rate is round-off [-]
+      !! fraction of the piece whose third power times a rate is round-off [-]
       type(bracket_t) :: bracket
       !! [s]
       real(wp) :: g, correction
       real(wp), dimension(size(y)) :: y_dot, slope_a, slope_b, bend
       logical :: is_falling
-      !! y - level is positive at t_a, or zero there and negative at t_b
+      !! y - level is positive at t_a, or zero at t_a and negative at t_b
       integer :: i
 
       bracket = bracket_between(step%t_a, step%t_b)
@@ -74,19 +74,20 @@ contains
       t = bracket%high
       call step%integrator%state_at(t, y, error)
       if (allocated(error)) return
-      ! A few spacings of the time are not nothing to a flight of a hundred: without this its impact
-      ! would be faster than its start, and hardly damped chatter would never end.
+      ! A few spacings of the time matter to a flight of a hundred spacings. Without this
+      ! correction, its impact would be faster than its start, and lightly damped chatter would
+      ! never end.
       call rhs(step%equation, t, y, y_dot)
       correction = newton_correction(y(component) - level, y_dot(component), 0.0_wp)
       if (abs(correction) <= 2*spacing(t)) y = y + correction*y_dot
    end subroutine find_event_time
 
-   !> Newton's correction, with the bend of the curve where it is slight; a vanishing rate gives one
-   !> that leaves every bracket.
+   !> Newton's correction with a slight curvature; for a vanishing rate it lies outside every
+   !> bracket.
    pure real(wp) function newton_correction(g, rate, bend) result(correction)
       real(wp), intent(in) :: g, rate
       real(wp), intent(in) :: bend
-      !! second derivative
+      !! second derivative of the function
 
       correction = huge(g)
       if (.not. abs(g) < abs(rate)*sqrt(huge(g))) return
@@ -94,9 +95,10 @@ contains
       if (abs(correction*bend) < 0.1_wp*abs(rate)) correction = -g/(rate + correction/2*bend)
    end function newton_correction
 
-   !> Powers of the position in a piece, from 0 to 1, of a state less a level: of theta as the
-   !> polynomial of fifth order through both ends, their velocities and accelerations, of theta' as
-   !> its derivative, of further states as a cubic.
+   !> Coefficients of y - level in powers of the position in a piece, from 0 to 1.
+   !>
+   !> For theta, the polynomial of fifth order fits rotation, velocity and acceleration at both
+   !> ends. For theta' it is the derivative of that polynomial, and for further states a cubic.
    pure function polynomial_of(component, level, h, y_a, y_b, slope_a, slope_b) result(c)
       integer, intent(in) :: component
       real(wp), intent(in) :: level
@@ -106,7 +108,7 @@ contains
       !! (states) at the ends, and their rates
       real(wp) :: c(0:5)
       real(wp) :: rise, turn, bend
-      !! what the powers above the second make of value, slope and bend at the end
+      !! value, slope and second derivative at the end, without the powers up to the second
       integer :: i, k
 
       k = merge(1, component, component == 2)
@@ -128,10 +130,10 @@ contains
       c(0) = y_a(component) - level
    end function polynomial_of
 
-   !> Where a polynomial rises through zero between 0 and 1; the middle where it does not.
+   !> Position between 0 and 1 where a polynomial rises through zero; 0.5 if there is none.
    pure real(wp) function passage(c) result(x)
       real(wp), intent(in) :: c(0:5)
-      !! coefficients in powers of the place x
+      !! coefficients in powers of the position x
       real(wp), parameter :: resolution = 1.0e-10_wp
       type(bracket_t) :: bracket
       real(wp) :: value, slope, last

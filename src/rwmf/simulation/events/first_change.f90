@@ -1,9 +1,9 @@
 !> First sign change of a function of time and state inside the last step of an integrator.
 !>
-!> The functions of a kind (displacements of storeys, drifts, the rotation) share one sample: their
-!> values, rates and second derivatives at a time of the step. A span is quiet when the polygon of a
-!> function (`rwmf_math_sign_changes`) has no sign change with the error of the interpolation taken
-!> into account. Where that is not clear, the span is halved with the integrator's own state.
+!> All functions of a kind (storey displacements, drifts, rotation) share the samples of values,
+!> rates and second derivatives. A span is quiet if the polygon of each function
+!> (`rwmf_math_sign_changes`) has no sign change beyond the interpolation error. Otherwise the
+!> search halves the span, with a state interpolated by the integrator.
 !>
 !> Functions are in the caller's units.
 module rwmf_simulation_events_first_change
@@ -19,7 +19,7 @@ module rwmf_simulation_events_first_change
    public :: functions_t, moment_t, samples_t, span_t, watch_t, are_quiet, changes_in, &
       sample_functions, span_between, stop_at_change, stop_at_first, stop_at_root, value_at
 
-   !> Functions at an instant.
+   !> Values of the functions at one time.
    type :: moment_t
       real(wp) :: t
       !! [s]
@@ -27,33 +27,32 @@ module rwmf_simulation_events_first_change
       !! (functions, 0:derivatives)
    end type moment_t
 
-   !> Functions between two instants.
+   !> Functions in a span between two times.
    type :: span_t
       type(moment_t) :: a, b
       real(wp) :: rough
-      !! `roughness` of the roughest function
+      !! `roughness` of the least smooth function
       real(wp) :: largest(0:1)
-      !! value and rate at the ends
+      !! largest value and rate at the ends
    end type span_t
 
-   !> Moments of one step that have been sampled: functions that are searched one after the other
-   !> share the halves of the span.
+   !> Stored samples of one step; consecutive searches of its functions share the halved spans.
    type :: samples_t
       integer :: n = 0
       type(moment_t), allocatable :: moments(:)
    end type samples_t
 
-   !> Functions of one kind over a step.
+   !> Functions of one kind in a step.
    type, abstract :: functions_t
       type(step_view_t) :: step
       type(samples_t), pointer :: samples => null()
-      !! of this step; not associated: none are kept
+      !! samples of this step; null: no storage
    contains
       procedure(evaluate_i), deferred :: evaluate
    end type functions_t
 
    abstract interface
-      !> Functions at a state, with their first or their first two derivatives by time.
+      !> Evaluate functions at a state, with their first one or two time derivatives.
       subroutine evaluate_i(self, t, y, f)
          import :: functions_t, wp
          implicit none
@@ -67,15 +66,15 @@ module rwmf_simulation_events_first_change
       end subroutine evaluate_i
    end interface
 
-   !> The side of a level on which a function, or its rate, is expected to stay.
+   !> Expected side of a level for a function or its rate.
    type :: watch_t
       integer :: which
       !! number of the function
       integer :: order
-      !! of the derivative that is watched: 0 its value, 1 its rate
+      !! order of the watched derivative: 0 for the value, 1 for the rate
       real(wp) :: level = 0
       real(wp) :: side = 1
-      !! +1: at the level or above it, -1: at the level or below it
+      !! +1 for values at the level or above, -1 for values at the level or below
    end type watch_t
 
 contains
@@ -105,7 +104,7 @@ contains
       if (associated(functions%samples)) call keep_moment(functions%samples, moment)
    end subroutine sample_functions
 
-   !> Keep a sampled moment while there is room.
+   !> Store a sample while there is space.
    pure subroutine keep_moment(samples, moment)
       type(samples_t), intent(inout) :: samples
       type(moment_t), intent(in) :: moment
@@ -117,10 +116,10 @@ contains
       samples%moments(samples%n) = moment
    end subroutine keep_moment
 
-   !> The functions between two moments.
+   !> Span between two samples.
    !>
-   !> Functions of a kind drive each other, and a vibration that cancels in one of them at both ends
-   !> shows in another, so that the roughest one counts for all.
+   !> The functions of a kind drive each other. A vibration that cancels in one of them at both ends
+   !> appears in another, so the roughness of the least smooth one applies to all.
    function span_between(functions, a, b) result(span)
       class(functions_t), intent(in) :: functions
       type(moment_t), intent(in) :: a, b
@@ -140,7 +139,7 @@ contains
       end do
    end function span_between
 
-   !> Distance of a watched function from its level; negative on the other side.
+   !> Distance of a watched function from its level; negative on the unexpected side.
    pure real(wp) function value_at(watch, moment) result(value)
       type(watch_t), intent(in) :: watch
       type(moment_t), intent(in) :: moment
@@ -148,7 +147,7 @@ contains
       value = watch%side*(moment%f(watch%which, watch%order) - watch%level)
    end function value_at
 
-   !> How a watched function changes in a span: a number of `rwmf_math_sign_changes`.
+   !> Kind of change of a watched function in a span: a constant of `rwmf_math_sign_changes`.
    pure integer function changes_in(span, watch) result(changes)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watch
@@ -156,7 +155,7 @@ contains
       changes = changes_of(polygon_in(span, watch), noise_in(span, watch))
    end function changes_in
 
-   !> Do the ends of a span show that no watched function changes in it?
+   !> Return whether the ends of a span show that no watched function changes in it.
    pure logical function are_quiet(span, watches)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watches(:)
@@ -171,9 +170,9 @@ contains
 
    !> Round-off of a watched function.
    !>
-   !> Functions of a kind are differences of the same states. The polygon of a rate contains five
-   !> times the mean rate, which round-off of the values spoils in a short span. A reversal that it
-   !> hides moves the values by round-off.
+   !> The functions of a kind are differences of the same states. The polygon of a rate contains
+   !> five times the mean rate, which has large round-off in a short span. A reversal hidden by it
+   !> changes the values only by round-off.
    pure real(wp) function noise_in(span, watch) result(noise)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watch
@@ -184,7 +183,7 @@ contains
       noise = spacings*epsilon(noise)*noise
    end function noise_in
 
-   !> A watched function in a span.
+   !> Polygon of a watched function in a span.
    pure type(polygon_t) function polygon_in(span, watch) result(polygon)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watch
@@ -203,14 +202,14 @@ contains
       end associate
    end function polygon_in
 
-   !> Let a span end at the first change of several watched functions. Each change found shortens
-   !> the span, so that the last one found is the first.
+   !> End a span at the first change of several watched functions. Each change shortens the span, so
+   !> that the last one found is the first in time.
    subroutine stop_at_first(functions, watches, span, which, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watches(:)
       type(span_t), intent(inout) :: span
       integer, intent(out) :: which
-      !! number of the watch, 0 where no function changes
+      !! number of the watch; 0 if no function changes
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       logical :: is_found
@@ -224,20 +223,20 @@ contains
       end do
    end subroutine stop_at_first
 
-   !> Let a span end at the first change of a watched function, where there is one: at the first
-   !> moment beyond it.
+   !> End a span at the first change of a watched function, if any: at the first moment beyond it.
    subroutine stop_at_change(functions, watch, span, is_found, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watch
       type(span_t), intent(inout) :: span
       logical, intent(out) :: is_found
-      !! the function changes
+      !! true if the function changes
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       integer, parameter :: most_halvings = 20
-      !! an excursion in a shorter part is round-off
+      !! largest number of halvings; an excursion in a shorter part is round-off
       integer, parameter :: most_samples = 100
-      !! beyond them only the ends of parts count: the function is far smaller than others
+      !! largest number of samples; further parts use only their ends, because the function is far
+      !! smaller than others
       type(moment_t) :: ahead(0:most_halvings)
       type(span_t) :: part
       real(wp) :: smallest
@@ -282,8 +281,10 @@ contains
       if (.not. allocated(error)) span = span_between(functions, span%a, part%b)
    end subroutine stop_at_change
 
-   !> Let a span at whose end a function is beyond its level end at the first moment found there, to
-   !> round-off of the time; at its beginning where the function begins beyond it.
+   !> End a span at the first root of a function that is beyond its level at the span's end.
+   !>
+   !> The root is accurate to round-off of the time. If the function starts beyond its level, the
+   !> span ends at its start.
    subroutine stop_at_root(functions, watch, span, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watch

@@ -1,13 +1,13 @@
-!> Lift-off of a wall that both corners hold down while further states move, inside the last step of
-!> an integrator.
+!> Lift-off of a wall held on both corners while further states move, inside the last step of an
+!> integrator.
 !>
-!> What the base bears depends on the further states, so that lift-off is a root of a function that
-!> is known only step by step.
+!> The reaction of the base depends on the further states. Lift-off is therefore a root of a
+!> function known only from the integrator's states.
 module rwmf_simulation_events_lift_off_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: rates_at
-   use rwmf_model_equation, only: equation_t, interval_of, lift_off_drives
+   use rwmf_model_equation, only: equation_t, interval_of, uplift_demands
    use rwmf_model_lift_off, only: find_uplift_acceleration, lifting_side
    use rwmf_simulation_events_first_change, only: are_quiet, functions_t, moment_t, &
       sample_functions, span_between, span_t, stop_at_first, watch_t
@@ -17,7 +17,7 @@ module rwmf_simulation_events_lift_off_events
 
    public :: side_pulled, search_lift_off, stays_down
 
-   !> Capacity less demand of uplift on the left and on the right [m/s2], with its rates.
+   !> Uplift capacity minus demand on the left and on the right [m/s2], with rates.
    type, extends(functions_t) :: reserve_t
    contains
       procedure :: evaluate => evaluate_reserve
@@ -25,11 +25,11 @@ module rwmf_simulation_events_lift_off_events
 
 contains
 
-   !> Side on which the wall lifts off in a state, 0 if it stays.
+   !> Side on which the wall lifts off in a state, 0 if it stays down.
    integer function side_pulled(equation, t, y) result(side)
       type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: t
-      !! in the interval in force [s]
+      !! within the current interval [s]
       real(wp), intent(in) :: y(:)
       !! (states)
 
@@ -37,12 +37,12 @@ contains
       side = lifting_side(equation, interval_of(equation), t)
    end function side_pulled
 
-   !> Do the ends of a step show that the wall stays down in it?
+   !> Return whether the ends of a step show that the wall stays down in it.
    logical function stays_down(step, rates_a, rates_b)
       type(step_view_t), intent(in) :: step
-      !! without an integrator
+      !! step without an integrator
       real(wp), intent(in) :: rates_a(:), rates_b(:)
-      !! (states) at both ends
+      !! (states) rates at both ends
       type(reserve_t) :: reserve
       type(moment_t) :: a, b
 
@@ -55,6 +55,7 @@ contains
       stays_down = are_quiet(span_between(reserve, a, b), both_sides(step%equation))
    end function stays_down
 
+   !> Evaluate the reserve against uplift at a state.
    subroutine evaluate_reserve(self, t, y, f)
       class(reserve_t), intent(in) :: self
       real(wp), intent(in) :: t
@@ -67,32 +68,32 @@ contains
       f = reserve_at(self%step, t, y, rates)
    end subroutine evaluate_reserve
 
-   !> Capacity less demand of uplift on both sides, and its rates. The capacity is linear in the
-   !> further states.
+   !> Uplift capacity minus demand on both sides, with rates. The capacity is linear in the further
+   !> states.
    function reserve_at(step, t, y, rates) result(f)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:), rates(:)
-      !! (states), and their rates
+      !! (states) with their rates
       real(wp) :: f(2, 0:1)
       !! (sides, 0:1) [m/s2], [m/s3]
       real(wp), parameter :: part = 1.0e-5_wp
-      !! of the step, in which the motion of the ground is nearly straight [-]
+      !! fraction of the step in which the ground motion is nearly straight [-]
       real(wp) :: later(2), h
 
       associate (equation => step%equation, interval => interval_of(step%equation))
          h = step%t_b - step%t_a
          call find_uplift_acceleration(equation%model_t, equation%state, y + h*rates)
-         later = -lift_off_drives(equation, interval, t)
+         later = -uplift_demands(equation, interval, t)
          call find_uplift_acceleration(equation%model_t, equation%state, y)
-         f(:, 0) = -lift_off_drives(equation, interval, t)
-         f(:, 1) = (later - f(:, 0))/h - (lift_off_drives(equation, interval, t + part*h) &
-            - lift_off_drives(equation, interval, t - part*h))/(2*part*h)
+         f(:, 0) = -uplift_demands(equation, interval, t)
+         f(:, 1) = (later - f(:, 0))/h - (uplift_demands(equation, interval, t + part*h) &
+            - uplift_demands(equation, interval, t - part*h))/(2*part*h)
       end associate
    end function reserve_at
 
-   !> The reserve stays above round-off on both sides.
+   !> Levels just below zero on both sides, by round-off, that the reserve must not pass.
    pure function both_sides(equation) result(watches)
       type(equation_t), intent(in) :: equation
       type(watch_t) :: watches(2)
@@ -101,15 +102,15 @@ contains
       watches(2) = watch_t(2, 0, level=watches(1)%level)
    end function both_sides
 
-   !> First lift-off in the last step of the integrator.
+   !> Search the last step of the integrator for the first lift-off.
    subroutine search_lift_off(step, t, y, side, error)
       type(step_view_t), intent(in) :: step
       real(wp), intent(out) :: t
-      !! of it, or of the end of the step [s]
+      !! time of lift-off, or end of the step [s]
       real(wp), intent(out) :: y(:)
-      !! (states) there
+      !! (states) at this time
       integer, intent(out) :: side
-      !! of the motion that begins, +1 or -1; 0: the wall stays down
+      !! side of the new motion, +1 or -1; 0 if the wall stays down
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       type(reserve_t) :: reserve
@@ -130,7 +131,7 @@ contains
       if (side /= 0) side = 2*side - 3
       t = span%b%t
       call sample_state(step, t, y, error)
-      ! an implicit method solves for all states together, which leaves round-off in those held
+      ! an implicit method solves for all states together and leaves round-off in the held ones
       y(:2) = 0
       call find_uplift_acceleration(step%equation%model_t, step%equation%state, y)
    end subroutine search_lift_off

@@ -1,7 +1,7 @@
-!> Search of the integrator's last step for the events that it contains, in the order of time.
+!> Search of the integrator's last step for its events, in chronological order.
 !>
-!> Peaks (theta' = 0) split the step into monotone pieces; in each of them a return to theta = 0 or
-!> a passage of the overturning angle shows by the values at its ends.
+!> Peaks (theta' = 0) split the step into monotone pieces. The values at the ends of each piece then
+!> show a return to theta = 0 or a passage of the overturning angle.
 module rwmf_simulation_events_step_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -23,18 +23,18 @@ module rwmf_simulation_events_step_events
    public :: search_step, list_turns
 
    integer, parameter :: most_spans = 20
-   !! of a part of a step: more turns in it are round-off
+   !! largest number of spans in a part of a step; more turns are round-off
 
 contains
 
-   !> Search the integrator's last step; leaves time and state of its end or of the event in hybrid.
+   !> Search the integrator's last step; store time and state of its end or of the event in hybrid.
    subroutine search_step(hybrid, step, recorder, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: step
       type(recorder_t), intent(inout) :: recorder
       integer, intent(out) :: event
-      !! `event_impact`, `event_overturned`, `event_branch`, `event_peak` (only where a spring
-      !! unloads there), `event_passage`, of a held wall `event_lift_off`, or 0
+      !! `event_impact`, `event_overturned`, `event_branch`, `event_passage`, `event_peak` (only if
+      !! a spring unloads at the peak), for a held wall `event_lift_off`, or 0
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       real(wp), dimension(size(step%y_a)), target :: y_a, y_b
@@ -67,7 +67,7 @@ contains
       end do
    end subroutine search_step
 
-   !> Is it plain from the ends of the step that nothing happens in it?
+   !> Return whether the ends of the step exclude any event in it.
    logical function is_quiet(hybrid, step)
       type(hybrid_t), intent(in) :: hybrid
       type(step_view_t), intent(in) :: step
@@ -87,7 +87,7 @@ contains
       end associate
    end function is_quiet
 
-   !> Search a part of the step, cut so that theta' changes its sign at most once in each span.
+   !> Search a part of the step, in spans with at most one sign change of theta'.
    subroutine search_part(hybrid, part, recorder, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: part
@@ -113,7 +113,7 @@ contains
       if (.not. allocated(error)) call search_span(hybrid, rest, recorder, event, error)
    end subroutine search_part
 
-   !> Search a span in which theta' changes its sign at most once.
+   !> Search a span with at most one sign change of theta'.
    subroutine search_span(hybrid, span, recorder, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: span
@@ -150,8 +150,8 @@ contains
       end if
    end subroutine search_span
 
-   !> Is it plain that the turn in a span lies where nothing happens? Then what happens after it can
-   !> be looked for without knowing it.
+   !> Return whether the turn of a span certainly lies inside all limits. The search for a later
+   !> event then does not need the turn.
    pure logical function turns_inside(hybrid, span) result(is_inside)
       type(hybrid_t), intent(in) :: hybrid
       type(step_view_t), intent(in) :: span
@@ -160,7 +160,7 @@ contains
       associate (equation => span%equation, state => span%equation%state)
          is_inside = .false.
          if (state%ends_at_peak .or. equation%has_loading_direction) return
-         ! from an end of the window only the turn tells whether the motion leaves it
+         ! from a limit of the window, only the turn shows whether the motion leaves it
          if (span%y_a(1) <= state%low .or. span%y_a(1) >= state%high) return
          low = -huge(low)
          high = huge(high)
@@ -173,7 +173,7 @@ contains
       end associate
    end function turns_inside
 
-   !> May the turn in a span be the largest rotation so far on its side?
+   !> Return whether the turn of a span may be the largest rotation so far on its side.
    pure logical function may_be_extreme(recorder, span)
       type(recorder_t), intent(in) :: recorder
       type(step_view_t), intent(in) :: span
@@ -183,8 +183,7 @@ contains
       may_be_extreme = turn >= recorder%theta_max .or. turn <= recorder%theta_min
    end function may_be_extreme
 
-   !> Search a piece in which theta is monotone; leaves time and state of its end or of the event in
-   !> hybrid.
+   !> Search a piece with monotone theta; store time and state of its end or of the event in hybrid.
    subroutine search_piece(hybrid, piece, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: piece
@@ -199,7 +198,7 @@ contains
       end if
    end subroutine search_piece
 
-   !> Does theta' change its sign between the ends?
+   !> Return whether theta' changes its sign between the ends of a span.
    logical function has_peak(hybrid, span)
       type(hybrid_t), intent(in) :: hybrid
       type(step_view_t), intent(in) :: span
@@ -209,7 +208,7 @@ contains
       end associate
    end function has_peak
 
-   !> Sign of theta' as a span begins, 0 where it is not known. A flight that starts with theta' = 0
+   !> Sign of theta' at the start of a span, 0 if unknown. A flight that starts with theta' = 0
    !> moves away from the base.
    pure real(wp) function direction_of(hybrid, span) result(direction)
       type(hybrid_t), intent(in) :: hybrid
@@ -225,7 +224,7 @@ contains
       end associate
    end function direction_of
 
-   !> A frame that stands still has a course, the last one, and no peaks.
+   !> Return whether a frame is at standstill. It keeps its last loading direction and has no peaks.
    pure logical function stands_still(span)
       type(step_view_t), intent(in) :: span
 
@@ -233,11 +232,11 @@ contains
          .and. max(abs(span%y_a(2)), abs(span%y_b(2))) <= 0
    end function stands_still
 
-   !> A monotone piece up to the time and state in hybrid: does the hysteretic force of the frame
-   !> pass zero in it? The piece ends there, before whatever else was found.
+   !> End a monotone piece where the hysteretic force of the frame passes zero, before any other
+   !> event.
    !>
-   !> As long as nothing has yielded it does so in the instant of an impact: then the impact is what
-   !> happens, after which the signs of the next piece are looked at anyway.
+   !> Without previous yielding, the force passes zero at the time of an impact. The impact is then
+   !> the event, and the next piece sets the signs again.
    subroutine end_at_zero(hybrid, piece, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: piece
@@ -248,7 +247,7 @@ contains
 
       associate (equation => piece%equation, place => piece%equation%hysteresis%place)
          if (.not. passes_zero(equation, hybrid%y)) return
-         ! z is monotone where theta is: it has passed zero once
+         ! z is monotone if theta is, so it passes zero once
          t_b = hybrid%t
          y_b = hybrid%y
          if (passes_zero(equation, piece%y_a)) then
@@ -269,7 +268,8 @@ contains
       end associate
    end subroutine end_at_zero
 
-   !> Has the hysteretic force of the frame changed its sign since the piece of motion began?
+   !> Return whether the hysteretic force of the frame has changed its sign since the start of the
+   !> piece.
    pure logical function passes_zero(equation, y)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -279,7 +279,7 @@ contains
          .and. equation%state%signs%loading_direction*y(equation%hysteresis%place) > 0
    end function passes_zero
 
-   !> A monotone piece: does the flight end in it, or does a spring enter another branch?
+   !> Search a monotone piece for the end of the flight or for a branch end of a spring.
    subroutine end_piece(hybrid, piece, event, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: piece
@@ -290,7 +290,8 @@ contains
       event = 0
       level = 0
       associate (equation => piece%equation, theta_a => piece%y_a(1), theta_b => piece%y_b(1))
-         ! The limits of a spring without strength coincide: only the motion tells them apart.
+         ! The two limits of a spring without strength coincide; the direction of motion selects
+         ! one.
          hybrid%is_rising = theta_b > theta_a
          if (leaves_window(hybrid, equation, theta_a, theta_b, level)) event = event_branch
          if (event == 0) then
@@ -313,14 +314,14 @@ contains
       hybrid%y(1) = level
    end subroutine end_piece
 
-   !> Does a monotone piece leave the rotations for which the branches of the springs hold, before
-   !> it comes to an impact or overturns?
+   !> Return whether a monotone piece leaves the window of the current branches before an impact or
+   !> overturning.
    logical function leaves_window(hybrid, equation, theta_a, theta_b, level) result(leaves)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta_a, theta_b
       real(wp), intent(out) :: level
-      !! where it leaves them, not outside of the piece [rad] or [m]
+      !! limit of the window, not outside of the piece [rad] or [m]
 
       level = 0
       if (theta_b > theta_a) then
@@ -336,7 +337,7 @@ contains
       if (.not. leaves) level = 0
    end function leaves_window
 
-   !> Put the turns inside a piece, which cut no step, into the list of events.
+   !> Add the turns inside a piece, which end no step, to the list of events.
    subroutine list_turns(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
@@ -361,7 +362,7 @@ contains
       call list_turn(recorder, rest, error)
    end subroutine list_turns
 
-   !> The same of a span with one turn at most.
+   !> Add the turn of a span with at most one turn to the list of events.
    subroutine list_turn(recorder, span, error)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: span

@@ -1,6 +1,8 @@
-!> The rotation inside a step as the quartic through both ends, both velocities and the acceleration
-!> at the beginning: where something happens first. The quintic with the acceleration at the end as
-!> well says it more sharply. Both say where to step to, not what the state is.
+!> Polynomials of the rotation inside a step, for the position of the first event.
+!>
+!> The quartic fits rotations and velocities at both ends, and the acceleration at the start. The
+!> quintic also fits the acceleration at the end and is more accurate. Both give the length of the
+!> next trial step; they do not replace the state.
 module rwmf_simulation_events_step_quartic
    use rwmf_core_kinds, only: wp
    implicit none
@@ -13,39 +15,39 @@ module rwmf_simulation_events_step_quartic
    integer, parameter :: at_low = -1
    !! the rotation falls below its window
    integer, parameter :: at_high = 1
-   !! or rises above it
+   !! the rotation rises above its window
    integer, parameter :: at_turn = 2
    !! the velocity changes its sign
 
    integer, parameter :: most_iterations = 60
    real(wp), parameter :: resolution = 1.0e-2_wp
-   !! last move of Newton's method that need not be checked: what is left is about its square, the
-   !! error of the quartic [-]
+   !! last correction of Newton's method without another check. The remaining error is about its
+   !! square, as is the error of the quartic [-]
 
-   !> theta in powers of the position in the step, from 0 to 1 [rad].
+   !> Coefficients of theta in powers of the position in the step, from 0 to 1 [rad].
    type :: quartic_t
       real(wp) :: c(0:5)
-      !! the last one is that of the quintic
+      !! coefficients; the last one belongs to the quintic
    end type quartic_t
 
 contains
 
-   !> The quartic of a step.
+   !> Compute the quartic of a step.
    pure type(quartic_t) function quartic_of(h, theta, theta_dot, acceleration) result(quartic)
       real(wp), intent(in) :: h
       !! [s]
       real(wp), intent(in) :: theta(2)
-      !! at both ends [rad]
+      !! rotations at both ends [rad]
       real(wp), intent(in) :: theta_dot(2)
       !! [rad/s]
       real(wp), intent(in) :: acceleration
-      !! at the beginning [rad/s2]
+      !! acceleration at the start [rad/s2]
       real(wp) :: rest, slope
 
       associate (v => h*theta_dot, a => h**2*acceleration)
          rest = theta(2) - theta(1) - v(1) - a/2
          slope = v(2) - v(1) - a
-         ! one by one: as an array they would wait in memory to be copied
+         ! one by one, because an array constructor would be copied through memory
          quartic%c(0) = theta(1)
          quartic%c(1) = v(1)
          quartic%c(2) = a/2
@@ -55,11 +57,11 @@ contains
       end associate
    end function quartic_of
 
-   !> The quintic of a step from its quartic.
+   !> Compute the quintic of a step from its quartic.
    pure type(quartic_t) function quintic_of(quartic, end) result(quintic)
       type(quartic_t), intent(in) :: quartic
       real(wp), intent(in) :: end
-      !! acceleration at the end of the step, times the square of its length [rad]
+      !! acceleration at the end of the step times the square of its length [rad]
       real(wp) :: rest
 
       associate (c => quartic%c)
@@ -73,12 +75,12 @@ contains
       end associate
    end function quintic_of
 
-   !> Another state in the step as the cubic through both ends and its rates there.
+   !> Compute the cubic of a further state through its values and rates at both ends.
    pure type(quartic_t) function cubic_of(y, way) result(cubic)
       real(wp), intent(in) :: y(2)
-      !! the state at both ends
+      !! values of the state at both ends
       real(wp), intent(in) :: way(2)
-      !! rates of the state at both ends, times the length of the step
+      !! rates of the state at both ends times the length of the step
 
       cubic%c(0) = y(1)
       cubic%c(1) = way(1)
@@ -88,17 +90,17 @@ contains
       cubic%c(5) = 0
    end function cubic_of
 
-   !> Where the quintic has the event that its quartic has shown.
+   !> Find the position in the quintic of an event found in the quartic.
    pure subroutine place_event(quintic, event, level, x, is_found)
       type(quartic_t), intent(in) :: quintic
       integer, intent(in) :: event
       !! `at_low`, `at_high` or `at_turn`
       real(wp), intent(in) :: level
-      !! of the rotation; a turn has none [rad]
+      !! level of the rotation; unused for a turn [rad]
       real(wp), intent(inout) :: x
-      !! its position in the step, nearly; on return more so than the quintic is [-]
+      !! approximate position in the step; on return with less error than the quintic [-]
       logical, intent(out) :: is_found
-      !! the position has settled inside the step; otherwise it means nothing
+      !! true if the position converges inside the step; otherwise it is undefined
       real(wp) :: move
       integer :: i
 
@@ -118,17 +120,17 @@ contains
       end do
    end subroutine place_event
 
-   !> First event of a step: the end of the window, or a turn that matters.
+   !> Find the first event of a step: the end of the window, or a relevant turn.
    pure subroutine first_event(quartic, window, extremes, event, x)
       type(quartic_t), intent(in) :: quartic
       real(wp), intent(in) :: window(2)
-      !! rotations between which nothing happens [rad]
+      !! range of rotations without an event [rad]
       real(wp), intent(in) :: extremes(2)
-      !! turns between these do not matter [rad]
+      !! range of rotations with irrelevant turns [rad]
       integer, intent(out) :: event
       !! `no_event`, `at_low`, `at_high` or `at_turn`
       real(wp), intent(out) :: x
-      !! its position in the step [-]
+      !! position of the event in the step [-]
       real(wp) :: turn(0:4)
       !! ends of the monotone pieces [-]
       real(wp) :: value, before, margin
@@ -151,7 +153,7 @@ contains
             return
          end if
          if (i == n) return
-         ! the true turn may lie a little further out than that of the quartic
+         ! the true turn may lie slightly beyond the turn of the quartic
          margin = 0.05_wp*max(abs(value - quartic%c(0)), abs(value - sum(quartic%c)))
          if (value - margin < max(extremes(1), window(1)) &
              .or. value + margin > min(extremes(2), window(2))) then
@@ -162,7 +164,7 @@ contains
       end do
    end subroutine first_event
 
-   !> Zeros of the velocity inside the step, between its ends.
+   !> Find the zeros of the velocity inside the step.
    pure subroutine find_turns(quartic, turn, n)
       type(quartic_t), intent(in) :: quartic
       real(wp), intent(out) :: turn(0:4)
@@ -171,10 +173,10 @@ contains
       real(wp) :: v(0:5)
       !! velocity in powers of the position
       real(wp) :: b(0:3)
-      !! the same as a sum of Bernstein's polynomials, of which it has at most as many zeros as
-      !! changes of sign
+      !! velocity in Bernstein polynomials; it has at most as many zeros as the coefficients have
+      !! sign changes
       real(wp) :: edge(0:3)
-      !! ends of the pieces in which the velocity is monotone
+      !! ends of the pieces with monotone velocity
       integer :: i, m
 
       associate (c => quartic%c)
@@ -211,10 +213,10 @@ contains
       turn(n) = 1
    end subroutine find_turns
 
-   !> Ends of the pieces of the step in which its velocity is monotone.
+   !> Find the ends of the pieces of the step with monotone velocity.
    pure subroutine find_edges(v, edge, m)
       real(wp), intent(in) :: v(0:5)
-      !! of the third degree, in powers of the position
+      !! velocity, of third degree, in powers of the position
       real(wp), intent(out) :: edge(0:3)
       integer, intent(out) :: m
       !! number of pieces
@@ -241,7 +243,7 @@ contains
       edge(m) = 1
    end subroutine find_edges
 
-   !> Where a polynomial passes a level between two positions in which it is monotone.
+   !> Position where a polynomial passes a level between two positions, in which it is monotone.
    pure real(wp) function place_between(p, level, begin, end) result(x)
       real(wp), intent(in) :: p(0:5)
       real(wp), intent(in) :: level
@@ -286,7 +288,7 @@ contains
       value_at = p(0) + x*(p(1) + x*(p(2) + x*(p(3) + x*(p(4) + x*p(5)))))
    end function value_at
 
-   !> Its derivative.
+   !> Derivative of a polynomial.
    pure real(wp) function slope_at(p, x)
       real(wp), intent(in) :: p(0:5)
       !! coefficients in powers of x

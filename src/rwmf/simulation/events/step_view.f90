@@ -1,5 +1,4 @@
-!> What all who look into a step of an integrator see of it: its ends, the rates there, and states
-!> inside on request.
+!> View of a step of an integrator: its ends, the rates at the ends, and states inside on request.
 module rwmf_simulation_events_step_view
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
@@ -13,20 +12,20 @@ module rwmf_simulation_events_step_view
    public :: count_parts, end_of_part, sample_state, accelerations
    public :: fastest_angle, is_short
 
-   !> A piece of the last step, from a to b. It points to what others hold.
+   !> Piece of the last step, from a to b. Its pointers refer to data of other owners.
    type :: step_view_t
       type(equation_t), pointer :: equation => null()
       class(integrator_t), pointer :: integrator => null()
-      !! not associated: the wall rests, and nothing but the ground moves
+      !! null if the wall rests and only the ground moves
       real(wp) :: t_a, t_b
       !! [s]
       real(wp), pointer, contiguous :: y_a(:) => null(), y_b(:) => null()
-      !! (states) there
+      !! (states) at both ends
    end type step_view_t
 
 contains
 
-   !> The whole step.
+   !> View the whole step.
    subroutine view_step(step, equation, integrator)
       type(step_view_t), intent(inout) :: step
       type(equation_t), intent(in), target :: equation
@@ -40,7 +39,7 @@ contains
       step%y_b => integrator%y1
    end subroutine view_step
 
-   !> The piece up to a time [s] with the states y(:) there.
+   !> Return the piece up to a time [s] with the states y(:) at that time.
    function until(step, t, y) result(piece)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: t
@@ -54,7 +53,7 @@ contains
       piece%y_b => y
    end function until
 
-   !> The piece from a time [s] with the states y(:) there.
+   !> Return the piece from a time [s] with the states y(:) at that time.
    function from(step, t, y) result(piece)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: t
@@ -68,13 +67,15 @@ contains
       piece%y_a => y
    end function from
 
-   !> In how many parts to search a step: in each of them frame and ground motion go through a
-   !> quarter of their periods at most. A high order with a loose tolerance takes steps of a period.
+   !> Number of parts for the search of a step.
+   !>
+   !> In each part, frame and ground motion complete at most a quarter of their periods. A
+   !> high-order method with a loose tolerance may take steps of a full period.
    integer function count_parts(step) result(n)
       type(step_view_t), intent(in) :: step
       integer, parameter :: most = 1000
       real(wp) :: quarter
-      !! of the shortest period [s]
+      !! quarter of the shortest period [s]
       real(wp) :: first, second
 
       associate (equation => step%equation, motion => step%equation%motion, &
@@ -95,13 +96,13 @@ contains
    pure real(wp) function end_of_part(step, i, n) result(t)
       type(step_view_t), intent(in) :: step
       integer, intent(in) :: i, n
-      !! number of the part, from 1, and of all parts
+      !! number of the part, from 1, and number of all parts
 
       t = step%t_b
       if (i < n) t = step%t_a + i*((step%t_b - step%t_a)/n)
    end function end_of_part
 
-   !> State at a time of the integrator's step: its ends are known.
+   !> Compute the state at a time inside the integrator's step, or copy it at the ends.
    subroutine sample_state(step, t, y, error)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: t
@@ -120,7 +121,7 @@ contains
       end if
    end subroutine sample_state
 
-   !> theta'' or u'' at both ends.
+   !> Accelerations theta'' or u'' at both ends.
    function accelerations(step) result(y_ddot)
       type(step_view_t), intent(in) :: step
       real(wp) :: y_ddot(2)
@@ -129,7 +130,7 @@ contains
          second_derivative(step%equation, step%t_b, step%y_b)]
    end function accelerations
 
-   !> Angle that the fastest vibration of scene or ground goes through in a time, 1 at least [rad].
+   !> Phase angle of the fastest vibration of scene or ground in a duration, at least 1 [rad].
    pure real(wp) function fastest_angle(step, duration) result(angle)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: duration
@@ -144,14 +145,14 @@ contains
       angle = max(1.0_wp, duration*frequency)
    end function fastest_angle
 
-   !> Does a step take the frame, and what else has a frequency, through less than an angle, under a
-   !> ground acceleration that is monotone?
+   !> Return whether a step is short: its ground acceleration is monotone, and all phase angles in
+   !> it are below a limit.
    pure logical function is_short(step, angle, frequency)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: angle
       !! [rad]
       real(wp), intent(in) :: frequency
-      !! of what else moves [rad/s]
+      !! frequency of other moving parts [rad/s]
 
       associate (equation => step%equation)
          is_short = (step%t_b - step%t_a)*max(equation%p%omega_s, equation%floors%max_frequency, &

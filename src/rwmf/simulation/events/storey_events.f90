@@ -1,6 +1,7 @@
-!> Ends of the branches of storeys that yield, inside the last step of an integrator.
+!> Branch ends of yielding storeys inside the last step of an integrator.
 !>
-!> The step is cut at the first end of a branch, so that all later searches see one smooth equation.
+!> The search ends the step at the first branch end, so that all later searches use one smooth
+!> equation.
 module rwmf_simulation_events_storey_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -22,7 +23,7 @@ module rwmf_simulation_events_storey_events
    !> Displacements of the storeys [m], with rates and accelerations.
    type, extends(functions_t) :: displacements_t
       integer :: derivatives = 2
-      !! how many are wanted; the second costs an evaluation of the right-hand side
+      !! number of required derivatives; the second costs an evaluation of the right-hand side
    contains
       procedure :: evaluate => evaluate_storeys
    end type displacements_t
@@ -33,25 +34,25 @@ module rwmf_simulation_events_storey_events
       procedure :: evaluate => evaluate_hysteretic
    end type hysteretic_t
 
-   !> End of a storey's branch, or of the motion.
+   !> Branch end of a storey, or end of the motion.
    type :: storey_end_t
       integer :: storey = 0
-      !! its number, from the ground; 0 when there is none
+      !! number of the storey from the ground up; 0 without an event
       real(wp) :: t = huge(1.0_wp)
       !! [s]
       logical :: turns = .false.
-      !! it unloads, or begins to move
+      !! the storey unloads, or starts to move
       logical :: passes_zero = .false.
-      !! its hysteretic force does; else it comes to a limit
+      !! the hysteretic force passes zero; otherwise the storey reaches a limit
       logical :: is_rising = .false.
-      !! its displacement grows beyond
+      !! the displacement increases after the event
       logical :: collapses = .false.
-      !! it is the number of a drift that passes its limit
+      !! `storey` is the number of a drift that exceeds its limit
    end type storey_end_t
 
 contains
 
-   !> Displacements of the storeys at a state.
+   !> Evaluate the displacements of the storeys at a state.
    subroutine evaluate_storeys(self, t, y, f)
       class(displacements_t), intent(in) :: self
       real(wp), intent(in) :: t
@@ -68,7 +69,7 @@ contains
       end associate
    end subroutine evaluate_storeys
 
-   !> Hysteretic states at a state.
+   !> Evaluate the hysteretic states at a state.
    subroutine evaluate_hysteretic(self, t, y, f)
       class(hysteretic_t), intent(in) :: self
       real(wp), intent(in) :: t
@@ -84,7 +85,7 @@ contains
       end associate
    end subroutine evaluate_hysteretic
 
-   !> Cut the last step of the integrator at the first end of a branch.
+   !> End the last step of the integrator at the first branch end.
    subroutine stop_at_storey(step, found, error)
       type(step_view_t), intent(inout) :: step
       type(storey_end_t), intent(out) :: found
@@ -121,8 +122,10 @@ contains
       step%integrator%y1(:) = y
    end subroutine stop_at_storey
 
-   !> Is it plain from the ends of a step that no branch ends in it? The cubics through
-   !> displacements and rates mostly show it, the quintics with the accelerations nearly always.
+   !> Return whether the ends of a step show that no branch ends in it.
+   !>
+   !> The cubics through displacements and rates show it in most steps, the quintics with
+   !> accelerations in nearly all.
    logical function is_quiet(step)
       type(step_view_t), intent(in) :: step
       type(displacements_t) :: storeys
@@ -147,18 +150,18 @@ contains
       if (.not. is_quiet) return
       associate (z => hysteretic_states(step%equation, step%y_b))
          do i = 1, size(z)
-            ! z is monotone where the storey does not turn
+            ! z is monotone if the storey does not turn
             is_quiet = side_beyond_zero(step%equation%state, i)*z(i) <= 0
             if (.not. is_quiet) return
          end do
       end associate
    end function is_quiet
 
-   !> Is it plain that the displacement of a storey stays on its branch in a span?
+   !> Return whether the displacement of a storey certainly stays on its branch in a span.
    logical function stays_on_branch(storeys, i, span) result(stays)
       type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
-      !! number of the storey, from the ground
+      !! number of the storey from the ground up
       type(span_t), intent(in) :: span
       integer :: direction
       real(wp) :: limit(2)
@@ -179,11 +182,11 @@ contains
       end associate
    end function stays_on_branch
 
-   !> The limits of an elastic storey. One that begins beyond a limit by round-off begins at it.
+   !> Limits of an elastic storey. A storey beyond a limit by round-off starts at the limit.
    function watches_of_limits(storeys, i, a) result(watch)
       type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
-      !! number of the storey, from the ground
+      !! number of the storey from the ground up
       type(moment_t), intent(in) :: a
       type(watch_t) :: watch(2)
       real(wp) :: low, high
@@ -193,8 +196,8 @@ contains
       watch(2) = watch_t(i, 0, level=max(high, a%f(i, 0)), side=-1.0_wp)
    end function watches_of_limits
 
-   !> First end of a branch in a span. Each one found shortens the span, so that it cannot
-   !> hide what comes before.
+   !> Find the first branch end in a span. Each branch end found shortens the span, so that earlier
+   !> ones remain visible.
    subroutine search_storeys(storeys, span, found, error)
       type(displacements_t), intent(in) :: storeys
       type(span_t), intent(inout) :: span
@@ -202,7 +205,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: y(size(storeys%step%y_a)), z(storeys%step%equation%floors%n)
       real(wp) :: t_z
-      !! time of both
+      !! time of `y` and `z`
       integer :: i
 
       t_z = -huge(t_z)
@@ -220,7 +223,7 @@ contains
          if (side_beyond_zero(storeys%step%equation%state, i) == 0) cycle
          if (abs(span%b%t - t_z) > 0) call sample_state(storeys%step, span%b%t, y, error)
          if (allocated(error)) return
-         ! one sample serves all storeys until the span becomes shorter
+         ! one sample serves all storeys until the span is shortened
          if (abs(span%b%t - t_z) > 0) z = hysteretic_states(storeys%step%equation, y)
          t_z = span%b%t
          if (.not. z(i)*side_beyond_zero(storeys%step%equation%state, i) > 0) cycle
@@ -229,10 +232,10 @@ contains
       end do
    end subroutine search_storeys
 
-   !> A storey that has not moved yet begins to. Its first nonzero derivative gives the direction.
+   !> Start a storey without previous motion. Its first nonzero derivative gives the direction.
    pure subroutine leave_standstill(i, span, found)
       integer, intent(in) :: i
-      !! number of the storey, from the ground
+      !! number of the storey from the ground up
       type(span_t), intent(inout) :: span
       type(storey_end_t), intent(inout) :: found
       real(wp) :: way
@@ -247,11 +250,11 @@ contains
       end associate
    end subroutine leave_standstill
 
-   !> Does a storey that yields turn back, or come to the end of its branch before?
+   !> Search a yielding storey for a velocity reversal, or for an earlier limit of its branch.
    subroutine search_turn(storeys, i, span, found, error)
       type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
-      !! number of the storey, from the ground
+      !! number of the storey from the ground up
       type(span_t), intent(inout) :: span
       type(storey_end_t), intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
@@ -279,12 +282,12 @@ contains
          is_rising=direction > 0)
    end subroutine search_turn
 
-   !> Does a storey set out with neither rate nor acceleration, within round-off? The end of the
-   !> span then shows its direction.
+   !> Return whether a storey starts with zero rate and acceleration, within round-off. The end of
+   !> the span then gives its direction.
    pure logical function begins_at_rest(span, i)
       type(span_t), intent(in) :: span
       integer, intent(in) :: i
-      !! number of the storey, from the ground
+      !! number of the storey from the ground up
       integer, parameter :: spacings = 8
 
       associate (a => span%a%f(i, :), h => span%b%t - span%a%t)
@@ -292,11 +295,11 @@ contains
       end associate
    end function begins_at_rest
 
-   !> Does an elastic storey come to a limit?
+   !> Search an elastic storey for its limits.
    subroutine search_limits(storeys, i, span, found, error)
       type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
-      !! number of the storey, from the ground
+      !! number of the storey from the ground up
       type(span_t), intent(inout) :: span
       type(storey_end_t), intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
@@ -307,11 +310,11 @@ contains
       if (k > 0 .and. span%b%t < found%t) found = storey_end_t(i, span%b%t, is_rising=k == 2)
    end subroutine search_limits
 
-   !> Find where the hysteretic force of a smooth storey passes zero. It is monotone before a turn.
+   !> Find the zero of the hysteretic force of a smooth storey, which is monotone before a turn.
    subroutine search_zero(storeys, i, span, found, error)
       type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
-      !! number of the storey, from the ground
+      !! number of the storey from the ground up
       type(span_t), intent(inout) :: span
       type(storey_end_t), intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
@@ -337,7 +340,7 @@ contains
       if (.not. allocated(error)) span = span_between(storeys, span%a, b)
    end subroutine search_zero
 
-   !> The storey whose branch has ended goes over to its next one.
+   !> Move a storey to its next branch after a branch end.
    subroutine end_branch(model, state, ending, y)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state

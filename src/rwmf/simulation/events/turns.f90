@@ -1,4 +1,4 @@
-!> Turns of the rotation inside the last step of an integrator: where theta' changes its sign.
+!> Turns of the rotation inside the last step of an integrator: sign changes of theta'.
 module rwmf_simulation_events_turns
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -27,6 +27,7 @@ module rwmf_simulation_events_turns
 
 contains
 
+   !> Evaluate rotation, velocity and acceleration at a state.
    subroutine evaluate_rotation(self, t, y, f)
       class(rotation_t), intent(in) :: self
       real(wp), intent(in) :: t
@@ -39,6 +40,7 @@ contains
       f(1, :) = [y(1), y(2), y_dot(2)]
    end subroutine evaluate_rotation
 
+   !> Evaluate velocity and acceleration at a state.
    subroutine evaluate_velocity(self, t, y, f)
       class(velocity_t), intent(in) :: self
       real(wp), intent(in) :: t
@@ -51,7 +53,7 @@ contains
       f(1, :) = [y(2), y_dot(2)]
    end subroutine evaluate_velocity
 
-   !> Is it plain from the ends of a step that theta' keeps its sign?
+   !> Return whether the ends of a step show that theta' keeps its sign.
    pure logical function keeps_direction(step)
       type(step_view_t), intent(in) :: step
       real(wp) :: middle(2), error
@@ -64,7 +66,7 @@ contains
       end associate
    end function keeps_direction
 
-   !> Bound on |theta'| in a step from its ends.
+   !> Upper bound of |theta'| in a step from its ends.
    pure real(wp) function fastest_in(step) result(fastest)
       type(step_view_t), intent(in) :: step
       real(wp) :: middle(2), error
@@ -73,16 +75,17 @@ contains
       fastest = max(abs(step%y_a(2)), abs(step%y_b(2)), maxval(abs(middle)) + error)
    end function fastest_in
 
-   !> Velocity in a step by the cubic of the rotation: `rate_polygon` written out, because most
-   !> steps ask for nothing else.
+   !> Compute velocity bounds in a step from the cubic of the rotation.
+   !>
+   !> This is `rate_polygon` written out, because most steps need nothing else.
    pure subroutine bound_velocity(step, middle, error)
       type(step_view_t), intent(in) :: step
       real(wp), intent(out) :: middle(2)
       !! Bernstein coefficients between both ends [rad/s]
       real(wp), intent(out) :: error
-      !! of both [rad/s]
+      !! error bound of both coefficients [rad/s]
       real(wp) :: bend(2)
-      !! differences of the coefficients one degree lower [rad/s]
+      !! differences of the coefficients at one degree lower [rad/s]
       real(wp) :: mean, angle
 
       associate (h => step%t_b - step%t_a, a => step%y_a, b => step%y_b)
@@ -94,9 +97,10 @@ contains
       end associate
    end subroutine bound_velocity
 
-   !> Bound on the rotation at which a motion turns back once between the ends of a step: beyond the
-   !> cubic with its error, and four times as far beyond the farther end as under a steady
-   !> acceleration.
+   !> Bound on the rotation at a single turn between the ends of a step.
+   !>
+   !> The turn lies within the cubic and its error. The bound also lies beyond the farther end, by
+   !> four times the distance under a steady acceleration.
    pure real(wp) function farthest_turn(step) result(turn)
       type(step_view_t), intent(in) :: step
       type(polygon_t) :: polygon
@@ -115,18 +119,20 @@ contains
       end associate
    end function farthest_turn
 
-   !> Cut a step in which theta' changes its sign more often than its ends show: after the first
-   !> change and before the second, or before the first where theta' begins at zero.
+   !> Split a step in which theta' changes its sign more often than its ends show.
+   !>
+   !> The cut lies between the first and the second change, or before the first if theta' starts at
+   !> zero.
    subroutine split_turns(step, direction, t, y, is_split, error)
       type(step_view_t), intent(in) :: step
       real(wp), intent(in) :: direction
-      !! sign of theta' as the step begins; 0: that of its first values [-]
+      !! sign of theta' at the start of the step; 0: sign of its first values [-]
       real(wp), intent(out) :: t
       !! [s]
       real(wp), intent(out) :: y(:)
-      !! (states) there
+      !! (states) at t
       logical, intent(out) :: is_split
-      !! theta' does; otherwise `t` and `y` mean nothing
+      !! true if the step is split; otherwise `t` and `y` are undefined
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       type(rotation_t) :: rotation
@@ -150,7 +156,7 @@ contains
       call stop_at_change(rotation, watch, span, is_known, error)
       if (allocated(error) .or. .not. is_known) return
       if (span%b%t <= step%t_a) then
-         ! it turns as it begins
+         ! the turn is at the start of the step
          watch%side = -watch%side
          call stop_at_change(rotation, watch, next, is_known, error)
          if (allocated(error) .or. .not. is_known) return

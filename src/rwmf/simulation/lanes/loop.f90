@@ -1,25 +1,26 @@
-!> Steps of lanes that go together, and what happens in them.
+!> Common steps of a batch of lanes, and the events in these steps.
 !>
-!> The lanes of a team step together. A step in which something may happen is looked at alone; where
-!> the rotation does not tell all, as the hybrid loop of other methods does. No number of a lane
-!> depends on the others: a single run is a team of one.
+!> The lanes of a batch step together. A step with a possible event is inspected individually. If
+!> the rotation alone does not show all changes, the search of the hybrid loop inspects it. No
+!> number of a lane depends on the other lanes: a single run is a batch of one lane.
 module rwmf_simulation_lanes_loop
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t, extend_work
    use rwmf_integrator_integrator, only: step_too_small
-   use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_look, &
-      of_bottom, of_fastest, of_goal, of_high, of_interval, of_least, &
+   use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_inspection, &
+      of_bottom, of_fastest, of_target, of_high, of_interval, of_least, &
       of_length, of_limit, of_line, of_longest, of_low, of_most, of_rejected, of_steps, of_time, &
-      of_calm, of_pace, of_plain, of_top, of_trial, of_vertical_line, of_watch
-   use rwmf_integrator_lane_control, only: judge_one => judge_step, pass_one => pass_knots, &
+      of_calm, of_max_rate, of_plain, of_top, of_trial, of_vertical_line, of_inspection
+   use rwmf_integrator_lane_control, only: accept_or_reject_one => accept_or_reject, &
+      pass_one => advance_intervals, &
       plan_one => plan_step
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_one_step, only: begin_at
    use rwmf_integrator_pairs, only: step_tolerance
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of, rates_at
-   use rwmf_model_hysteresis_bouc_wen, only: stable_pace, will_pass_zero
+   use rwmf_model_hysteresis_bouc_wen, only: stable_rate, will_pass_zero
    use rwmf_model_lanes, only: power_count
    use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear
    use rwmf_simulation_events_drift_events, only: is_uncut
@@ -34,8 +35,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, mode_held, mode_rest, mode_rocking
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
-   use rwmf_simulation_lanes_team, only: create_team, find_steps_to_watch, &
-      follow_curves, lane_t, line_row, longest_step, may_hide_turns, team_t
+   use rwmf_simulation_lanes_batch, only: create_batch, find_steps_to_inspect, &
+      follow_curves, lane_state_t, line_row, longest_step, may_hide_turns, batch_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
@@ -45,15 +46,15 @@ module rwmf_simulation_lanes_loop
    implicit none
    private
 
-   public :: advance_lane, join_team, step_team
+   public :: advance_lane, join_batch, step_batch
 
    integer, parameter :: at_state = 3
-   !! beside the events of the rotation: a further state leaves its window
+   !! event in addition to those of the rotation: a further state leaves its window
 
 contains
 
-   !> Follow a single run to the time t_target, or to overturning or collapse.
-   subroutine advance_lane(hybrid, equation, integrator, recorder, t_target, control, team, error)
+   !> Integrate a single run up to t_target, overturning or collapse.
+   subroutine advance_lane(hybrid, equation, integrator, recorder, t_target, control, batch, error)
       type(hybrid_t), intent(inout), target :: hybrid
       type(equation_t), intent(inout), target :: equation
       type(explicit_pair_t), intent(inout), target :: integrator
@@ -61,65 +62,64 @@ contains
       real(wp), intent(in) :: t_target
       !! [s]
       type(control_t), intent(in) :: control
-      type(team_t), intent(inout), target :: team
-      !! of one lane; made here when it is none yet
+      type(batch_t), intent(inout), target :: batch
+      !! batch of one lane; created here if necessary
       type(error_t), allocatable, intent(out) :: error
       !! as `advance`
-      type(lane_t), target :: lanes(1)
+      type(lane_state_t), target :: lanes(1)
 
-      if (.not. allocated(team%room)) call create_team(equation, integrator%pair, &
-         hybrid%max_steps, 1, team)
+      if (.not. allocated(batch%room)) call create_batch(equation, integrator%pair, &
+         hybrid%max_steps, 1, batch)
       lanes(1)%hybrid => hybrid
       lanes(1)%equation => equation
       lanes(1)%integrator => integrator
       lanes(1)%recorder => recorder
       lanes(1)%t_end = t_target
-      team%has_curves = .not. is_piecewise_linear(equation%motion)
-      team%keeps_more = .true.
-      call join_team(lanes(1), 1, team)
-      do while (team%table(1, of_length) > 0)
-         call step_team(lanes, team)
-         equation%rhs_evaluations = equation%rhs_evaluations + team%pair%stages
+      batch%has_curves = .not. is_piecewise_linear(equation%motion)
+      batch%keeps_more = .true.
+      call join_batch(lanes(1), 1, batch)
+      do while (batch%table(1, of_length) > 0)
+         call step_batch(lanes, batch)
+         equation%rhs_evaluations = equation%rhs_evaluations + batch%pair%stages
          if (.not. is_cancelled(control)) cycle
-         if (team%table(1, of_length) > 0) call catch_up(lanes(1), 1, team)
+         if (batch%table(1, of_length) > 0) call catch_up(lanes(1), 1, batch)
          call check_work(hybrid, integrator, control, lanes(1)%error)
          exit
       end do
       call move_alloc(lanes(1)%error, error)
    end subroutine advance_lane
 
-   !> A lane with a new run, or with the next part of one, comes into the team.
-   subroutine join_team(lane, i, team)
-      type(lane_t), intent(inout), target :: lane
+   !> Add a lane with a new run, or with the next part of a run, to the batch.
+   subroutine join_batch(lane, i, batch)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      !! number of the lane in the team
-      type(team_t), intent(inout) :: team
+      !! number of the lane in the batch
+      type(batch_t), intent(inout) :: batch
 
-      team%is_busy(i) = .true.
+      batch%is_busy(i) = .true.
       lane%idle = 0
       if (.not. allocated(lane%error)) then
          associate (tolerance => lane%integrator%tolerance)
-            team%tolerance(i, :) = step_tolerance(team%pair, tolerance%rtol)/tolerance%rtol &
+            batch%tolerance(i, :) = step_tolerance(batch%pair, tolerance%rtol)/tolerance%rtol &
                *[tolerance%rtol, tolerance%atol]
          end associate
-         if (lane%recorder%keeps_energy .and. .not. allocated(team%work)) allocate ( &
-            team%work(team%width, power_count))
-         team%table(i, of_longest) = longest_step(lane%equation)
-         team%table(i, of_interval) = -1
+         if (lane%recorder%keeps_energy .and. .not. allocated(batch%work)) allocate ( &
+            batch%work(batch%width, power_count))
+         batch%table(i, of_longest) = longest_step(lane%equation)
+         batch%table(i, of_interval) = -1
       end if
-      call enter_team(lane, i, team)
-   end subroutine join_team
+      call enter_batch(lane, i, batch)
+   end subroutine join_batch
 
-   !> Bring a lane to where it can step with the team, if its run is not over; else it has no length
-   !> of a step.
-   subroutine enter_team(lane, i, team)
-      type(lane_t), intent(inout), target :: lane
+   !> Prepare a lane for a common step. If its run is over, its step length remains 0.
+   subroutine enter_batch(lane, i, batch)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       type(control_t) :: no_control
       real(wp) :: t_limit, span
 
-      team%table(i, of_length) = 0
+      batch%table(i, of_length) = 0
       associate (hybrid => lane%hybrid, equation => lane%equation, t_end => lane%t_end)
          do
             if (allocated(lane%error)) return
@@ -135,18 +135,18 @@ contains
             if (t_limit > hybrid%t) exit
          end do
       end associate
-      call load_lane(lane, i, t_limit, span, team)
-   end subroutine enter_team
+      call load_lane(lane, i, t_limit, span, batch)
+   end subroutine enter_batch
 
-   !> Put a lane into the table of its team.
-   subroutine load_lane(lane, i, t_limit, span, team)
-      type(lane_t), intent(inout), target :: lane
+   !> Load the state of a lane into the table of its batch.
+   subroutine load_lane(lane, i, t_limit, span, batch)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
       real(wp), intent(in) :: t_limit, span
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       integer :: j
 
-      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table)
+      associate (hybrid => lane%hybrid, equation => lane%equation, table => batch%table)
          if (hybrid%must_restart) then
             if (lane%integrator%h > 0) then
                lane%integrator%h = min(lane%integrator%h, span)
@@ -157,48 +157,48 @@ contains
          end if
          hybrid%must_restart = .false.
          do j = 1, equation%n
-            team%y(i, j) = hybrid%y(j)
+            batch%y(i, j) = hybrid%y(j)
          end do
          do j = 1, equation%scene%n_coef
-            team%coef(i, j) = equation%state%coef(1, j)
+            batch%coef(i, j) = equation%state%coef(1, j)
          end do
          table(i, of_steps) = real(lane%integrator%steps, wp)
-         team%steps_left = min(team%steps_left, team%max_steps - table(i, of_steps))
+         batch%steps_left = min(batch%steps_left, batch%max_steps - table(i, of_steps))
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = lane%recorder%theta_dot_ends
          table(i, of_rejected) = 0
-         table(i, of_pace) = 0
-         if (equation%has_loading_direction) table(i, of_pace) = stable_pace(equation)
+         table(i, of_max_rate) = 0
+         if (equation%has_loading_direction) table(i, of_max_rate) = stable_rate(equation)
          table(i, of_length) = min(lane%integrator%h, table(i, of_longest), &
-            1/max(tiny(span), table(i, of_pace)*abs(hybrid%y(2))))
+            1/max(tiny(span), table(i, of_max_rate)*abs(hybrid%y(2))))
          lane%is_held = hybrid%mode == mode_held
          lane%has_limits = equation%floors%yields .or. hybrid%drifts > 0 .or. lane%is_held &
             .or. may_stand_on_fuses(equation)
-         team%has_limits = team%has_limits .or. lane%has_limits
+         batch%has_limits = batch%has_limits .or. lane%has_limits
          lane%is_smooth = .true.
-         lane%goal = no_event
-         table(i, of_goal) = 0
-         table(i, of_watch) = merge(0, 1, lane%is_smooth)
+         lane%target_event = no_event
+         table(i, of_target) = 0
+         table(i, of_inspection) = merge(0, 1, lane%is_smooth)
       end associate
-      call load_window(lane, i, team)
-      call load_line(lane, i, t_limit, team)
-      call begin_reactions(lane, i, team)
-      ! under a motion beyond all measure no first step is short enough
-      if (.not. team%table(i, of_length) > 0) call check_length(lane, i, team)
+      call load_window(lane, i, batch)
+      call load_line(lane, i, t_limit, batch)
+      call begin_reactions(lane, i, batch)
+      ! under an extremely strong motion, no first step is short enough
+      if (.not. batch%table(i, of_length) > 0) call check_length(lane, i, batch)
    end subroutine load_lane
 
-   !> Between which states nothing happens.
-   subroutine load_window(lane, i, team)
-      type(lane_t), intent(in) :: lane
+   !> Set the window of states without an event.
+   subroutine load_window(lane, i, batch)
+      type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
 
-      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table, &
+      associate (hybrid => lane%hybrid, equation => lane%equation, table => batch%table, &
                  recorder => lane%recorder)
          table(i, of_least) = -huge(1.0_wp)
          table(i, of_most) = huge(1.0_wp)
          if (equation%has_loading_direction) then
-            ! the hysteretic force that falls back passes zero
+            ! on unloading, the hysteretic force passes zero
             if (will_pass_zero(equation)) table(i, merge(of_most, of_least, &
                equation%state%signs%loading_direction > 0)) = 0
          end if
@@ -217,123 +217,122 @@ contains
       end associate
    end subroutine load_window
 
-   !> The interval of the motion that is in force.
-   subroutine load_line(lane, i, t_limit, team)
-      type(lane_t), intent(in) :: lane
+   !> Load the current interval of the motion.
+   subroutine load_line(lane, i, t_limit, batch)
+      type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
       real(wp), intent(in) :: t_limit
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       integer :: interval
 
       interval = interval_of(lane%equation)
-      ! mostly an event has changed the course inside of an interval
-      if (interval == int(team%table(i, of_interval)) &
-          .and. abs(t_limit - team%table(i, of_limit)) <= 0) return
-      team%table(i, of_interval) = interval
+      ! in most cases an event has changed the motion inside an interval
+      if (interval == int(batch%table(i, of_interval)) &
+          .and. abs(t_limit - batch%table(i, of_limit)) <= 0) return
+      batch%table(i, of_interval) = interval
       associate (row => line_row(t_limit, lane%equation%state%line, &
                                  lane%equation%state%vertical_line))
-         team%table(i, of_limit) = row(1)
-         team%table(i, of_line) = row(2)
-         team%table(i, of_line + 1) = row(3)
-         team%table(i, of_line + 2) = row(4)
-         team%table(i, of_vertical_line) = row(5)
-         team%table(i, of_vertical_line + 1) = row(6)
+         batch%table(i, of_limit) = row(1)
+         batch%table(i, of_line) = row(2)
+         batch%table(i, of_line + 1) = row(3)
+         batch%table(i, of_line + 2) = row(4)
+         batch%table(i, of_vertical_line) = row(5)
+         batch%table(i, of_vertical_line + 1) = row(6)
       end associate
    end subroutine load_line
 
-   !> One step of all lanes, and what happens in it.
-   subroutine step_team(lanes, team)
-      type(lane_t), intent(inout), target :: lanes(:)
-      type(team_t), intent(inout) :: team
+   !> Take one step of all lanes and apply its events.
+   subroutine step_batch(lanes, batch)
+      type(lane_state_t), intent(inout), target :: lanes(:)
+      type(batch_t), intent(inout) :: batch
       integer :: i
 
       associate (scene => lanes(1)%equation%scene, n => lanes(1)%equation%n, &
-                 intervals => ubound(team%lines, 2) - 1)
-         if (team%width == 1) then
-            call plan_one(team%pair, team%table, team%ground)
-            call follow_curves(lanes, team)
-            call attempt_one(scene, team%pair, team%coef, team%ground, team%table(:, of_trial), &
-               team%tolerance, team%y, .false., team%k, team%y_new, team%error, team%work)
-            call ask_limits(lanes, team)
-            if (team%keeps_more) call choose_steps(lanes, team)
-            call judge_one(n, further_state(lanes(1)%equation), team%table, team%y, &
-               team%k, team%y_new, team%error, team%mark)
-            if (team%keeps_more .or. allocated(team%work)) call observe_steps(lanes, team)
-            call pass_one(intervals, team%lines, team%table, team%mark)
+                 intervals => ubound(batch%lines, 2) - 1, trial => batch%table(:, of_trial))
+         if (batch%width == 1) then
+            call plan_one(batch%pair, batch%table, batch%ground)
+            call follow_curves(lanes, batch)
+            call attempt_one(scene, batch%pair, batch%coef, batch%ground, trial, batch%tolerance, &
+               batch%y, .false., batch%k, batch%y_new, batch%error, batch%work)
+            call ask_limits(lanes, batch)
+            if (batch%keeps_more) call choose_steps(lanes, batch)
+            call accept_or_reject_one(n, further_state(lanes(1)%equation), batch%table, batch%y, &
+               batch%k, batch%y_new, batch%error, batch%mark)
+            if (batch%keeps_more .or. allocated(batch%work)) call observe_steps(lanes, batch)
+            call pass_one(intervals, batch%lines, batch%table, batch%mark)
          else
-            call team%kernels%plan_step(team%pair, team%table, team%ground)
-            call follow_curves(lanes, team)
-            call team%kernels%attempt_step(scene, team%pair, team%coef, team%ground, &
-               team%table(:, of_trial), team%tolerance, team%y, .false., team%k, team%y_new, &
-               team%error, team%work)
-            call ask_limits(lanes, team)
-            if (team%keeps_more) call choose_steps(lanes, team)
-            call team%kernels%judge_step(n, further_state(lanes(1)%equation), team%table, team%y, &
-               team%k, team%y_new, team%error, team%mark)
-            if (team%keeps_more .or. allocated(team%work)) call observe_steps(lanes, team)
-            call team%kernels%pass_knots(intervals, team%lines, team%table, team%mark)
+            call batch%kernels%plan_step(batch%pair, batch%table, batch%ground)
+            call follow_curves(lanes, batch)
+            call batch%kernels%attempt_step(scene, batch%pair, batch%coef, batch%ground, trial, &
+               batch%tolerance, batch%y, .false., batch%k, batch%y_new, batch%error, batch%work)
+            call ask_limits(lanes, batch)
+            if (batch%keeps_more) call choose_steps(lanes, batch)
+            call batch%kernels%accept_or_reject(n, further_state(lanes(1)%equation), batch%table, &
+               batch%y, batch%k, batch%y_new, batch%error, batch%mark)
+            if (batch%keeps_more .or. allocated(batch%work)) call observe_steps(lanes, batch)
+            call batch%kernels%advance_intervals(intervals, batch%lines, batch%table, batch%mark)
          end if
       end associate
-      do i = 1, team%width
-         if (team%mark(i) == is_done .or. .not. team%is_busy(i)) cycle
-         call check_progress(lanes(i), i, team)
-         select case (team%mark(i))
-         case (needs_look)
-            ! an event may keep the next step from that
-            if (team%table(i, of_calm) < 1) team%is_watched(i) = .true.
+      do i = 1, batch%width
+         if (batch%mark(i) == is_done .or. .not. batch%is_busy(i)) cycle
+         call check_progress(lanes(i), i, batch)
+         select case (batch%mark(i))
+         case (needs_inspection)
+            ! an event may prevent this in the next step
+            if (batch%table(i, of_calm) < 1) batch%is_watched(i) = .true.
             if (.not. lanes(i)%is_smooth) then
-               call look_at_step(lanes(i), i, team)
-            else if (lanes(i)%goal /= no_event) then
-               call meet_event(lanes(i), i, team)
+               call inspect_step(lanes(i), i, batch)
+            else if (lanes(i)%target_event /= no_event) then
+               call converge_to_event(lanes(i), i, batch)
             else
-               call look_for_event(lanes(i), i, team)
+               call find_event(lanes(i), i, batch)
             end if
          case (at_limit)
-            call pass_limit(lanes(i), i, team)
+            call pass_limit(lanes(i), i, batch)
          case (is_rejected)
-            call forget_goal(lanes(i), i, team)
-            call check_length(lanes(i), i, team)
+            call forget_target(lanes(i), i, batch)
+            call check_length(lanes(i), i, batch)
          case default
             ! `is_done`, see above
          end select
-         team%has_ended = team%has_ended .or. .not. team%table(i, of_length) > 0
+         batch%has_ended = batch%has_ended .or. .not. batch%table(i, of_length) > 0
       end do
-      team%steps_left = team%steps_left - 1
-      if (team%steps_left < 0) then
-         do i = 1, team%width
-            if (team%is_busy(i)) call bound_work(lanes(i), i, team)
+      batch%steps_left = batch%steps_left - 1
+      if (batch%steps_left < 0) then
+         do i = 1, batch%width
+            if (batch%is_busy(i)) call bound_work(lanes(i), i, batch)
          end do
-         team%steps_left = team%max_steps - maxval(team%table(:, of_steps), team%is_busy)
-         team%has_ended = .true.
+         batch%steps_left = batch%max_steps - maxval(batch%table(:, of_steps), batch%is_busy)
+         batch%has_ended = .true.
       end if
-   end subroutine step_team
+   end subroutine step_batch
 
-   !> Which steps are smooth in spite of limits that lanes have?
-   subroutine ask_limits(lanes, team)
-      type(lane_t), intent(inout), target :: lanes(:)
-      type(team_t), intent(inout), target :: team
+   !> Find the steps that are smooth although their lanes have limits.
+   subroutine ask_limits(lanes, batch)
+      type(lane_state_t), intent(inout), target :: lanes(:)
+      type(batch_t), intent(inout), target :: batch
       type(step_view_t) :: step
       real(wp), dimension(lanes(1)%equation%n), target :: y_a, y_b
       integer :: i
 
-      if (.not. team%has_limits) return
-      team%has_limits = .false.
-      do i = 1, team%width
-         if (.not. (team%is_busy(i) .and. lanes(i)%has_limits)) cycle
-         team%has_limits = .true.
-         call follow_interval(lanes(i), i, team)
-         y_a = team%y(i, :)
-         y_b = team%y_new(i, :)
+      if (.not. batch%has_limits) return
+      batch%has_limits = .false.
+      do i = 1, batch%width
+         if (.not. (batch%is_busy(i) .and. lanes(i)%has_limits)) cycle
+         batch%has_limits = .true.
+         call follow_interval(lanes(i), i, batch)
+         y_a = batch%y(i, :)
+         y_b = batch%y_new(i, :)
          step%equation => lanes(i)%equation
-         step%t_a = team%table(i, of_time)
-         step%t_b = step%t_a + team%table(i, of_trial)
+         step%t_a = batch%table(i, of_time)
+         step%t_b = step%t_a + batch%table(i, of_trial)
          step%y_a => y_a
          step%y_b => y_b
          lanes(i)%is_smooth = is_uncut(step, lanes(i)%hybrid%drifts)
          if (lanes(i)%is_smooth .and. lanes(i)%is_held) then
-            ! the last stage knows the rates at the end nearly
-            lanes(i)%is_smooth = stays_down(step, team%k(i, :, 1), &
-               team%k(i, :, team%pair%stages))
+            ! the last stage approximates the rates at the end
+            lanes(i)%is_smooth = stays_down(step, batch%k(i, :, 1), &
+               batch%k(i, :, batch%pair%stages))
          else if (lanes(i)%is_smooth) then
             ! a step beyond the base ends with an impact
             associate (equation => lanes(i)%equation)
@@ -341,69 +340,70 @@ contains
                   equation, equation%state%side*max(0.0_wp, equation%state%side*y_b(1)))
             end associate
          end if
-         team%table(i, of_watch) = merge(0, 1, lanes(i)%is_smooth .and. lanes(i)%goal == no_event)
+         batch%table(i, of_inspection) = merge(0, 1, lanes(i)%is_smooth &
+            .and. lanes(i)%target_event == no_event)
       end do
    end subroutine ask_limits
 
-   !> Which steps have to be looked into?
-   subroutine choose_steps(lanes, team)
-      type(lane_t), intent(in) :: lanes(:)
-      type(team_t), intent(inout) :: team
+   !> Select the steps that the requested outputs need.
+   subroutine choose_steps(lanes, batch)
+      type(lane_state_t), intent(in) :: lanes(:)
+      type(batch_t), intent(inout) :: batch
 
-      call screen_reactions(lanes, team)
-      call find_steps_to_watch(lanes, team)
+      call screen_reactions(lanes, batch)
+      call find_steps_to_inspect(lanes, batch)
    end subroutine choose_steps
 
-   !> Let what is asked for be seen in the steps that are accepted.
-   subroutine observe_steps(lanes, team)
-      type(lane_t), intent(inout), target :: lanes(:)
-      type(team_t), intent(inout) :: team
+   !> Record the requested outputs over the accepted steps.
+   subroutine observe_steps(lanes, batch)
+      type(lane_state_t), intent(inout), target :: lanes(:)
+      type(batch_t), intent(inout) :: batch
       real(wp) :: work(power_count)
       integer :: i
 
-      do i = 1, team%width
-         if (team%mark(i) /= at_limit .and. team%mark(i) /= is_done) cycle
-         ! what grows up to the end of the step is seen in the next one
-         if (team%table(i, of_calm) > 0) team%table(i, of_calm) = 1
-         if (team%is_watched(i)) then
-            call observe_step(lanes(i), i, team, team%t_before(i), team%y_before(i, :), &
-               team%table(i, of_time), team%y_new(i, :))
-            team%has_ended = team%has_ended .or. allocated(lanes(i)%error)
-         else if (team%is_busy(i) .and. allocated(team%work)) then
-            work = team%work(i, :)
+      do i = 1, batch%width
+         if (batch%mark(i) /= at_limit .and. batch%mark(i) /= is_done) cycle
+         ! the next step includes a quantity that increases up to the end of this one
+         if (batch%table(i, of_calm) > 0) batch%table(i, of_calm) = 1
+         if (batch%is_watched(i)) then
+            call observe_step(lanes(i), i, batch, batch%t_before(i), batch%y_before(i, :), &
+               batch%table(i, of_time), batch%y_new(i, :))
+            batch%has_ended = batch%has_ended .or. allocated(lanes(i)%error)
+         else if (batch%is_busy(i) .and. allocated(batch%work)) then
+            work = batch%work(i, :)
             call add_work(lanes(i)%recorder%energy, work)
          end if
       end do
    end subroutine observe_steps
 
-   !> Let what is asked for be seen in a step of a lane that is accepted after a look, or up to
-   !> nearly its end, where an event happens; of one that nobody watches the work.
-   subroutine pass_step(lane, i, team, t, y)
-      type(lane_t), intent(inout), target :: lane
+   !> Record the requested outputs over an accepted step, or over its part before an event. If no
+   !> output needs this step, accumulate only its work.
+   subroutine pass_step(lane, i, batch, t, y)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in), contiguous, target :: y(:)
       !! (states) at t
       real(wp) :: work(power_count)
 
-      if (team%is_watched(i)) then
-         call observe_step(lane, i, team, team%table(i, of_time), team%y(i, :), t, y)
+      if (batch%is_watched(i)) then
+         call observe_step(lane, i, batch, batch%table(i, of_time), batch%y(i, :), t, y)
       else
-         call follow_interval(lane, i, team)
-         work = team%work(i, :)
-         call extend_work(lane%equation, team%table(i, of_time) + team%table(i, of_trial), &
-            team%y_new(i, :), t, y, work)
+         call follow_interval(lane, i, batch)
+         work = batch%work(i, :)
+         call extend_work(lane%equation, batch%table(i, of_time) + batch%table(i, of_trial), &
+            batch%y_new(i, :), t, y, work)
          call add_work(lane%recorder%energy, work)
       end if
    end subroutine pass_step
 
-   !> Let what is asked for be seen in a step of a lane, or in a part of it.
-   subroutine observe_step(lane, i, team, t_a, y_a, t_b, y_b)
-      type(lane_t), intent(inout), target :: lane
+   !> Record the requested outputs over a step of a lane, or over a part of it.
+   subroutine observe_step(lane, i, batch, t_a, y_a, t_b, y_b)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       real(wp), intent(in) :: t_a
       !! [s]
       real(wp), intent(in) :: y_a(:)
@@ -415,102 +415,102 @@ contains
       type(step_view_t) :: step
 
       if (allocated(lane%error)) return
-      call follow_interval(lane, i, team)
+      call follow_interval(lane, i, batch)
       associate (integrator => lane%integrator)
          integrator%t0 = t_a
          integrator%y0(:) = y_a
-         integrator%f0(:) = team%k(i, :, 1)
-         integrator%t1 = t_a + team%table(i, of_trial)
-         integrator%y1(:) = team%y_new(i, :)
-         if (allocated(team%work)) integrator%work = team%work(i, :)
+         integrator%f0(:) = batch%k(i, :, 1)
+         integrator%t1 = t_a + batch%table(i, of_trial)
+         integrator%y1(:) = batch%y_new(i, :)
+         if (allocated(batch%work)) integrator%work = batch%work(i, :)
          integrator%t_work = integrator%t1
          call view_step(step, lane%equation, integrator)
       end associate
       step = until(step, t_b, y_b)
       if (lane%recorder%keeps_events) call list_turns(lane%recorder, step, lane%error)
       if (.not. allocated(lane%error)) call observe_piece(lane%recorder, step, lane%error, &
-         team%table(i, of_plain) > 0, team%table(i, of_calm) > 0.75_wp)
-      call note_extremes(lane, i, team)
-      if (allocated(lane%error)) team%table(i, of_length) = 0
+         batch%table(i, of_plain) > 0, batch%table(i, of_calm) > 0.75_wp)
+      call note_extremes(lane, i, batch)
+      if (allocated(lane%error)) batch%table(i, of_length) = 0
    end subroutine observe_step
 
-   !> Bound on the work of one run in the team.
-   subroutine bound_work(lane, i, team)
-      type(lane_t), intent(inout) :: lane
+   !> Check the number of steps of one run in the batch.
+   subroutine bound_work(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       type(control_t) :: no_control
 
-      if (team%table(i, of_steps) <= team%max_steps) return
-      call catch_up(lane, i, team)
+      if (batch%table(i, of_steps) <= batch%max_steps) return
+      call catch_up(lane, i, batch)
       call check_work(lane%hybrid, lane%integrator, no_control, lane%error)
-      team%table(i, of_length) = 0
+      batch%table(i, of_length) = 0
    end subroutine bound_work
 
-   !> Let the run of a lane know how far it has come in the team.
-   subroutine catch_up(lane, i, team)
-      type(lane_t), intent(inout) :: lane
+   !> Update the run of a lane with its progress in the batch.
+   subroutine catch_up(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(in) :: team
+      type(batch_t), intent(in) :: batch
 
-      lane%integrator%steps = int(team%table(i, of_steps), i8)
-      lane%hybrid%t = team%table(i, of_time)
-      lane%recorder%theta_dot_ends = team%table(i, of_fastest)
-      call follow_interval(lane, i, team)
+      lane%integrator%steps = int(batch%table(i, of_steps), i8)
+      lane%hybrid%t = batch%table(i, of_time)
+      lane%recorder%theta_dot_ends = batch%table(i, of_fastest)
+      call follow_interval(lane, i, batch)
    end subroutine catch_up
 
-   !> The same of the interval of the motion alone.
-   subroutine follow_interval(lane, i, team)
-      type(lane_t), intent(inout) :: lane
+   !> Update the run's interval of the motion.
+   subroutine follow_interval(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(in) :: team
+      type(batch_t), intent(in) :: batch
 
-      associate (interval => int(team%table(i, of_interval)))
+      associate (interval => int(batch%table(i, of_interval)))
          if (interval_of(lane%equation) /= interval) call enter_interval(lane%equation%model_t, &
             lane%equation%state, interval)
       end associate
    end subroutine follow_interval
 
-   !> However round-off leads a lane, it may not look at the same instant for ever.
-   subroutine check_progress(lane, i, team)
-      type(lane_t), intent(inout) :: lane
+   !> Fail if round-off keeps a lane at the same time for too many inspections.
+   subroutine check_progress(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       integer, parameter :: most_looks = 1000
 
       lane%idle = lane%idle + 1
-      if (abs(team%table(i, of_time) - lane%t_last) > 0) lane%idle = 0
-      lane%t_last = team%table(i, of_time)
+      if (abs(batch%table(i, of_time) - lane%t_last) > 0) lane%idle = 0
+      lane%t_last = batch%table(i, of_time)
       if (lane%idle <= most_looks) return
-      call catch_up(lane, i, team)
-      team%table(i, of_length) = 0
-      team%mark(i) = is_done
+      call catch_up(lane, i, batch)
+      batch%table(i, of_length) = 0
+      batch%mark(i) = is_done
       call fail(lane%error, err_numerical, 'no step leads on from t = ' &
-         //trim(real_to_text(team%table(i, of_time))) &
+         //trim(real_to_text(batch%table(i, of_time))) &
          //' s: the motion is lost in round-off; raise rtol', 'too_many_steps')
    end subroutine check_progress
 
-   !> A step that is too short for the clock.
-   subroutine check_length(lane, i, team)
-      type(lane_t), intent(inout) :: lane
+   !> Fail if a step is below the resolution of the time.
+   subroutine check_length(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
 
-      if (team%table(i, of_length) > 8*spacing(team%table(i, of_time))) return
-      call catch_up(lane, i, team)
-      team%table(i, of_length) = 0
+      if (batch%table(i, of_length) > 8*spacing(batch%table(i, of_time))) return
+      call catch_up(lane, i, batch)
+      batch%table(i, of_length) = 0
       call fail(lane%error, err_numerical, step_too_small//'; t = ' &
-         //trim(real_to_text(team%table(i, of_time)))//' s')
+         //trim(real_to_text(batch%table(i, of_time)))//' s')
    end subroutine check_length
 
-   !> The lane has come to a knot of the motion or to its end without an event.
-   subroutine pass_limit(lane, i, team)
-      type(lane_t), intent(inout), target :: lane
+   !> Continue a lane at a knot of the motion, or at its end, without an event.
+   subroutine pass_limit(lane, i, batch)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       real(wp) :: t_limit, span
 
-      call catch_up(lane, i, team)
+      call catch_up(lane, i, batch)
       associate (hybrid => lane%hybrid, equation => lane%equation)
          if (hybrid%t < lane%t_end &
              .and. hybrid%t >= interval_end(equation%motion, interval_of(equation))) then
@@ -518,126 +518,132 @@ contains
             t_limit = min(lane%t_end, interval_end(equation%motion, interval_of(equation)))
             span = t_limit - hybrid%t
             if (span > 16*epsilon(t_limit)*t_limit .and. span <= long_rest) then
-               call load_line(lane, i, t_limit, team)
+               call load_line(lane, i, t_limit, batch)
                return
             end if
          end if
       end associate
-      lane%integrator%h = team%table(i, of_length)
-      lane%hybrid%y(:) = team%y(i, :)
-      call enter_team(lane, i, team)
+      lane%integrator%h = batch%table(i, of_length)
+      lane%hybrid%y(:) = batch%y(i, :)
+      call enter_batch(lane, i, batch)
    end subroutine pass_limit
 
-   !> What happens first in the step of a lane, by its quartic; nothing: the step is accepted.
-   subroutine look_for_event(lane, i, team)
-      type(lane_t), intent(inout), target :: lane
+   !> Find the first event in the step of a lane by its quartic; without one, accept the step.
+   subroutine find_event(lane, i, batch)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       type(quartic_t) :: quartic
       real(wp) :: x
       logical :: is_beyond
 
-      associate (table => team%table, y => team%y, y_new => team%y_new)
+      associate (table => batch%table, y => batch%y, y_new => batch%y_new)
          quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
-            team%k(i, 2, 1))
+            batch%k(i, 2, 1))
          call first_event(quartic, [table(i, of_low), table(i, of_high)], &
-            [table(i, of_bottom), table(i, of_top)], lane%goal, x)
-         call compare_with_further(lane, i, team, x)
-         ! by round-off a motion that turns may be beyond the limit of a branch that begins there
-         is_beyond = (lane%goal == at_high .and. y(i, 1) > table(i, of_high)) &
-            .or. (lane%goal == at_low .and. y(i, 1) < table(i, of_low))
+            [table(i, of_bottom), table(i, of_top)], lane%target_event, x)
+         call compare_with_further(lane, i, batch, x)
+         ! by round-off, a motion may turn beyond the limit of the branch that begins there
+         is_beyond = (lane%target_event == at_high .and. y(i, 1) > table(i, of_high)) &
+            .or. (lane%target_event == at_low .and. y(i, 1) < table(i, of_low))
          if (is_beyond) is_beyond = event_at_level(lane, table(i, merge(of_low, of_high, &
-            lane%goal == at_low))) == event_branch
-         if (is_beyond .or. is_against_loading(lane, i, team) .or. may_hide_turns(team, i)) then
-            lane%goal = no_event
-            call look_at_step(lane, i, team)
+            lane%target_event == at_low))) == event_branch
+         if (is_beyond .or. is_against_loading(lane, i, batch) .or. may_hide_turns(batch, i)) then
+            lane%target_event = no_event
+            call inspect_step(lane, i, batch)
             return
-         else if (lane%goal == no_event) then
-            call accept_step(lane, i, team)
+         else if (lane%target_event == no_event) then
+            call accept_step(lane, i, batch)
             return
          end if
-         if (abs(lane%goal) == 1 .and. lane%goal*y(i, 2) > 0 &
+         if (abs(lane%target_event) == 1 .and. lane%target_event*y(i, 2) > 0 &
              .and. x*table(i, of_trial) <= 4*epsilon(x)*table(i, of_time)) then
-            ! within round-off of the clock: a branch may end where the next one or the base begins
-            call catch_up(lane, i, team)
-            call happen(lane, i, (table(i, of_time)), (y(i, :)), team)
+            ! within round-off of the time, a branch may end where the next one or the base begins
+            call catch_up(lane, i, batch)
+            call happen(lane, i, (table(i, of_time)), (y(i, :)), batch)
             return
          end if
-         x = sharpened(lane, i, quartic, x, team)
+         x = sharpened(lane, i, quartic, x, batch)
          lane%seen_within = table(i, of_trial)
          lane%trials = 0
-         table(i, of_goal) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
-         table(i, of_watch) = 1
+         table(i, of_target) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
+         table(i, of_inspection) = 1
       end associate
-   end subroutine look_for_event
+   end subroutine find_event
 
-   !> The instant of an event by what also knows the rates at the end, which the last stage knows
-   !> nearly: the quintic of the rotation, the cubic of the further state.
-   pure real(wp) function sharpened(lane, i, quartic, x, team) result(at)
-      type(lane_t), intent(in) :: lane
+   !> Refine the time of an event with the rates at the end of the step.
+   !>
+   !> The last stage approximates these rates. The refinement uses the quintic of the rotation or
+   !> the cubic of the further state.
+   pure real(wp) function sharpened(lane, i, quartic, x, batch) result(at)
+      type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
       type(quartic_t), intent(in) :: quartic
       real(wp), intent(in) :: x
-      !! by the quartic [-]
-      type(team_t), intent(in) :: team
+      !! position of the event in the quartic [-]
+      type(batch_t), intent(in) :: batch
       logical :: is_found
 
       at = x
-      associate (h => team%table(i, of_trial), last => team%pair%stages, &
+      associate (h => batch%table(i, of_trial), last => batch%pair%stages, &
                  z => further_state(lane%equation))
-         if (lane%goal == at_state) then
-            call place_event(cubic_of([team%y(i, z), team%y_new(i, z)], [h*team%k(i, z, 1), &
-               h*team%k(i, z, last)]), at_high, 0.0_wp, at, is_found)
+         if (lane%target_event == at_state) then
+            call place_event(cubic_of([batch%y(i, z), batch%y_new(i, z)], [h*batch%k(i, z, 1), &
+               h*batch%k(i, z, last)]), at_high, 0.0_wp, at, is_found)
          else
-            call place_event(quintic_of(quartic, h**2*team%k(i, 2, last)), lane%goal, &
-               team%table(i, merge(of_low, of_high, lane%goal == at_low)), at, is_found)
+            call place_event(quintic_of(quartic, h**2*batch%k(i, 2, last)), lane%target_event, &
+               batch%table(i, merge(of_low, of_high, lane%target_event == at_low)), at, is_found)
          end if
       end associate
       if (.not. is_found) at = x
    end function sharpened
 
-   !> Does a frame with smooth hysteresis move against the direction that its rates are for, as it
-   !> may from rest?
-   pure logical function is_against_loading(lane, i, team) result(is_against)
-      type(lane_t), intent(in) :: lane
+   !> Return whether a frame with smooth hysteresis moves against its loading direction, which is
+   !> possible from rest.
+   pure logical function is_against_loading(lane, i, batch) result(is_against)
+      type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(in) :: team
+      type(batch_t), intent(in) :: batch
 
       is_against = .false.
       if (.not. lane%equation%has_loading_direction) return
       associate (direction => lane%equation%state%signs%loading_direction)
-         is_against = direction*team%y(i, 2) < 0 .or. (abs(team%y(i, 2)) <= 0 &
-            .and. direction*team%k(i, 2, 1) < 0)
-         if (lane%goal == no_event) is_against = is_against .or. direction*team%y_new(i, 2) < 0
+         is_against = direction*batch%y(i, 2) < 0 .or. (abs(batch%y(i, 2)) <= 0 &
+            .and. direction*batch%k(i, 2, 1) < 0)
+         if (lane%target_event == no_event) is_against = is_against .or. direction &
+            *batch%y_new(i, 2) < 0
       end associate
    end function is_against_loading
 
-   !> The further state may leave its window before that: by the parabola through its ends and its
-   !> rate. In the instant of an impact, as long as nothing has yielded, it is the impact.
-   subroutine compare_with_further(lane, i, team, x)
-      type(lane_t), intent(inout) :: lane
+   !> Find an earlier exit of the further state from its window, by the parabola through its ends
+   !> and first rate.
+   !>
+   !> Without previous yielding, an exit at the time of an impact is the impact.
+   subroutine compare_with_further(lane, i, batch, x)
+      type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(in) :: team
+      type(batch_t), intent(in) :: batch
       real(wp), intent(inout) :: x
-      !! position of the event that has been found in the step [-]
+      !! position of the event found in the step [-]
       real(wp), parameter :: same = 1.0e-3_wp
       real(wp) :: z, rise, bend, root, at
 
-      associate (table => team%table, further => further_state(lane%equation))
-         z = team%y_new(i, further)
+      associate (table => batch%table, further => further_state(lane%equation))
+         z = batch%y_new(i, further)
          if (z >= table(i, of_least) .and. z <= table(i, of_most)) return
-         rise = table(i, of_trial)*team%k(i, further, 1)
-         bend = z - team%y(i, further) - rise
-         root = max(0.0_wp, rise**2 - 4*bend*team%y(i, further))
+         rise = table(i, of_trial)*batch%k(i, further, 1)
+         bend = z - batch%y(i, further) - rise
+         root = max(0.0_wp, rise**2 - 4*bend*batch%y(i, further))
          at = 1
-         if (abs(rise) + sqrt(root) > 0) at = abs(2*team%y(i, further))/(abs(rise) + sqrt(root))
-         if (lane%goal /= no_event .and. at > x - same) return
-         lane%goal = at_state
+         if (abs(rise) + sqrt(root) > 0) at = abs(2*batch%y(i, further))/(abs(rise) + sqrt(root))
+         if (lane%target_event /= no_event .and. at > x - same) return
+         lane%target_event = at_state
          x = min(1.0_wp, at)
       end associate
    end subroutine compare_with_further
 
-   !> The state beside the rotation whose window ends a piece of motion: of a smooth hysteresis.
+   !> Index of the further state whose window ends a piece: the state of smooth hysteresis; 1
+   !> without it.
    pure integer function further_state(equation)
       type(equation_t), intent(in) :: equation
 
@@ -645,207 +651,215 @@ contains
       if (equation%has_loading_direction) further_state = equation%hysteresis%place
    end function further_state
 
-   subroutine forget_goal(lane, i, team)
-      type(lane_t), intent(inout) :: lane
+   !> Clear the target event of a lane.
+   subroutine forget_target(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
 
-      lane%goal = no_event
-      team%table(i, of_goal) = 0
-      team%table(i, of_watch) = merge(0, 1, lane%is_smooth)
-   end subroutine forget_goal
+      lane%target_event = no_event
+      batch%table(i, of_target) = 0
+      batch%table(i, of_inspection) = merge(0, 1, lane%is_smooth)
+   end subroutine forget_target
 
-   !> Accept the step of a lane in which nothing happens.
-   subroutine accept_step(lane, i, team)
-      type(lane_t), intent(inout), target :: lane
+   !> Accept the step of a lane without an event.
+   subroutine accept_step(lane, i, batch)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
 
-      call forget_goal(lane, i, team)
-      associate (table => team%table)
-         table(i, of_fastest) = max(table(i, of_fastest), abs(team%y_new(i, 2)))
-         if (team%is_watched(i) .or. allocated(team%work)) call pass_step(lane, i, team, &
-            table(i, of_time) + table(i, of_trial), team%y_new(i, :))
+      call forget_target(lane, i, batch)
+      associate (table => batch%table)
+         table(i, of_fastest) = max(table(i, of_fastest), abs(batch%y_new(i, 2)))
+         if (batch%is_watched(i) .or. allocated(batch%work)) call pass_step(lane, i, batch, &
+            table(i, of_time) + table(i, of_trial), batch%y_new(i, :))
          if (allocated(lane%error)) return
-         ! what it has come to is where the next one begins
-         team%mark(i) = is_done
-         team%y(i, :) = team%y_new(i, :)
+         ! the next step begins at the end of this one
+         batch%mark(i) = is_done
+         batch%y(i, :) = batch%y_new(i, :)
          table(i, of_steps) = table(i, of_steps) + 1
          if (table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
             table(i, of_time) = table(i, of_limit)
-            call pass_limit(lane, i, team)
+            call pass_limit(lane, i, batch)
          else
             table(i, of_time) = table(i, of_time) + table(i, of_trial)
-            call bound_work(lane, i, team)
+            call bound_work(lane, i, batch)
          end if
       end associate
    end subroutine accept_step
 
-   !> The lane has stepped to where an event was expected: the rest by Newton's method, or a step.
-   subroutine meet_event(lane, i, team)
-      type(lane_t), intent(inout), target :: lane
+   !> Converge to the expected event at the end of a step, by Newton's method or by another trial
+   !> step.
+   subroutine converge_to_event(lane, i, batch)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       integer, parameter :: most_trials = 6
       real(wp) :: short
-      !! part of the step that a Taylor series may go [-]
+      !! fraction of the step for which a Taylor series is accurate [-]
       real(wp) :: rates(lane%equation%n), t, rest
 
-      call catch_up(lane, i, team)
-      associate (table => team%table, y_new => team%y_new)
+      call catch_up(lane, i, batch)
+      associate (table => batch%table, y_new => batch%y_new)
          t = table(i, of_time) + table(i, of_trial)
          call rates_at(lane%equation, t, y_new(i, :), rates)
-         if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, team)
-         if (lane%goal == at_turn) then
+         if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, batch)
+         if (lane%target_event == at_turn) then
             if (y_new(i, 1) < table(i, of_low) .or. y_new(i, 1) > table(i, of_high)) then
-               ! the turn lies beyond an end of the window, which comes before it
-               call look_for_event(lane, i, team)
+               ! the turn lies beyond an end of the window, which is the earlier event
+               call find_event(lane, i, batch)
                return
             end if
             rest = -y_new(i, 2)/rates(2)
-         else if (lane%goal == at_state) then
+         else if (lane%target_event == at_state) then
             rest = -y_new(i, further_state(lane%equation))/rates(further_state(lane%equation))
          else
-            rest = (table(i, merge(of_low, of_high, lane%goal == at_low)) - y_new(i, 1))/y_new(i, 2)
+            rest = (table(i, merge(of_low, of_high, lane%target_event == at_low)) &
+               - y_new(i, 1))/y_new(i, 2)
          end if
          short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-5_wp, &
             lane%equation%n == 2))
          if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
-            ! the rates grow as those of the cubic through both ends
+            ! interpolate the rates by the cubic through both ends
             associate (h => table(i, of_trial))
-               call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/h*(3*(team%y(i, :) &
-                  - y_new(i, :))/h + team%k(i, :, 1) + 2*rates)), team)
+               call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/h*(3*(batch%y(i, :) &
+                  - y_new(i, :))/h + batch%k(i, :, 1) + 2*rates)), batch)
             end associate
             return
          end if
          lane%trials = lane%trials + 1
          if (rest > 0 .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
-            ! it comes after the knot
-            call accept_step(lane, i, team)
+            ! the event lies after the knot
+            call accept_step(lane, i, batch)
          else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 4*epsilon(t)*t &
                   .or. .not. abs(rest) < table(i, of_length) &
                   .or. table(i, of_trial) + rest > lane%seen_within) then
-            ! back to the beginning leads what began there, the last turn or impact, not the next;
-            ! out of the step where it was seen a turn in round-off of a motion that has died out
-            call look_at_step(lane, i, team)
+            ! If Newton returns to the start of the step, it has found the previous event: search
+            ! the step. If it leaves the step that showed the event, the turn is round-off of a
+            ! decayed motion.
+            call inspect_step(lane, i, batch)
          else
-            table(i, of_goal) = min(table(i, of_trial) + rest, table(i, of_limit) &
+            table(i, of_target) = min(table(i, of_trial) + rest, table(i, of_limit) &
                - table(i, of_time))
          end if
       end associate
-   end subroutine meet_event
+   end subroutine converge_to_event
 
-   !> What was to come after it has come before: an end of the window of the rotation, or that of
-   !> the further state.
-   subroutine choose_first(lane, i, rates, team)
-      type(lane_t), intent(inout) :: lane
+   !> Select an earlier event if one precedes the target: an end of the rotation's window, or of the
+   !> further state's window.
+   subroutine choose_first(lane, i, rates, batch)
+      type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
       real(wp), intent(in) :: rates(:)
-      !! (states) where the lane has stepped to
-      type(team_t), intent(in) :: team
+      !! (states) rates at the end of the step
+      type(batch_t), intent(in) :: batch
       real(wp), parameter :: slack = 1.0e-12_wp
-      !! of the further state [-]
+      !! tolerance of the further state [-]
       integer :: level
       real(wp) :: z
 
-      associate (table => team%table, theta => team%y_new(i, 1), theta_dot => team%y_new(i, 2), &
+      associate (table => batch%table, theta => batch%y_new(i, 1), theta_dot => batch%y_new(i, 2), &
                  further => further_state(lane%equation))
          level = merge(at_low, merge(at_high, no_event, theta > table(i, of_high)), &
             theta < table(i, of_low))
-         z = team%y_new(i, further)
+         z = batch%y_new(i, further)
          if (level == no_event) then
-            if (max(table(i, of_least) - z, z - table(i, of_most)) > slack) lane%goal = at_state
-         else if (lane%goal /= at_turn) then
-            ! the further state in the instant in which the rotation has left its window
+            if (max(table(i, of_least) - z, z - table(i, of_most)) > slack) then
+               lane%target_event = at_state
+            end if
+         else if (lane%target_event /= at_turn) then
+            ! further state at the time at which the rotation leaves its window
             z = z + rates(further)*(table(i, merge(of_low, of_high, level == at_low)) - theta) &
                /theta_dot
-            lane%goal = merge(at_state, level, max(table(i, of_least) - z, z - table(i, of_most)) &
+            lane%target_event = merge(at_state, level, max(table(i, of_least) - z, z &
+               - table(i, of_most)) &
                > slack)
          end if
       end associate
    end subroutine choose_first
 
-   !> The event that a lane has come to happens.
-   subroutine happen(lane, i, t, y, team)
-      type(lane_t), intent(inout), target :: lane
+   !> Apply the event that a lane has reached.
+   subroutine happen(lane, i, t, y, batch)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
-      !! (states) nearly
-      type(team_t), intent(inout) :: team
+      !! (states) approximately at t
+      type(batch_t), intent(inout) :: batch
       integer :: event
 
-      associate (hybrid => lane%hybrid, equation => lane%equation, table => team%table)
+      associate (hybrid => lane%hybrid, equation => lane%equation, table => batch%table)
          hybrid%t = min(t, table(i, of_limit))
          hybrid%y(:) = y
          event = event_peak
-         if (lane%goal == at_turn) then
+         if (lane%target_event == at_turn) then
             hybrid%y(2) = 0
-         else if (lane%goal == at_state) then
+         else if (lane%target_event == at_state) then
             hybrid%y(further_state(equation)) = 0
             event = event_passage
          else
-            hybrid%y(1) = table(i, merge(of_low, of_high, lane%goal == at_low))
+            hybrid%y(1) = table(i, merge(of_low, of_high, lane%target_event == at_low))
             event = event_at_level(lane, hybrid%y(1))
          end if
-         hybrid%is_rising = lane%goal == at_high
+         hybrid%is_rising = lane%target_event == at_high
          lane%integrator%steps = lane%integrator%steps + 1_i8
          lane%integrator%h = table(i, of_length)
-         if ((team%is_watched(i) .or. allocated(team%work)) .and. hybrid%t > table(i, of_time)) then
-            call pass_step(lane, i, team, hybrid%t, hybrid%y)
+         if ((batch%is_watched(i) .or. allocated(batch%work)) .and. hybrid%t &
+             > table(i, of_time)) then
+            call pass_step(lane, i, batch, hybrid%t, hybrid%y)
          end if
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
          if (event == event_peak) then
-            call observe_peak(hybrid, equation, lane%recorder, (team%y(i, 2)), hybrid%t, hybrid%y)
+            call observe_peak(hybrid, equation, lane%recorder, (batch%y(i, 2)), hybrid%t, hybrid%y)
          end if
          if (allocated(lane%error)) return
          if (event /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
             equation, lane%recorder, event, lane%error)
       end associate
-      call enter_team(lane, i, team)
+      call enter_batch(lane, i, batch)
    end subroutine happen
 
-   !> What happens at an end of the window.
+   !> Type of event at an end of the window.
    pure integer function event_at_level(lane, level) result(event)
-      type(lane_t), intent(in) :: lane
+      type(lane_state_t), intent(in) :: lane
       real(wp), intent(in) :: level
       !! [rad]
 
       event = event_overturned
       if (lane%hybrid%mode == mode_rocking .and. abs(level) <= 0) event = event_impact
       if (abs(level - merge(lane%equation%state%high, lane%equation%state%low, &
-         lane%goal == at_high)) <= 0) then
+         lane%target_event == at_high)) <= 0) then
          event = event_branch
       end if
    end function event_at_level
 
-   !> Look at the step of one lane as a single run does.
-   subroutine look_at_step(lane, i, team)
-      type(lane_t), intent(inout), target :: lane
+   !> Inspect the step of one lane as in a single run.
+   subroutine inspect_step(lane, i, batch)
+      type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
 
-      call catch_up(lane, i, team)
+      call catch_up(lane, i, batch)
       associate (step => lane%integrator)
          step%steps = step%steps + 1_i8
-         step%h = team%table(i, of_length)
-         step%t0 = team%table(i, of_time)
-         step%y0(:) = team%y(i, :)
-         step%f0(:) = team%k(i, :, 1)
-         step%t1 = step%t0 + team%table(i, of_trial)
-         if (team%table(i, of_trial) >= team%table(i, of_limit) - step%t0) step%t1 = &
-            team%table(i, of_limit)
-         step%y1(:) = team%y_new(i, :)
-         if (allocated(team%work)) step%work = team%work(i, :)
+         step%h = batch%table(i, of_length)
+         step%t0 = batch%table(i, of_time)
+         step%y0(:) = batch%y(i, :)
+         step%f0(:) = batch%k(i, :, 1)
+         step%t1 = step%t0 + batch%table(i, of_trial)
+         if (batch%table(i, of_trial) >= batch%table(i, of_limit) - step%t0) step%t1 = &
+            batch%table(i, of_limit)
+         step%y1(:) = batch%y_new(i, :)
+         if (allocated(batch%work)) step%work = batch%work(i, :)
          step%t_work = step%t1
       end associate
       call end_step(lane%hybrid, lane%equation, lane%integrator, lane%recorder, lane%error)
       if (allocated(lane%error)) then
-         team%table(i, of_length) = 0
+         batch%table(i, of_length) = 0
       else
-         call enter_team(lane, i, team)
+         call enter_batch(lane, i, batch)
       end if
-   end subroutine look_at_step
+   end subroutine inspect_step
 
 end module rwmf_simulation_lanes_loop

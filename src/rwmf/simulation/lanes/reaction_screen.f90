@@ -1,4 +1,4 @@
-!> Which steps of the lanes of a team plainly hold no extremum of reactions and demands.
+!> Screen for steps of a batch of lanes that certainly contain no extremum of reactions and demands.
 module rwmf_simulation_lanes_reaction_screen
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: of_calm, of_fastest_demand, of_frequency, &
@@ -9,7 +9,7 @@ module rwmf_simulation_lanes_reaction_screen
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_motion_ground_motion, only: turning_point
-   use rwmf_simulation_lanes_team, only: lane_t, team_t
+   use rwmf_simulation_lanes_batch, only: lane_state_t, batch_t
    use rwmf_simulation_recorder_demand_extremes, only: count_demands, put_constants
    use rwmf_simulation_recorder_reaction_estimates, only: fastest_of
    implicit none
@@ -19,32 +19,32 @@ module rwmf_simulation_lanes_reaction_screen
 
 contains
 
-   !> A lane begins anew: what is known of its last step no longer holds.
-   subroutine begin_reactions(lane, i, team)
-      type(lane_t), intent(in) :: lane
+   !> Initialise the screen for a lane with a new piece; data of its last step are no longer valid.
+   subroutine begin_reactions(lane, i, batch)
+      type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
-      !! number of the lane in the team
-      type(team_t), intent(inout) :: team
+      !! number of the lane in the batch
+      type(batch_t), intent(inout) :: batch
 
-      team%table(i, of_plain) = 1
-      team%table(i, of_calm) = 1
-      if (.not. allocated(team%values)) call choose_screen(lane, team)
-      if (.not. team%screen%is_used) return
-      team%is_known(i) = .false.
-      team%table(i, of_frequency) = fastest_of(lane%equation)
-      if (team%screen%has_demands) then
-         team%table(i, of_fastest_demand) = lane%recorder%demands%frequency
-         call put_constants(lane%recorder%demands, team%constants(i, :))
+      batch%table(i, of_plain) = 1
+      batch%table(i, of_calm) = 1
+      if (.not. allocated(batch%values)) call choose_screen(lane, batch)
+      if (.not. batch%screen%is_used) return
+      batch%is_known(i) = .false.
+      batch%table(i, of_frequency) = fastest_of(lane%equation)
+      if (batch%screen%has_demands) then
+         batch%table(i, of_fastest_demand) = lane%recorder%demands%frequency
+         call put_constants(lane%recorder%demands, batch%constants(i, :))
       end if
-      call note_extremes(lane, i, team)
+      call note_extremes(lane, i, batch)
    end subroutine begin_reactions
 
-   !> What is asked for of the lanes, all of one scene.
-   subroutine choose_screen(lane, team)
-      type(lane_t), intent(in) :: lane
-      type(team_t), intent(inout) :: team
+   !> Set up the screen for the requested outputs of the lanes, which share one scene.
+   subroutine choose_screen(lane, batch)
+      type(lane_state_t), intent(in) :: lane
+      type(batch_t), intent(inout) :: batch
 
-      associate (screen => team%screen, recorder => lane%recorder, equation => lane%equation)
+      associate (screen => batch%screen, recorder => lane%recorder, equation => lane%equation)
          screen%has_reactions = allocated(recorder%forces)
          screen%has_demands = allocated(recorder%demands) .and. equation%parts%is_complete
          screen%is_used = screen%has_reactions .or. allocated(recorder%demands)
@@ -55,71 +55,73 @@ contains
          if (screen%has_demands) screen%is_led = [screen%is_led, recorder%demands%is_led]
          screen%n = size(screen%is_led)
          screen%has_middle = screen%has_demands .or. screen%has_sampled_reactions
-         allocate (team%values(team%width, screen%n, value_count), source=0.0_wp)
-         allocate (team%constants(team%width, demand_constants(screen%floors, screen%drifts)), &
+         allocate (batch%values(batch%width, screen%n, value_count), source=0.0_wp)
+         allocate (batch%constants(batch%width, demand_constants(screen%floors, screen%drifts)), &
             source=0.0_wp)
       end associate
    end subroutine choose_screen
 
-   !> The extrema of a lane so far.
-   subroutine note_extremes(lane, i, team)
-      type(lane_t), intent(in) :: lane
+   !> Copy the current extrema of a lane.
+   subroutine note_extremes(lane, i, batch)
+      type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
-      !! number of the lane in the team
-      type(team_t), intent(inout) :: team
+      !! number of the lane in the batch
+      type(batch_t), intent(inout) :: batch
 
-      if (team%screen%has_reactions) then
-         team%values(i, :reaction_count, so_far) = lane%recorder%forces%largest
-         team%values(i, :reaction_count, least_so_far) = lane%recorder%forces%smallest
+      if (batch%screen%has_reactions) then
+         batch%values(i, :reaction_count, so_far) = lane%recorder%forces%largest
+         batch%values(i, :reaction_count, least_so_far) = lane%recorder%forces%smallest
       end if
-      if (team%screen%has_demands) then
-         team%values(i, reaction_count + 1:, so_far) = lane%recorder%demands%largest
-         team%values(i, reaction_count + 1:, least_so_far) = lane%recorder%demands%smallest
+      if (batch%screen%has_demands) then
+         batch%values(i, reaction_count + 1:, so_far) = lane%recorder%demands%largest
+         batch%values(i, reaction_count + 1:, least_so_far) = lane%recorder%demands%smallest
       end if
    end subroutine note_extremes
 
-   !> Ask all lanes, by reactions and demands in the steps that they have tried.
-   subroutine screen_reactions(lanes, team)
-      type(lane_t), intent(in) :: lanes(:)
-      type(team_t), intent(inout) :: team
+   !> Screen the trial steps of all lanes for extrema of reactions and demands.
+   subroutine screen_reactions(lanes, batch)
+      type(lane_state_t), intent(in) :: lanes(:)
+      type(batch_t), intent(inout) :: batch
       real(wp) :: t
       integer :: i
 
-      if (.not. team%screen%is_used) return
-      team%table(:, of_plain) = 0
-      team%table(:, of_calm) = 0
-      associate (parts => lanes(1)%equation%parts, last => team%pair%stages)
+      if (.not. batch%screen%is_used) return
+      batch%table(:, of_plain) = 0
+      batch%table(:, of_calm) = 0
+      associate (parts => lanes(1)%equation%parts, last => batch%pair%stages)
          if (.not. parts%is_complete) return
-         do i = 1, team%width
-            if (.not. team%is_busy(i)) cycle
-            if (.not. team%is_known(i)) call find_begin(lanes(i), i, team)
-            team%table(i, of_next) = merge(1, 0, continues(i, team))
-            associate (middle => team%table(i, of_middle:of_middle + 1))
-               middle = (team%ground(i, 1, :) + team%ground(i, last, :))/2
-               if (.not. team%has_curves) cycle
-               t = team%table(i, of_time) + team%table(i, of_trial)/2
+         do i = 1, batch%width
+            if (.not. batch%is_busy(i)) cycle
+            if (.not. batch%is_known(i)) call find_begin(lanes(i), i, batch)
+            batch%table(i, of_next) = merge(1, 0, continues(i, batch))
+            associate (middle => batch%table(i, of_middle:of_middle + 1))
+               middle = (batch%ground(i, 1, :) + batch%ground(i, last, :))/2
+               if (.not. batch%has_curves) cycle
+               t = batch%table(i, of_time) + batch%table(i, of_trial)/2
                middle(1) = ground(lanes(i)%equation, t)
                if (lanes(i)%equation%has_vertical) middle(2) = vertical_ground(lanes(i)%equation, t)
             end associate
          end do
-         if (team%width == 1) then
-            call screen_one(parts, team%screen, last, team%constants, team%coef, team%y, team%k, &
-               team%y_new, team%ground, team%mark, team%table, team%values)
+         if (batch%width == 1) then
+            call screen_one(parts, batch%screen, last, batch%constants, batch%coef, batch%y, &
+               batch%k, &
+               batch%y_new, batch%ground, batch%mark, batch%table, batch%values)
          else
-            call team%kernels%screen_steps(parts, team%screen, last, team%constants, team%coef, &
-               team%y, team%k, team%y_new, team%ground, team%mark, team%table, team%values)
+            call batch%kernels%screen_steps(parts, batch%screen, last, batch%constants, &
+               batch%coef, &
+               batch%y, batch%k, batch%y_new, batch%ground, batch%mark, batch%table, batch%values)
          end if
       end associate
-      if (.not. team%screen%has_demands) then
-         do i = 1, team%width
-            if (team%is_busy(i)) team%table(i, of_calm) = merge(0, 1, &
+      if (.not. batch%screen%has_demands) then
+         do i = 1, batch%width
+            if (batch%is_busy(i)) batch%table(i, of_calm) = merge(0, 1, &
                allocated(lanes(i)%recorder%demands))
          end do
       end if
-      if (.not. team%has_curves) return
-      do i = 1, team%width
-         if (.not. team%is_busy(i)) cycle
-         associate (table => team%table)
+      if (.not. batch%has_curves) return
+      do i = 1, batch%width
+         if (.not. batch%is_busy(i)) cycle
+         associate (table => batch%table)
             t = turning_point(lanes(i)%equation%motion, int(table(i, of_interval)), &
                table(i, of_time))
             if (t < table(i, of_time) + table(i, of_trial)) table(i, [of_plain, of_calm]) = 0
@@ -127,45 +129,46 @@ contains
       end do
    end subroutine screen_reactions
 
-   !> Does the ground go on without a jump where the step of a lane ends?
-   pure logical function continues(i, team)
+   !> Return whether the ground motion continues without a jump at the end of a lane's step.
+   pure logical function continues(i, batch)
       integer, intent(in) :: i
-      !! number of the lane in the team
-      type(team_t), intent(in) :: team
+      !! number of the lane in the batch
+      type(batch_t), intent(in) :: batch
       real(wp), parameter :: slack = 1.0e-9_wp
       integer :: next
 
-      associate (table => team%table, lines => team%lines, last => team%pair%stages)
+      associate (table => batch%table, lines => batch%lines, last => batch%pair%stages)
          continues = table(i, of_trial) < table(i, of_limit) - table(i, of_time)
          if (continues) return
          next = min(int(table(i, of_interval)) + 1, ubound(lines, 2))
          if (.not. lines(1, next) > table(i, of_limit)) return
-         associate (since => table(i, of_limit) - lines(4, next), a => team%ground(i, last, :))
+         associate (since => table(i, of_limit) - lines(4, next), a => batch%ground(i, last, :))
             continues = all(abs(lines([2, 5], next) + since*lines([3, 6], next) - a) &
                <= slack*abs(a))
          end associate
       end associate
    end function continues
 
-   !> The values at the beginning of the first step of a lane, as if one before had come to them.
-   subroutine find_begin(lane, i, team)
-      type(lane_t), intent(in) :: lane
+   !> Compute the values at the start of the first step of a lane, as if a previous step had ended
+   !> there.
+   subroutine find_begin(lane, i, batch)
+      type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
-      type(team_t), intent(inout) :: team
+      type(batch_t), intent(inout) :: batch
       real(wp) :: acceleration(1, 2)
       real(wp), allocatable, dimension(:, :) :: constants, coef, y, found
 
-      acceleration(1, :) = team%ground(i, 1, :)
-      allocate (constants(1, size(team%constants, 2)), coef(1, size(team%coef, 2)))
-      allocate (y(1, size(team%y, 2)), found(1, size(team%values, 2)))
-      constants(1, :) = team%constants(i, :)
-      coef(1, :) = team%coef(i, :)
-      y(1, :) = team%y(i, :)
-      call find_values(lane%equation%parts, team%screen, constants, coef, y, acceleration, found)
-      team%values(i, :, at_begin) = found(1, :)
-      team%values(i, :, at_end) = found(1, :)
-      team%table(i, of_ground_end:of_ground_end + 1) = acceleration(1, :)
-      team%is_known(i) = .true.
+      acceleration(1, :) = batch%ground(i, 1, :)
+      allocate (constants(1, size(batch%constants, 2)), coef(1, size(batch%coef, 2)))
+      allocate (y(1, size(batch%y, 2)), found(1, size(batch%values, 2)))
+      constants(1, :) = batch%constants(i, :)
+      coef(1, :) = batch%coef(i, :)
+      y(1, :) = batch%y(i, :)
+      call find_values(lane%equation%parts, batch%screen, constants, coef, y, acceleration, found)
+      batch%values(i, :, at_begin) = found(1, :)
+      batch%values(i, :, at_end) = found(1, :)
+      batch%table(i, of_ground_end:of_ground_end + 1) = acceleration(1, :)
+      batch%is_known(i) = .true.
    end subroutine find_begin
 
 end module rwmf_simulation_lanes_reaction_screen

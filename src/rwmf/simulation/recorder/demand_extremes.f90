@@ -1,4 +1,4 @@
-!> The largest demands of a run, as `rwmf_simulation_recorder_peak_search` finds them.
+!> Largest demands of a run, found by `rwmf_simulation_recorder_peak_search`.
 module rwmf_simulation_recorder_demand_extremes
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t, interval_of
@@ -16,14 +16,16 @@ module rwmf_simulation_recorder_demand_extremes
    public :: observe_demands_at_rest, put_storeys, put_demands, demand_extremes
    public :: put_constants, count_demands
 
-   !> Running maxima of the magnitudes: drifts and shears of the storeys [-], [m/s2], accelerations
-   !> of the floors [m/s2], overturning moment [m], shear [m/s2] and moment [m2/s2] in the wall.
+   !> Running maxima of the magnitudes of the demands.
+   !>
+   !> The order is: storey drifts [-] and shears [m/s2], floor accelerations [m/s2], overturning
+   !> moment [m]. Shear [m/s2] and moment [m2/s2] in the wall follow.
    type, extends(peak_search_t) :: demand_recorder_t
       type(building_t) :: building
       type(demands_t) :: present
-      !! of the last instant that was asked for
+      !! demands at the last evaluated instant
       real(wp) :: z_shear = 0, z_moment = 0
-      !! height of the largest forces in the wall above its base [m]
+      !! heights above the base of the largest shear and moment in the wall [m]
    contains
       procedure :: find => find_demands
       procedure :: note_places => note_heights
@@ -31,7 +33,7 @@ module rwmf_simulation_recorder_demand_extremes
 
 contains
 
-   !> Begin, when the case asks for demands.
+   !> Initialise the demands if the case requests them.
    subroutine create_demands(recorder, case, equation, y)
       type(demand_recorder_t), allocatable, intent(out) :: recorder
       type(case_t), intent(in) :: case
@@ -56,25 +58,25 @@ contains
       end associate
    end subroutine create_demands
 
-   !> Numbers of a building for loops over lanes.
+   !> Count floors and storeys of the building for loops over lanes.
    pure subroutine count_demands(recorder, equation, floors, storeys, are_known)
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
       integer, intent(out) :: floors, storeys
-      !! number of them
+      !! numbers of floors and storeys
       logical, intent(out) :: are_known
-      !! the loops find its demands: not where storeys follow one mode
+      !! the loops can compute its demands, except for storeys that follow one mode
 
       floors = recorder%building%floors
       storeys = recorder%building%drifts
       are_known = storeys == 0 .or. equation%floors%n > 0
    end subroutine count_demands
 
-   !> Constants of the building for loops over lanes.
+   !> Fill in the constants of the building for loops over lanes.
    pure subroutine put_constants(recorder, constants)
       type(demand_recorder_t), intent(in) :: recorder
       real(wp), intent(out) :: constants(:)
-      !! as `lane_demands` reads them, each in its unit
+      !! input of `lane_demands`, each in its unit
 
       associate (building => recorder%building)
          constants = 0
@@ -85,7 +87,7 @@ contains
       end associate
    end subroutine put_constants
 
-   !> Magnitudes of the demands at a state.
+   !> Compute the magnitudes of the demands at a state.
    subroutine find_demands(self, equation, t, y, y_dot, found)
       class(demand_recorder_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
@@ -104,7 +106,7 @@ contains
       end associate
    end subroutine find_demands
 
-   !> Where along the wall its forces are larger than ever.
+   !> Note the heights of shear and moment in the wall that exceed the largest so far.
    subroutine note_heights(self, found)
       class(demand_recorder_t), intent(inout) :: self
       real(wp), intent(in) :: found(:)
@@ -116,9 +118,10 @@ contains
       end associate
    end subroutine note_heights
 
-   !> The wall stays at rest while the motion goes through the interval in force. All demands then
-   !> are in proportion to the ground's acceleration, or a straight line over it: largest where it
-   !> turns, or at the ends.
+   !> Update the demands over the current interval of the motion, with the wall at rest.
+   !>
+   !> All demands are then linear in the ground acceleration, and largest at its turning points or
+   !> at the ends.
    subroutine observe_demands_at_rest(recorder, equation, y, t_a, t_b)
       type(demand_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -139,7 +142,7 @@ contains
       end do
    end subroutine observe_demands_at_rest
 
-   !> Columns of the storeys that a history without demands does not have; finds the demands.
+   !> Compute the demands, and fill in storey columns that only a history with demands has.
    subroutine put_storeys(row, recorder, equation, t, y, y_dot)
       type(history_row_t), intent(inout) :: row
       type(demand_recorder_t), intent(inout) :: recorder
@@ -159,7 +162,7 @@ contains
       end associate
    end subroutine put_storeys
 
-   !> Columns of floors and wall, with the demands that `put_storeys` has found.
+   !> Fill in the columns of floors and wall, with the demands computed by `put_storeys`.
    subroutine put_demands(row, recorder, equation)
       type(history_row_t), intent(inout) :: row
       type(demand_recorder_t), intent(in) :: recorder
@@ -175,14 +178,14 @@ contains
       end associate
    end subroutine put_demands
 
-   !> What the run has seen.
+   !> Return the largest demands of the run.
    subroutine demand_extremes(recorder, equation, u_s_max, t_u_s_max, extremes)
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: u_s_max
       !! largest |u_s| [m]
       real(wp), intent(in) :: t_u_s_max
-      !! its time [s]
+      !! time of u_s_max [s]
       type(demand_extremes_t), intent(out) :: extremes
       integer :: n
 

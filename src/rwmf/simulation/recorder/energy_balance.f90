@@ -1,7 +1,7 @@
-!> Energy ledger of a run: work done over each piece of motion, and the parts that are shown.
+!> Energy balance of a run: work over each piece of motion, and the reported parts.
 !>
-!> Explicit pairs sum the powers of their own stages, to their own order, as if the work were a
-!> further state; other methods are asked for states inside the piece.
+!> Explicit pairs integrate the powers over their stages like a further state, with their full
+!> order. Other methods provide states inside the piece for a Gauss rule.
 module rwmf_simulation_recorder_energy_balance
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -23,8 +23,7 @@ module rwmf_simulation_recorder_energy_balance
 
 contains
 
-   !> Add the work of the ground motion and what is dissipated over a piece that begins with the
-   !> last step.
+   !> Add the input and the dissipated energy over a piece that begins with the last step.
    subroutine integrate_powers(energy, piece, error)
       type(energy_t), intent(inout) :: energy
       type(step_view_t), intent(in) :: piece
@@ -46,7 +45,7 @@ contains
    pure subroutine add_work(energy, work)
       type(energy_t), intent(inout) :: energy
       real(wp), intent(in) :: work(power_count)
-      !! of the ground motion, dampers and smooth plastic flow [J/kg]
+      !! work of the ground motion, dampers and smooth plastic flow [J/kg]
 
       energy%input = energy%input + work(of_input)
       energy%viscous = energy%viscous + work(of_viscous)
@@ -55,7 +54,7 @@ contains
       energy%input_max = max(energy%input_max, abs(energy%input))
    end subroutine add_work
 
-   !> Work over a piece by five states inside it.
+   !> Compute the work over a piece from five states inside it.
    subroutine apply_gauss_rule(piece, work, error)
       type(step_view_t), intent(in) :: piece
       real(wp), intent(out) :: work(power_count)
@@ -81,8 +80,9 @@ contains
       end do
    end subroutine apply_gauss_rule
 
-   !> Parts of the ledger that apply to the scene, with a state: work since t = 0, and what is
-   !> stored. Columns of the history and scalars.
+   !> Fill in the parts of the energy balance that apply to the scene.
+   !>
+   !> These are the work since t = 0 and the stored energy at a state, for history and scalars.
    subroutine put_energies(row, energy, equation, y)
       type(history_row_t), intent(inout) :: row
       type(energy_t), intent(in) :: energy
@@ -112,7 +112,7 @@ contains
       if (equation%has_impacts) call put(row, id%energy_impact_J_per_kg, energy%impact)
    end subroutine put_energies
 
-   !> Do further effects store energy?
+   !> True if further effects store energy.
    pure logical function stores_in_effects(equation) result(does)
       type(equation_t), intent(in) :: equation
       integer :: i

@@ -1,13 +1,14 @@
-!> Envelopes of the forces that members are designed for: shear and moment in the wall beside every
-!> floor, at its base and at mid-height, forces of the links, the pivot's normal force; and with
-!> them velocities of the floors and the travel of the fuses.
+!> Envelopes of the design forces of wall and links, velocities of floors, travel of fuses.
 !>
-!> Peaks are found as `rwmf_simulation_recorder_peak_search` finds them.
+!> Shear and moment are computed below and above every floor, at the base and at mid-height. The
+!> module `rwmf_simulation_recorder_peak_search` finds the peaks.
 module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
    use rwmf_model_assembly, only: equation_t, interval_of
+   use rwmf_model_bent_sections, only: find_bent_sections
+   use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_demands, only: building_of, building_t, links_of
    use rwmf_model_equation, only: corner_share, frame_motion, ground, kinematics_at
    use rwmf_model_floor_motion, only: floor_motion
@@ -32,35 +33,38 @@ module rwmf_simulation_recorder_force_envelopes
    public :: put_envelopes, envelope_extremes
 
    integer, parameter :: of_normal = 1
-   !! places of the quantities behind the velocities of the floors; normal force of the pivot
+   !! places of the quantities after the velocities of the floors; normal force of the pivot
    integer, parameter :: of_base = 2
-   !! and one more: shear and moment at the base
+   !! shear at the base; the next is the moment there
    integer, parameter :: of_middle = 4
-   !! and one more: at mid-height
+   !! shear at mid-height; the next is the moment there
    integer, parameter :: of_sections = 5
-   !! before four of each floor: shear below and above it, moment below and above it
+   !! place before the four of each floor: shear below and above it, moment below and above it
    integer, parameter :: per_floor = 4
 
-   !> Running maxima: magnitudes of velocities [m/s], shears [m/s2] and moments [m2/s2] over m_w and
-   !> forces of links [m/s2], the normal force with its sign [m/s2].
+   !> Running maxima over m_w: shears [m/s2], moments [m2/s2], link forces and normal force [m/s2].
+   !>
+   !> Velocities of floors [m/s] are not divided by a mass.
    type, extends(peak_search_t) :: envelope_recorder_t
       type(building_t) :: building
       real(wp), allocatable :: ground_velocity(:)
-      !! of `velocities_at_knots` [m/s]
+      !! result of `velocities_at_knots` [m/s]
       real(wp) :: velocity_before = 0
-      !! of a ground that moves before the run begins, which begins at rest [m/s]
+      !! velocity of the ground motion at t = 0, where the run begins at rest [m/s]
       real(wp), allocatable :: z(:)
-      !! (sections) heights: base, floors, and mid-height unless a floor is there [m]
+      !! (sections) heights: base, floors, and mid-height unless it is a floor [m]
       integer :: middle = 0
-      !! section at mid-height
+      !! number of the section at mid-height
       integer, allocatable :: of_floor(:)
-      !! (floors) section of each
+      !! (floors) number of the section of each
       type(links_t) :: links
-      !! at the last instant
+      !! link forces at the last instant
+      integer, allocatable :: nodes(:)
+      !! (sections) node of each section of a bending wall
       real(wp), allocatable :: below(:, :), above(:, :)
-      !! (2, sections) forces then [m/s2], [m2/s2]
+      !! (2, sections) shear and moment at the last instant [m/s2], [m2/s2]
       real(wp) :: travel(2) = 0
-      !! of the left and the right fuse [m]
+      !! travel of the left and the right fuse [m]
       logical :: has_fuses = .false.
    contains
       procedure :: find => find_envelopes
@@ -68,7 +72,7 @@ module rwmf_simulation_recorder_force_envelopes
 
 contains
 
-   !> Begin, when the case asks for envelopes.
+   !> Initialise the envelopes if the case requests them.
    subroutine create_envelopes(recorder, case, equation, y)
       type(envelope_recorder_t), allocatable, intent(out) :: recorder
       type(case_t), intent(in) :: case
@@ -101,11 +105,11 @@ contains
       end associate
    end subroutine create_envelopes
 
-   !> Heights of the sections, ascending.
+   !> Compute the heights of the sections, in ascending order.
    subroutine place_sections(recorder, equation)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      !! with a wall
+      !! equation of a scene with a wall
       real(wp), parameter :: same = 1.0e-9_wp
       !! distance of a floor from mid-height, over the height [-]
       real(wp), allocatable :: share(:)
@@ -123,14 +127,21 @@ contains
       end if
       recorder%z = 2*equation%p%R*equation%p%cos_alpha*[0.0_wp, share]
       allocate (recorder%below(2, size(recorder%z)), recorder%above(2, size(recorder%z)))
+      if (equation%beam%n == 0) return
+      associate (sections => recorder%building%sections)
+         recorder%nodes = [0, sections%of_floor]
+         if (size(recorder%z) > n + 1) recorder%nodes = [recorder%nodes(:i), sections%middle, &
+            recorder%nodes(i + 1:)]
+      end associate
    end subroutine place_sections
 
-   !> Sections without a link have the same forces on both sides, and above the roof is no wall:
-   !> search for each once.
+   !> Mark forces above a section that need no separate search.
+   !>
+   !> Sections without a link have equal forces on both sides, and the wall ends at the roof.
    subroutine mark_equal_sections(recorder, equation)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
-      !! with a wall
+      !! equation of a scene with a wall
       integer :: i
 
       associate (n => recorder%building%floors)
@@ -143,7 +154,7 @@ contains
       end associate
    end subroutine mark_equal_sections
 
-   !> Quantities at a state.
+   !> Compute the quantities at a state.
    subroutine find_envelopes(self, equation, t, y, y_dot, found)
       class(envelope_recorder_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
@@ -158,8 +169,8 @@ contains
       n = self%building%floors
       found(:n) = abs(floor_velocities(self, equation, t, y))
       if (.not. equation%has_wall) return
-      call find_forces(self, equation, t, y, y_dot(2))
-      reactions = reactions_at(equation, t, y, y_dot(2))
+      call find_forces(self, equation, t, y, y_dot)
+      reactions = reactions_at(equation, t, y, y_dot)
       associate (forces => found(n + 1:), below => self%below, above => self%above)
          forces(of_normal) = reactions%normal
          forces(of_base:of_base + 1) = abs(above(:, 1))
@@ -175,20 +186,29 @@ contains
       end associate
    end subroutine find_envelopes
 
-   !> Forces of the links and at the sections, with their signs.
-   subroutine find_forces(self, equation, t, y, y_ddot)
+   !> Compute the forces of the links and at the sections, with their signs.
+   subroutine find_forces(self, equation, t, y, y_dot)
       class(envelope_recorder_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
-      !! with a wall
+      !! equation of a scene with a wall
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
-      call links_of(self%building, equation, kinematics_at(equation, y(1)), t, y, y_ddot, &
+      call links_of(self%building, equation, kinematics_at(equation, y(1)), t, y, y_dot, &
          self%links)
-      call find_forces_beside(equation, t, y, y_ddot, self%links, self%z, self%below, self%above)
-      ! there is no wall above the roof
+      if (equation%beam%n > 0) then
+         associate (sections => self%building%sections)
+            call find_bent_sections(sections, equation, t, y, y_dot, self%links)
+            self%below(:, :) = sections%below_node(:, self%nodes)
+            self%above(:, :) = sections%above_node(:, self%nodes)
+         end associate
+      else
+         call find_forces_beside(equation, t, y, y_dot(2), self%links, self%z, self%below, &
+            self%above)
+      end if
+      ! the wall ends at the roof
       if (self%building%floors > 0) self%above(:, size(self%z)) = 0
    end subroutine find_forces
 
@@ -200,10 +220,14 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp) :: v(self%building%floors)
       real(wp) :: u(0:self%building%floors), roof(2)
+      real(wp), allocatable :: displacements(:), velocities(:)
 
       if (size(v) == 0) return
       if (equation%floors%n > 0) then
          call floor_motion(equation, equation%state%side, y, u, v)
+      else if (allocated(equation%beam%floors)) then
+         call linked_floor_motion(equation, y, displacements, velocities)
+         v = velocities
       else
          call frame_motion(equation, equation%state%side, y, roof(1), roof(2))
          v = self%building%share*roof(2)
@@ -212,7 +236,7 @@ contains
          - self%velocity_before
    end function floor_velocities
 
-   !> Smooth motion inside the last step of the integrator.
+   !> Update the envelopes over smooth motion inside the last step of the integrator.
    subroutine observe_envelopes(recorder, piece, error)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
@@ -223,13 +247,13 @@ contains
       if (.not. allocated(error) .and. recorder%has_fuses) call follow_fuses(recorder, piece, error)
    end subroutine observe_envelopes
 
-   !> Travel of the fuses over a piece, there and back at every turn of the rotation.
+   !> Add the travel of the fuses over a piece, with every turning point of the rotation.
    subroutine follow_fuses(recorder, piece, error)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_turns = 20
-      !! more of them in a piece are round-off
+      !! further ones in a piece are round-off
       type(rotation_t) :: rotation
       type(moment_t) :: b
       type(span_t) :: span
@@ -260,8 +284,9 @@ contains
       call add_travel(recorder, piece%equation, span%a%f(1, 0), b%f(1, 0))
    end subroutine follow_fuses
 
-   !> The rotation goes from one value to another: the fuse under the corner that lifts is drawn,
-   !> under a hinged wall both.
+   !> Add the travel of the fuses between two rotations.
+   !>
+   !> A rocking wall stretches the fuse under the lifted corner, a hinged wall moves both fuses.
    pure subroutine add_travel(recorder, equation, theta_a, theta_b)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -279,7 +304,7 @@ contains
       end if
    end subroutine add_travel
 
-   !> Stroke of the fuse under a corner, its chord; of a hinged wall it has half the arm [m].
+   !> Stroke of the fuse under a corner: its chord, with half the arm for a hinged wall [m].
    pure real(wp) function fuse_stroke(equation, theta) result(stroke)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -288,8 +313,9 @@ contains
       stroke = corner_share(equation)*4*equation%p%R*equation%p%sin_alpha*sin(theta/2)
    end function fuse_stroke
 
-   !> The wall stays at rest while the motion goes through the interval in force: forces are
-   !> straight lines over the ground's acceleration, and velocities turn where that is zero.
+   !> Update the envelopes over an interval of the motion with the wall at rest.
+   !>
+   !> Forces are linear in the ground acceleration. Velocities have their extrema at its zeros.
    subroutine observe_envelopes_at_rest(recorder, equation, y, t_a, t_b)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -320,8 +346,8 @@ contains
       end do
    end subroutine observe_envelopes_at_rest
 
-   !> Columns of the history at one instant.
-   subroutine put_envelopes(row, recorder, equation, t, y, y_ddot)
+   !> Fill in the columns of the history at one instant.
+   subroutine put_envelopes(row, recorder, equation, t, y, y_dot)
       type(history_row_t), intent(inout) :: row
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -329,11 +355,11 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
       if (.not. equation%has_wall) return
-      call find_forces(recorder, equation, t, y, y_ddot)
+      call find_forces(recorder, equation, t, y, y_dot)
       associate (base => recorder%above(:, 1)/equation%p%g, force => recorder%links%force, &
                  n => recorder%building%floors)
          call put(row, id%wall_shear_base_over_m_w_g, base(1))
@@ -343,7 +369,7 @@ contains
       end associate
    end subroutine put_envelopes
 
-   !> What the run has seen.
+   !> Return the envelopes of the run.
    subroutine envelope_extremes(recorder, equation, theta_max, extremes)
       type(envelope_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation

@@ -1,9 +1,8 @@
-!> How far the motion would move with a slightly stronger ground motion: the derivative of the
-!> states by the factor of the ground motion, followed along the run.
+!> Sensitivity of the motion: derivative of the states by a factor on the ground motion.
 !>
-!> Between events it obeys the linearised equation of motion: one kick in the middle of each piece,
-!> from a difference of the rates. An impact happens earlier or later, at another velocity, which
-!> adds the jump of the rates times that time. Springs are taken on their branches in force.
+!> Between events the derivative obeys the linearised equation of motion. Each piece applies one
+!> velocity increment at its middle, from a difference of the rates. A change of the factor also
+!> shifts impacts, which adds the jump of the rates times the shift. Springs keep their branches.
 module rwmf_simulation_recorder_nearby_motion
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t, ground_at
@@ -13,30 +12,30 @@ module rwmf_simulation_recorder_nearby_motion
    implicit none
    private
 
-   public :: nearby_t, begin_nearby, follow_nearby, meet_impact
+   public :: nearby_t, begin_nearby, follow_nearby, note_impact
 
-   !> The derivative, and what it says of the peak.
+   !> Derivative of the states, and sensitivity of the peak.
    type :: nearby_t
       real(wp), allocatable :: by_factor(:)
       !! (states) derivative by the factor of the ground motion
       real(wp), allocatable :: before(:)
-      !! (states) rates before an impact that is to be taken into account; else not allocated
+      !! (states) rates before an impact that is still to be applied; otherwise not allocated
       real(wp) :: kept = 1
-      !! velocity factor of that impact [-]
+      !! velocity factor of this impact [-]
       real(wp) :: largest = 0
-      !! |theta| so far, of a bare frame |u| [rad] or [m]
+      !! largest |theta| so far, of a bare frame |u| [rad] or [m]
       real(wp) :: sensitivity = 0
-      !! relative change of it per relative change of the ground motion [-]
+      !! relative change of this value per relative change of the ground motion [-]
       real(wp) :: t = 0
       !! end of the last piece [s]
    end type nearby_t
 
    real(wp), parameter :: small = 1.0e-7_wp
-   !! difference over the size of the motion [-]
+   !! step of the difference over the size of the motion [-]
 
 contains
 
-   !> The initial state does not depend on the ground motion.
+   !> Initialise the derivative: the initial state is independent of the ground motion.
    pure subroutine begin_nearby(nearby, n)
       type(nearby_t), intent(out) :: nearby
       integer, intent(in) :: n
@@ -45,7 +44,7 @@ contains
       allocate (nearby%by_factor(n), source=0.0_wp)
    end subroutine begin_nearby
 
-   !> Follow a piece of smooth motion.
+   !> Advance the derivative over a piece of smooth motion.
    subroutine follow_nearby(nearby, piece)
       type(nearby_t), intent(inout) :: nearby
       type(step_view_t), intent(in) :: piece
@@ -61,7 +60,7 @@ contains
          y = (piece%y_a + piece%y_b)/2
          t = piece%t_a + h/2
          call drift(equation, n, h/2, by_factor)
-         ! the difference must neither drown in round-off nor leave the branch
+         ! the step must exceed round-off, but stay on the branch
          step = small*max(nearby%largest, maxval(abs(y(:2))), tiny(step)) &
             /max(maxval(abs(by_factor)), 1.0_wp)
          call rates_of(equation, t, 1.0_wp, y, rates)
@@ -71,7 +70,7 @@ contains
          change(equation%floors%first:equation%floors%first + n - 1) = 0
          by_factor = by_factor + h*change
          call drift(equation, n, h/2, by_factor)
-         ! beyond it is lost, whatever it is
+         ! beyond these bounds the derivative has no meaning
          by_factor = max(min(by_factor, 1/epsilon(h)**2), -1/epsilon(h)**2)
          nearby%t = piece%t_b
          if (abs(piece%y_b(1)) > nearby%largest) then
@@ -81,11 +80,11 @@ contains
       end associate
    end subroutine follow_nearby
 
-   !> Positions follow their velocities.
+   !> Advance the derivatives of displacements with those of velocities.
    pure subroutine drift(equation, n, h, by_factor)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: n
-      !! floors with states
+      !! number of floors with states
       real(wp), intent(in) :: h
       !! [s]
       real(wp), intent(inout) :: by_factor(:)
@@ -97,7 +96,7 @@ contains
       end associate
    end subroutine drift
 
-   !> Rates under a multiple of the ground motion.
+   !> Compute the rates under a multiple of the ground motion.
    subroutine rates_of(equation, t, factor, y, rates)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -116,12 +115,12 @@ contains
       call lane_rates(equation%scene, equation%state%coef, y, motion, rates)
    end subroutine rates_of
 
-   !> The wall hits its base, with the side before it still in force.
-   subroutine meet_impact(nearby, equation, y, kept)
+   !> Note an impact, before the wall changes its side.
+   subroutine note_impact(nearby, equation, y, kept)
       type(nearby_t), intent(inout) :: nearby
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
-      !! (states) before it
+      !! (states) before the impact
       real(wp), intent(in) :: kept
       !! velocity factor [-]
 
@@ -131,13 +130,13 @@ contains
          nearby%kept = 1
       end if
       nearby%kept = nearby%kept*kept
-   end subroutine meet_impact
+   end subroutine note_impact
 
-   !> The nearby motion meets that impact at another time, and has other rates until or from then.
+   !> Apply an impact to the derivative, with the shift of its time.
    subroutine pass_impact(nearby, piece)
       type(nearby_t), intent(inout) :: nearby
       type(step_view_t), intent(in) :: piece
-      !! that begins after it
+      !! piece that begins after the impact
       real(wp) :: rates(size(piece%y_a)), delay
 
       call rates_of(piece%equation, piece%t_a, 1.0_wp, piece%y_a, rates)

@@ -1,11 +1,11 @@
-!> Search for the largest values of quantities of a run, found while the observer passes by.
+!> Search for the largest values of quantities over a run, piece by piece.
 !>
 !> The quantities are smooth between two events or knots. Both ends of a piece of motion count with
-!> their one-sided values, so that those on both sides of an impact do. A step that is short, and
-!> whose ends stay below the largest so far by what a vibration can rise between them, is left
-!> alone. Any other is searched at five places, in parts of a quarter of the shortest period at
-!> most. A maximum that can be the largest so far is closed in on until nothing but round-off is to
-!> be gained: in a short step by polynomials of the states, then with the integrator's own state.
+!> their one-sided values, so the values on both sides of an impact count. A short step needs no
+!> search if a vibration cannot rise from its ends above the largest value so far. Any other step
+!> is sampled at five places, in parts of at most a quarter of the shortest period. Candidates for
+!> a new maximum are refined to round-off. In short steps, polynomials of the states locate them
+!> first; the value comes from the solution of the integrator.
 module rwmf_simulation_recorder_peak_search
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
@@ -24,32 +24,32 @@ module rwmf_simulation_recorder_peak_search
    !> Running maxima of quantities, each in its unit.
    type, abstract :: peak_search_t
       real(wp), allocatable :: largest(:)
-      !! (quantities)
+      !! (quantities) [unit of each]
       real(wp), allocatable :: t_largest(:)
       !! (quantities) [s]
       real(wp), allocatable :: smallest(:)
-      !! (quantities) which tells how far they vary
+      !! (quantities) lower end of the range so far [unit of each]
       logical, allocatable :: is_led(:)
-      !! (quantities) it is in a fixed proportion to one before it
+      !! (quantities) the quantity is in a fixed proportion to an earlier one
       logical :: has_middle = .false.
-      !! a sample in the middle of a step may show that nothing larger lies in it
+      !! a sample in the middle of a step may exclude a larger value in it
       real(wp) :: frequency = 0
-      !! of the fastest vibration, before anything yields [rad/s]
+      !! frequency of the fastest vibration before yielding [rad/s]
       real(wp) :: t_end = -1
-      !! where the last piece ended [s]
+      !! end of the last piece [s]
       real(wp), allocatable :: y_end(:)
-      !! (states) there
+      !! (states) states at this time
       real(wp), allocatable :: rates(:, :)
-      !! (states, 2) of the states at both ends of the last piece
+      !! (states, 2) rates of the states at both ends of the last piece
       real(wp), allocatable :: at_ends(:, :)
-      !! (quantities, 2)
+      !! (quantities, 2) values at both ends of the last piece [unit of each]
    contains
       procedure(find_i), deferred :: find
       procedure :: note_places
    end type peak_search_t
 
    abstract interface
-      !> The quantities at a state.
+      !> Compute the quantities at a state.
       subroutine find_i(self, equation, t, y, y_dot, found)
          import :: equation_t, peak_search_t, wp
          implicit none
@@ -68,14 +68,14 @@ module rwmf_simulation_recorder_peak_search
 
 contains
 
-   !> Begin, with the state at t = 0.
+   !> Initialise a search with the state at t = 0.
    subroutine begin_search(self, equation, y, least)
       class(peak_search_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: least(:)
-      !! (quantities) which all values exceed
+      !! (quantities) lower bound of all values [unit of each]
 
       self%frequency = max(fastest_of(equation), wall_frequency(equation, y))
       self%largest = least
@@ -88,7 +88,7 @@ contains
       end associate
    end subroutine begin_search
 
-   !> Quantities that have been found last may become the largest: note where along the wall.
+   !> Note the places along the wall of new largest values. By default there is nothing to note.
    subroutine note_places(self, found)
       class(peak_search_t), intent(inout) :: self
       real(wp), intent(in) :: found(:)
@@ -98,8 +98,7 @@ contains
       end associate
    end subroutine note_places
 
-   !> Frequency of the wall on its springs and cable, which may vibrate faster than the frame
-   !> [rad/s].
+   !> Frequency of the wall on its springs and cable, which may exceed that of the frame [rad/s].
    real(wp) function wall_frequency(equation, y) result(frequency)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -117,7 +116,7 @@ contains
       frequency = sqrt(max(0.0_wp, (rates(2) - rates_beside(2))/(beside(1) - y(1))))
    end function wall_frequency
 
-   !> One state of motion, or of a wall at rest with zeros for its rates.
+   !> Update the maxima with one state. A wall at rest has zero rates.
    subroutine search_state(self, equation, t, y, y_dot)
       class(peak_search_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
@@ -133,7 +132,7 @@ contains
       call keep_largest(self, t, found)
    end subroutine search_state
 
-   !> Let the quantities that have been found last take part.
+   !> Update the maxima with quantities at one instant.
    subroutine keep_largest(self, t, found)
       class(peak_search_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -150,7 +149,7 @@ contains
       end do
    end subroutine keep_largest
 
-   !> Smooth motion inside the last step of the integrator.
+   !> Update the maxima over smooth motion inside the last step of the integrator.
    subroutine search_piece(self, piece, error)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
@@ -162,7 +161,7 @@ contains
       real(wp) :: t(2), angle
       integer :: i, n
 
-      call look_at_ends(self, piece)
+      call sample_ends(self, piece)
       n = 1
       angle = (piece%t_b - piece%t_a)*self%frequency
       if (may_interpolate(piece, self%frequency)) then
@@ -186,9 +185,10 @@ contains
       end do
    end subroutine search_piece
 
-   !> Let both ends of a piece take part. It begins where the one before has ended, unless something
-   !> jumped there.
-   subroutine look_at_ends(self, piece)
+   !> Update the maxima with both ends of a piece.
+   !>
+   !> The beginning is the end of the previous piece, unless states or rates have jumped.
+   subroutine sample_ends(self, piece)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
       real(wp), parameter :: slack = 1.0e-12_wp
@@ -212,20 +212,20 @@ contains
       end associate
       self%t_end = piece%t_b
       self%y_end(:) = piece%y_b
-   end subroutine look_at_ends
+   end subroutine sample_ends
 
-   !> Is it plain from samples of a short step that nothing larger lies between them?
+   !> Return true if samples of a short step exclude a larger value between them.
    pure logical function is_plain(self, angle, highest)
       class(peak_search_t), intent(in) :: self
       real(wp), intent(in) :: angle
-      !! of the fastest vibration between two samples [rad]
+      !! phase of the fastest vibration between two samples [rad]
       real(wp), intent(in) :: highest(:)
       !! (quantities) the largest of the samples
       real(wp), parameter :: rise = 0.5_wp
-      !! of the range so far over the angle squared: by so much a second harmonic rises above both
-      !! ends, a vibration by a quarter of it [-]
+      !! possible rise over the range so far and the angle squared. A second harmonic rises by this
+      !! much above both ends, a vibration by a quarter of it [-]
       real(wp), parameter :: least_rise = 0.02_wp, stiff_rise = 100
-      !! the same where a stiff cable, which is not asked, vibrates faster
+      !! values for a stiff cable that vibrates faster; its frequency is not computed
       real(wp) :: margin
       integer :: q
 
@@ -238,17 +238,18 @@ contains
       is_plain = .true.
    end function is_plain
 
-   !> Is it plain from both ends and the middle of a step of up to 1.5 rad that nothing larger lies
-   !> in it? By the bounds of lanes (`rwmf_integrator_lane_reactions`): a peak rises above the
-   !> samples by a quarter of their range at most, and what falls or grows along the parabola
-   !> through them has none inside.
+   !> Return true if both ends and the middle of a step of up to 1.5 rad exclude a larger value.
+   !>
+   !> The bounds are those of lanes (`rwmf_integrator_lane_reactions`). A peak rises above the
+   !> samples by a quarter of their range at most. A demand that falls or grows along the parabola
+   !> through them has no peak inside.
    logical function is_flat(self, piece)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
       real(wp), parameter :: rise = 0.25_wp
-      !! of the range of the samples
+      !! possible rise over the range of the samples [-]
       real(wp), parameter :: slack = 0.01_wp
-      !! of the range so far
+      !! tolerance over the range so far [-]
       real(wp), dimension(size(piece%y_b)) :: y, y_dot
       real(wp) :: middle(size(self%largest)), low, slope(2)
       integer :: q
@@ -272,15 +273,15 @@ contains
       is_flat = .true.
    end function is_flat
 
-   !> Extrema in a part in which nothing vibrates by more than a quarter of its period.
+   !> Update the maxima over a part of at most a quarter of the shortest period.
    subroutine search_part(self, piece, states, t, found, error)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
       type(step_states_t), intent(in), allocatable :: states
       real(wp), intent(in) :: t(2)
-      !! its ends [s]
+      !! ends of the part [s]
       real(wp), intent(inout) :: found(:, :)
-      !! (quantities, nodes) the first is known
+      !! (quantities, nodes) values; those at the first node are known
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: times(n_nodes)
       integer :: i, q
@@ -303,20 +304,20 @@ contains
       end do
    end subroutine search_part
 
-   !> The maximum of a quantity between the nodes.
+   !> Refine the maximum of a quantity between the nodes.
    subroutine close_in(self, piece, states, q, times, found, error)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
       type(step_states_t), intent(in), allocatable :: states
       integer, intent(in) :: q
-      !! which quantity
+      !! number of the quantity
       real(wp), intent(in) :: times(n_nodes)
       !! [s]
       real(wp), intent(in) :: found(n_nodes)
-      !! the quantity there, nearly
+      !! approximate values at these times
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: miss = 0.1_wp
-      !! of the range in the part, by which the first point may miss the maximum
+      !! possible distance of the first point from the maximum, over the range in the part [-]
       type(maximum_t) :: search
       real(wp) :: at_point(size(self%largest))
       real(wp) :: vertex
@@ -335,7 +336,9 @@ contains
       if (allocated(states)) call sample(self, piece, search%x(1), at_point, error)
    end subroutine close_in
 
-   !> Quantities inside a piece. Those of the integrator's own state take part.
+   !> Compute the quantities inside a piece.
+   !>
+   !> They update the maxima only if the state comes from the integrator.
    subroutine sample(self, piece, t, found, error, states)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
@@ -343,7 +346,7 @@ contains
       real(wp), intent(out) :: found(:)
       type(error_t), allocatable, intent(out) :: error
       type(step_states_t), intent(in), optional :: states
-      !! which tell the state nearly
+      !! polynomials for an approximate state
       real(wp), dimension(size(piece%y_b)) :: y, y_dot
 
       if (present(states)) then

@@ -1,5 +1,7 @@
-!> Reactions inside a short piece of a step without a further step: by the quintic through states
-!> and accelerations at both ends. They say where to look, not what the reactions are.
+!> Estimates of the reactions inside a short piece of a step, without a further step.
+!>
+!> They use the quintic through states and accelerations at both ends. Estimates locate peaks; the
+!> reported values come from the integrator.
 module rwmf_simulation_recorder_reaction_estimates
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: vertex_of_parabola
@@ -19,33 +21,33 @@ module rwmf_simulation_recorder_reaction_estimates
    integer, parameter :: n_nodes = 5
    real(wp), parameter :: node(n_nodes) = [0.0_wp, 0.5_wp - sqrt(0.125_wp), 0.5_wp, &
       0.5_wp + sqrt(0.125_wp), 1.0_wp]
-   !! where a polynomial tells most about a piece [-]
+   !! Chebyshev-Lobatto nodes over a piece [-]
 
    integer, parameter :: nowhere = 0
    !! no peak reaches the level
    integer, parameter :: inside = 1
-   !! one that may do so may be in the piece
+   !! a peak that may reach it may be inside the piece
    integer, parameter :: at_first = 2
-   !! it is the beginning of the piece
+   !! the peak is at the beginning of the piece
    integer, parameter :: at_last = 3
-   !! it is its end
+   !! the peak is at the end of the piece
 
 contains
 
-   !> Does the quintic of a piece tell its reactions?
+   !> True if the quintic of a piece is accurate enough for its reactions.
    logical function has_estimate(piece)
       type(step_view_t), intent(in) :: piece
       real(wp), parameter :: short = 1
-      !! the quintic departs from a sine by 2e-5 of its amplitude [rad]
+      !! at this length the quintic differs from a sine by 2e-5 of its amplitude [rad]
       real(wp), parameter :: shortest = 1.0e-7_wp
-      !! round-off leaves the velocities of the quintic eight digits [rad]
+      !! at this length the velocities of the quintic have eight digits left [rad]
 
       has_estimate = piece%equation%parts%is_complete .and. piece%equation%n == 2 &
          .and. (piece%t_b - piece%t_a)*fastest_of(piece%equation) > shortest
       if (has_estimate) has_estimate = is_short(piece, short, fastest_of(piece%equation))
    end function has_estimate
 
-   !> Frequency of the fastest vibration of a scene [rad/s].
+   !> Highest natural frequency of a scene [rad/s].
    pure real(wp) function fastest_of(equation) result(frequency)
       type(equation_t), intent(in) :: equation
 
@@ -53,12 +55,12 @@ contains
          /equation%p%R))
    end function fastest_of
 
-   !> Reactions at the nodes of a piece.
+   !> Estimate the reactions at the nodes of a piece.
    subroutine estimate_reactions(piece, found)
       type(step_view_t), intent(in) :: piece
-      !! `has_estimate`
+      !! piece for which `has_estimate` is true
       real(wp), intent(out) :: found(n_quantities, n_nodes)
-      !! -N [m/s2], |H|/N [-] and |V| [m/s2], as `lane_reactions` finds them, at each node
+      !! -N [m/s2], |H|/N [-] and |V| [m/s2] at each node, from `lane_reactions`
       type(quartic_t) :: quintic
       real(wp) :: y_ddot(2), y(1, 2), acceleration(1, 2)
       real(wp) :: at(1, n_quantities)
@@ -83,15 +85,16 @@ contains
       end associate
    end subroutine estimate_reactions
 
-   !> Where a quantity that is known at the nodes may have a peak above a level: by the parabola
-   !> through the largest of them and its neighbours.
+   !> Place of a possible peak above a level, from values at the nodes.
+   !>
+   !> The peak follows from the parabola through the largest value and its neighbours.
    pure integer function place_of_peak(found, level) result(place)
       real(wp), intent(in) :: found(n_nodes)
       !! the quantity at the nodes, in any unit
       real(wp), intent(in) :: level
       !! value above which a peak counts, in the same unit
       real(wp), parameter :: margin = 0.1_wp
-      !! of the range of the samples, beyond the parabola; of its width, beyond an end
+      !! tolerance over the range of the samples, and over the width of the parabola [-]
       real(wp) :: vertex, peak, width, slope, bend
       integer :: best, k
 
@@ -121,8 +124,9 @@ contains
       if (peak + margin*(maxval(found) - minval(found)) < level) place = nowhere
    end function place_of_peak
 
-   !> May a quotient |H|/N that is known at the nodes of a piece have a peak that a parabola through
-   !> them misses? It is as smooth as its parts where N hardly varies.
+   !> True if |H|/N may have a peak that a parabola through its values at the nodes misses.
+   !>
+   !> Where N varies little, the quotient is as smooth as H and N.
    pure logical function is_sharp(normal)
       real(wp), intent(in) :: normal(n_nodes)
       !! N [m/s2]
@@ -130,12 +134,12 @@ contains
       is_sharp = .not. maxval(normal) - minval(normal) < minval(normal)/2
    end function is_sharp
 
-   !> Bound on a quotient |H|/N in a piece; `huge` where N may come to zero [-].
+   !> Upper bound of |H|/N in a piece; `huge` if N may reach zero [-].
    pure real(wp) function largest_quotient(normal, thrust) result(largest)
       real(wp), intent(in) :: normal(n_nodes), thrust(n_nodes)
       !! N and |H| at the nodes [m/s2]
       real(wp), parameter :: margin = 0.1_wp
-      !! of the range of the samples, by which a part may leave the range of two neighbours
+      !! tolerance between two neighbours, over the range of the samples [-]
       real(wp) :: low, high
       integer :: i
 
@@ -151,21 +155,23 @@ contains
       end do
    end function largest_quotient
 
-   !> Where H/N is stationary near an instant of small N: N as a parabola, H as a straight line, by
-   !> the slopes of the polynomials through the nodes.
+   !> Find the instants at which H/N is stationary, near an instant of small N.
+   !>
+   !> N is taken as a parabola and H as a straight line. Their derivatives are those of the
+   !> polynomials through the nodes.
    pure subroutine turns_of_quotient(t, normal, thrust, t_low, low, thrust_low, turn, width)
       real(wp), intent(in) :: t(n_nodes)
       !! nodes [s]
       real(wp), intent(in) :: normal(n_nodes), thrust(n_nodes)
       !! N and H, with its sign, at the nodes [m/s2]
       real(wp), intent(in) :: t_low
-      !! instant of the smallest N that is known [s]
+      !! instant of the smallest known N [s]
       real(wp), intent(in) :: low, thrust_low
-      !! N and H there [m/s2]
+      !! N and H at this instant [m/s2]
       real(wp), intent(out) :: turn(2)
-      !! instants [s]; beyond all numbers where there is none
+      !! instants [s]; `huge` without one
       real(wp), intent(out) :: width
-      !! way in which N doubles [s]
+      !! time in which N doubles [s]
       real(wp) :: slope(2), bend(2), a, b, c, q
 
       turn = huge(turn)
@@ -185,10 +191,10 @@ contains
       if (abs(c) < abs(q)*(t(n_nodes) - t(1))) turn(2) = t_low + c/q
    end subroutine turns_of_quotient
 
-   !> First and second derivative of the polynomial through the nodes, by Newton's form.
+   !> Compute first and second derivative of the polynomial through the nodes, by Newton's form.
    pure subroutine derivatives(t, f, at, slope, bend)
       real(wp), intent(in) :: t(n_nodes), f(n_nodes)
-      !! f of any unit at times [s]
+      !! times [s] and values of f in any unit
       real(wp), intent(in) :: at
       !! [s]
       real(wp), intent(out) :: slope, bend

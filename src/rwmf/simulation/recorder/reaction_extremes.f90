@@ -1,13 +1,13 @@
-!> Extrema of the reactions over a run, found while the observer passes by.
+!> Extrema of the reactions over a run, updated piece by piece.
 !>
-!> Reactions are smooth between two events or knots, but their extrema are at no event of their
-!> own. Each span of smooth motion is sampled where a polynomial tells most about it; an extremum
-!> that shows between the samples is then closed in on, to sqrt(epsilon) of the span in time, so
-!> that its value is exact to the tolerance of the integration. Both ends of a span count with
-!> their one-sided values. The impulses at impacts have no reaction and do not count.
+!> Reactions are smooth between two events or knots, but no event marks their extrema. Each span of
+!> smooth motion is sampled at Chebyshev-Lobatto nodes. An extremum between the samples is then
+!> refined to sqrt(epsilon) of the span in time. Its value is then exact to the integration
+!> tolerance. Both ends of a span count with their one-sided values. Impulses at impacts do not
+!> count.
 !>
-!> The friction demand |H|/N has sharp peaks where N is small, which samples miss: they are found
-!> beside the minimum of N, where H N' = H' N.
+!> The friction demand |H|/N has sharp peaks where N is small, which samples can miss. They are
+!> found near the minimum of N, where H N' = H' N.
 module rwmf_simulation_recorder_reaction_extremes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -15,14 +15,14 @@ module rwmf_simulation_recorder_reaction_extremes
       short_angle, so_far, value_count
    use rwmf_math_roots, only: bracket_between, bracket_t, climb, is_wider, maximum_between, &
       maximum_t, narrow, vertex_of_parabola
-   use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
+   use rwmf_model_assembly, only: equation_t, interval_of, rates_at
    use rwmf_model_reactions_loop, only: demand, low_normal, &
       n_quantities => reaction_count, shear
    use rwmf_model_equation, only: ground, has_further_effects, vertical_ground
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, is_short, &
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_short, &
       step_view_t
    use rwmf_simulation_recorder_reaction_estimates, only: at_first, at_last, estimate_reactions, &
       fastest_of, has_estimate, inside, is_sharp, largest_quotient, n_nodes, node, nowhere, &
@@ -34,7 +34,7 @@ module rwmf_simulation_recorder_reaction_extremes
    public :: observe_instant, observe_last, observe_moving, observe_resting
 
    integer, parameter :: thrust = n_quantities + 1
-   !! H with its sign, beside what is maximised [m/s2]
+   !! H with its sign, in addition to the maximised quantities [m/s2]
    integer, parameter :: n_found = n_quantities + 1
 
    !> Running maxima.
@@ -44,20 +44,20 @@ module rwmf_simulation_recorder_reaction_extremes
       real(wp) :: t_largest(n_quantities) = 0
       !! [s]
       real(wp) :: smallest(n_quantities) = huge(1.0_wp)
-      !! which tells how far they vary [m/s2], [-], [m/s2]
+      !! smallest values, for the range of each quantity [m/s2], [-], [m/s2]
       real(wp), allocatable :: limit
-      !! coefficient of friction to compare the demand with [-]
+      !! coefficient of friction, as a limit of the demand [-]
       real(wp), allocatable :: t_exceeded
-      !! first time at which the demand exceeds it [s]
+      !! first time at which the demand exceeds the limit [s]
       real(wp) :: t_rest = -1
-      !! until when the wall was seen at rest last [s]
+      !! end of the last observed span at rest [s]
       real(wp) :: ground_rest(2) = 0
-      !! acceleration of the ground then, horizontal and vertical [m/s2]
+      !! ground acceleration at that time, horizontal and vertical [m/s2]
    end type reaction_extremes_recorder_t
 
 contains
 
-   !> Begin, when the case asks for reactions.
+   !> Initialise the extrema if the case requests reactions.
    subroutine create_reaction_extremes(forces, case)
       type(reaction_extremes_recorder_t), allocatable, intent(out) :: forces
       type(case_t), intent(in) :: case
@@ -68,36 +68,36 @@ contains
       if (allocated(case%output%friction_limit)) forces%limit = case%output%friction_limit
    end subroutine create_reaction_extremes
 
-   !> The state in the end, which is all that there is of a run that takes no time.
-   subroutine observe_last(forces, equation, t, y, y_ddot)
+   !> Update the extrema with the final state if there is no other, as in a run of zero duration.
+   subroutine observe_last(forces, equation, t, y, y_dot)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]; without wall u'' [m/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
       if (forces%largest(shear) >= 0) return
-      call observe_instant(forces, equation, t, y, y_ddot)
+      call observe_instant(forces, equation, t, y, y_dot)
    end subroutine observe_last
 
-   !> One state.
-   subroutine observe_instant(forces, equation, t, y, y_ddot)
+   !> Update the extrema with one state.
+   subroutine observe_instant(forces, equation, t, y, y_dot)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]; without wall u'' [m/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
-      call keep_largest(forces, t, quantities(equation, reactions_at(equation, t, y, y_ddot)))
+      call keep_largest(forces, t, quantities(equation, reactions_at(equation, t, y, y_dot)))
    end subroutine observe_instant
 
-   !> Smooth motion inside the last step of the integrator.
+   !> Update the extrema over smooth motion inside the last step of the integrator.
    subroutine observe_moving(forces, piece, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: piece
@@ -126,7 +126,7 @@ contains
       end do
    end subroutine observe_moving
 
-   !> An end of a piece.
+   !> Update the extrema with an end of a piece.
    subroutine observe_end(forces, piece, t, y)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: piece
@@ -134,21 +134,23 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
+      real(wp) :: y_dot(size(y))
 
+      call rates_at(piece%equation, t, y, y_dot)
       call keep_largest(forces, t, quantities(piece%equation, reactions_at(piece%equation, t, y, &
-         second_derivative(piece%equation, t, y))))
+         y_dot)))
    end subroutine observe_end
 
-   !> Extrema over a short piece whose reactions are known nearly, which says where they are.
+   !> Update the extrema over a short piece, located with estimated reactions.
    subroutine search_estimate(forces, piece, is_settled, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: piece
-      !! `has_estimate`
+      !! piece for which `has_estimate` is true
       logical, intent(out) :: is_settled
-      !! nothing is left to be found
+      !! the piece needs no further search
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: slack = 0.01_wp
-      !! of the range so far, for what the estimate errs
+      !! part of the range so far, to allow for the error of the estimate [-]
       real(wp) :: found(n_quantities, n_nodes)
       real(wp) :: t_peak
       integer :: peak(n_quantities)
@@ -185,23 +187,25 @@ contains
       end do
    end subroutine search_estimate
 
-   !> Is it plain from both ends of a short step that it holds no extremum? Most steps are so short,
-   !> and so far from the extrema so far, that no state inside needs to be asked for.
+   !> True if the values at both ends of a short step exclude an extremum inside.
+   !>
+   !> Most steps are short and far below the extrema so far, so they need no state inside.
    logical function is_plain(forces, piece)
       type(reaction_extremes_recorder_t), intent(in) :: forces
       type(step_view_t), intent(in) :: piece
       real(wp) :: values(1, n_quantities, value_count), at_ends(n_found, 2)
-      real(wp) :: y_ddot(2)
+      real(wp) :: y_dot(piece%equation%n, 2)
       real(wp) :: found(1)
 
       associate (equation => piece%equation)
          is_plain = is_short(piece, short_angle, fastest_of(equation))
          if (.not. is_plain) return
-         y_ddot = accelerations(piece)
+         call rates_at(equation, piece%t_a, piece%y_a, y_dot(:, 1))
+         call rates_at(equation, piece%t_b, piece%y_b, y_dot(:, 2))
          at_ends(:, 1) = quantities(equation, reactions_at(equation, piece%t_a, piece%y_a, &
-            y_ddot(1)))
+            y_dot(:, 1)))
          at_ends(:, 2) = quantities(equation, reactions_at(equation, piece%t_b, piece%y_b, &
-            y_ddot(2)))
+            y_dot(:, 2)))
          values(1, :, at_begin) = at_ends(:n_quantities, 1)
          values(1, :, at_end) = at_ends(:n_quantities, 2)
          values(1, :, so_far) = forces%largest
@@ -212,7 +216,7 @@ contains
       end associate
    end function is_plain
 
-   !> The wall stays at rest while the motion goes through the interval in force.
+   !> Update the extrema over the current interval of the motion, with the wall at rest.
    subroutine observe_resting(forces, equation, y, t_a, t_b)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in), target :: equation
@@ -223,11 +227,11 @@ contains
       real(wp), intent(in) :: t_b
       !! [s]
       type(error_t), allocatable :: error
-      !! stays empty: no integrator is asked
+      !! never set: no integrator is involved
       real(wp), parameter :: slack = 1.0e-12_wp
       real(wp), dimension(n_found) :: at_begin, at_end
       real(wp) :: acceleration(2)
-      !! of the ground [m/s2]
+      !! ground acceleration [m/s2]
       type(step_view_t) :: span
 
       span%equation => equation
@@ -235,15 +239,15 @@ contains
       span%t_a = t_a
       do while (span%t_a < t_b)
          span%t_b = min(turning_point(equation%motion, interval_of(equation), span%t_a), t_b)
-         ! it rests on from where it has been seen last, unless the ground jumps
+         ! the previous span at rest includes this instant, unless the ground acceleration jumps
          at_begin = -huge(at_begin)
          acceleration = shaking(equation, span%t_a)
          if (abs(span%t_a - forces%t_rest) > 0 .or. any(abs(acceleration - forces%ground_rest) &
              > slack*abs(forces%ground_rest))) call sample(span, span%t_a, at_begin, error)
          call sample(span, span%t_b, at_end, error)
          forces%smallest = min(forces%smallest, at_end(:n_quantities))
-         ! Without further effects nothing but the ground varies, from end to end of the span.
-         ! under a straight one |H| and |V| are largest at an end, and |H|/N as well
+         ! Without further effects only the ground acceleration varies over the span. Where it is
+         ! linear, |H|, |V| and |H|/N are largest at an end.
          if ((has_further_effects(equation) .and. .not. equation%state%line%is_straight) &
              .or. any(max(at_begin(:n_quantities), at_end(:n_quantities)) > forces%largest)) then
             call search_span(forces, span, error)
@@ -266,7 +270,7 @@ contains
       if (equation%has_vertical) acceleration(2) = vertical_ground(equation, t)
    end function shaking
 
-   !> Extrema over a span in which motion and reactions go through a quarter of a period at most.
+   !> Update the extrema over a span of at most a quarter of a period of motion and reactions.
    subroutine search_span(forces, span, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: span
@@ -307,14 +311,14 @@ contains
       end do
    end subroutine search_span
 
-   !> Is the demand of a scene |H|/N, and not the force of a shear key?
+   !> True if the demand of a scene is |H|/N, not the force of a shear key.
    pure logical function is_quotient(equation)
       type(equation_t), intent(in) :: equation
 
       is_quotient = equation%has_wall .and. .not. equation%parts%has_shear_key
    end function is_quotient
 
-   !> Bound on |H|/N in a piece from N and the quotient at the nodes.
+   !> Upper bound of |H|/N in a piece, from N and the quotient at the nodes [-].
    pure real(wp) function bound(normal, quotient)
       real(wp), intent(in) :: normal(n_nodes), quotient(n_nodes)
       !! N [m/s2] and |H|/N [-]
@@ -323,21 +327,22 @@ contains
       bound = largest_quotient(normal, abs(normal)*min(quotient, cap))
    end function bound
 
-   !> The largest |H|/N in a span where N varies by more than half of its smallest value. `t_peak`
-   !> is the time of the first peak above the limit, else the end of the span.
+   !> Search for the largest |H|/N in a span where N varies by more than half of its minimum.
+   !>
+   !> `t_peak` is the time of the first peak above the limit, or else the end of the span.
    subroutine search_quotient(forces, span, t, found, t_peak, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: span
       real(wp), intent(in) :: t(n_nodes)
       !! nodes [s]
       real(wp), intent(in) :: found(n_found, n_nodes)
-      !! samples there
+      !! samples at the nodes
       real(wp), intent(out) :: t_peak
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: far = 0.25_wp
-      !! part of the largest so far below which a sample is no sign of a larger one
+      !! samples below this part of the largest so far indicate no larger value [-]
       real(wp), parameter :: beside = 1.0e-4_wp
-      !! distance from an end over the width of a peak, at which a sample shows that it rises
+      !! distance of further samples from the ends over the width of a peak; they show a rise [-]
       real(wp) :: point(n_nodes + 5), value(n_nodes + 5), low(n_found), turn(2), width, t_low
       type(maximum_t) :: search
       integer :: i, n
@@ -381,7 +386,7 @@ contains
 
    contains
 
-      !> Put an instant inside the span, with its value, among the others.
+      !> Insert an instant inside the span, with its value.
       subroutine add_point(at)
          real(wp), intent(in) :: at
          real(wp) :: sampled(n_found)
@@ -401,14 +406,14 @@ contains
       end subroutine add_point
    end subroutine search_quotient
 
-   !> Smallest N in a span whose nodes have been sampled, and what else is found there.
+   !> Find the smallest N in a span with sampled nodes, and all quantities at this instant.
    subroutine find_smallest_normal(forces, span, t, found, t_low, low, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: span
       real(wp), intent(in) :: t(n_nodes)
       !! nodes [s]
       real(wp), intent(in) :: found(n_found, n_nodes)
-      !! samples there
+      !! samples at the nodes
       real(wp), intent(out) :: t_low
       real(wp), intent(out) :: low(n_found)
       type(error_t), allocatable, intent(out) :: error
@@ -435,22 +440,23 @@ contains
       end do
    end subroutine find_smallest_normal
 
-   !> Close in on the maximum of a quantity, when the samples show one between them that can be the
-   !> largest so far. `t_peak` is its time, or the end of the span.
+   !> Refine the maximum of a quantity between the samples if it can be the largest so far.
+   !>
+   !> `t_peak` is the time of the maximum, or else the end of the span.
    subroutine refine(forces, span, q, t, found, t_peak, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: span
       integer, intent(in) :: q
-      !! which quantity
+      !! number of the quantity
       real(wp), intent(in) :: t(n_nodes)
       real(wp), intent(in) :: found(n_nodes)
-      !! its samples
+      !! samples of the quantity
       real(wp), intent(out) :: t_peak
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: margin = 0.25_wp
-      !! of the range of the samples, beyond the largest of them: more than they can miss
+      !! part of the sample range; a maximum exceeds the largest sample by less than this [-]
       real(wp), parameter :: slack = 0.1_wp
-      !! of the width of the parabola, beyond its ends: more than its vertex errs
+      !! part of the width of the parabola; the error of its vertex is smaller [-]
       type(maximum_t) :: search
       real(wp) :: at_point(n_found)
       real(wp) :: vertex, width
@@ -475,11 +481,11 @@ contains
       t_peak = search%x(1)
    end subroutine refine
 
-   !> Bisect to the instant at which the demand passes the limit.
+   !> Find the instant at which the demand exceeds the limit, by bisection.
    subroutine find_exceedance(forces, span, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: span
-      !! the demand exceeds the limit at its end, and is below it at its beginning or nowhere
+      !! the demand exceeds the limit at the end, and is below it at the beginning or nowhere
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: found(n_found)
       type(bracket_t) :: bracket
@@ -493,18 +499,19 @@ contains
       forces%t_exceeded = bracket%high
    end subroutine find_exceedance
 
-   !> What is to be maximised, at one instant. An event at an end of the span has been placed more
-   !> exactly than the integrator knows.
+   !> Compute the maximised quantities at one instant.
+   !>
+   !> At the ends of the span the given states apply: an event there is located more exactly than
+   !> the integrator's solution.
    subroutine sample(span, t, found, error)
       type(step_view_t), intent(in) :: span
-      !! with the states at its ends as far as they are known; at rest with those that stay
+      !! with the known states at its ends; at rest with the constant states
       real(wp), intent(in) :: t
       real(wp), intent(out) :: found(n_found)
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: y(span%equation%n)
-      real(wp) :: y_ddot
+      real(wp), dimension(span%equation%n) :: y, y_dot
 
-      y_ddot = 0
+      y_dot = 0
       if (.not. associated(span%integrator)) then
          y = span%y_a
       else
@@ -516,9 +523,9 @@ contains
             call span%integrator%state_at(t, y, error)
          end if
          if (allocated(error)) return
-         y_ddot = second_derivative(span%equation, t, y)
+         call rates_at(span%equation, t, y, y_dot)
       end if
-      found = quantities(span%equation, reactions_at(span%equation, t, y, y_ddot))
+      found = quantities(span%equation, reactions_at(span%equation, t, y, y_dot))
    end subroutine sample
 
    pure function quantities(equation, reactions) result(found)

@@ -1,8 +1,8 @@
-!> What is remembered of a simulation: maxima, counts, and on request history, events and energy.
+!> Recorder of a simulation: maxima, counts, and on request history, events and energy.
 !>
-!> The observer reads the states that the hybrid loop passes by; nothing that it does changes them.
+!> The recorder reads the states of the hybrid loop and never changes them.
 module rwmf_simulation_recorder_recorder
-   use rwmf_core_error, only: err_input, err_numerical, error_t, fail
+   use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t, stationary_point
    use rwmf_math_sign_changes, only: no_change, one_change
@@ -37,7 +37,8 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
       observe_instant, observe_last, observe_moving, observe_resting, reaction_extremes_recorder_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
-   use rwmf_simulation_recorder_top_motion, only: top_displacements, top_motion_t
+   use rwmf_simulation_recorder_top_motion, only: top_count, top_displacements, &
+      top_motion_t
    use rwmf_simulation_result, only: append_event, energy_t, event_t, history_t, shorten_events
    implicit none
    private
@@ -48,12 +49,12 @@ module rwmf_simulation_recorder_recorder
    public :: observe_impact, observe_event, observe_grazing, finish_recorder
    public :: observe_chatter
 
-   !> What has been counted, and the largest values so far.
+   !> Counts and running maxima.
    type :: peaks_t
       real(wp) :: u_max = 0
       !! largest |u_s| [m]
       real(wp) :: t_u_max = 0
-      !! its first time [s]
+      !! first time of this value [s]
       real(wp) :: theta_max = 0
       !! largest theta [rad]; bare frame: displacement [m]
       real(wp) :: theta_min = 0
@@ -61,60 +62,61 @@ module rwmf_simulation_recorder_recorder
       real(wp) :: theta_dot_max = 0
       !! largest |theta'| [rad/s]
       real(wp) :: theta_dot_ends = 0
-      !! the same at the ends of steps, whether or not it is looked for inside them [rad/s]
+      !! largest |theta'| at the ends of steps only [rad/s]
       integer(i8) :: impacts = 0
       integer(i8) :: lift_offs = 0
       real(wp) :: t_grazing = -1
-      !! when the wall first turned back on its base, or hardly above it; negative: never [s]
+      !! time of the first grazing, a return onto or just above the base; negative: none [s]
       real(wp) :: t_chatter = -1
-      !! when bounces below the resolution were first averaged; negative: never [s]
+      !! time of the first averaging of unresolved bounces; negative: none [s]
    end type peaks_t
 
    !> Running maxima, counts and records.
    type, extends(peaks_t) :: recorder_t
       real(wp) :: cable_max
-      !! largest P/(m_w g) of a tendon that can yield or break [-]
+      !! largest P/(m_w g) of a tendon that can yield or fracture [-]
       logical :: keeps_energy
       type(energy_t) :: energy
       real(wp), allocatable :: drifts(:)
-      !! largest |u_i - u_(i-1)| of storeys that can yield [m]; not allocated without
+      !! largest |u_i - u_(i-1)| of storeys that can yield [m]; not allocated without such storeys
       real(wp), allocatable :: t_drifts(:)
       !! their times [s]
       real(wp), allocatable :: top(:)
-      !! (2) largest displacement of the frame and deflection of a bent wall's top [m]; not allocated
-      !! without `&bending`
+      !! largest displacement of the frame [m], tip deflection [m] and drift of the wall [-];
+      !! allocated with `&bending`
       type(reaction_extremes_recorder_t), allocatable :: forces
-      !! only when reactions were asked for
+      !! allocated only if reactions are requested
       type(demand_recorder_t), allocatable :: demands
-      !! only when demands were asked for
+      !! allocated only if demands are requested
       type(envelope_recorder_t), allocatable :: envelopes
-      !! only when envelopes were asked for
+      !! allocated only if envelopes are requested
       logical :: keeps_history
       logical :: keeps_events
-      !! with a history, or for a host that steps
+      !! set with a history, or for a host that steps the wall
       type(history_t), allocatable :: history
       type(history_row_t) :: row
-      !! that is written next
+      !! next row to write
       real(wp) :: dt
       !! interval of the history [s]
       real(wp) :: m_w_g
-      !! weight of the wall, 0 when the case gives no mass [N]
+      !! weight of the wall, 0 if the case gives no mass [N]
       real(wp), allocatable :: weights(:)
-      !! (quantities) that the ratio of each in N or N m is over, 0 when the case gives no mass [N]
+      !! (quantities) reference weight of the ratio of each quantity in N or N m; 0 if the case
+      !! gives no mass [N]
       integer, allocatable :: newtons(:, :)
-      !! (4, quantities in N) place of each in the table, first and last column of its ratio,
-      !! storeys below without a column
+      !! (4, quantities in N) index in the table, first and last column of the ratio, number of
+      !! storeys below that have no column
       integer :: next_row
-      !! first row of the history that is still to be filled
+      !! first row of the history that is still empty
       type(event_t), allocatable :: events(:)
       integer :: n_events
       type(nearby_t), allocatable :: nearby
-      !! only where the run tells how sensitive it is
+      !! allocated only if the run estimates its sensitivity
    end type recorder_t
 
 contains
 
-   !> Begin to observe, with the state at t = 0.
+   !> Initialise a recorder with the state at t = 0.
    subroutine create_recorder(recorder, case, equation, t_end, y, error)
       type(recorder_t), intent(out) :: recorder
       type(case_t), intent(in) :: case
@@ -141,16 +143,9 @@ contains
       allocate (recorder%events(0))
       if (equation%floors%yields) allocate (recorder%drifts(equation%floors%n), source=0.0_wp)
       if (equation%floors%yields) allocate (recorder%t_drifts(equation%floors%n), source=0.0_wp)
-      if (equation%beam%n > 0) allocate (recorder%top(2), source=0.0_wp)
+      if (equation%beam%n > 0) allocate (recorder%top(top_count), source=0.0_wp)
       call observe_state(recorder, equation, 0.0_wp, y)
       if (.not. allocated(case%output)) return
-      if (equation%beam%n > 0 .and. (case%output%reactions .or. case%output%demands &
-          .or. case%output%envelopes)) then
-         call fail(error, err_input, 'a wall with &bending has no reactions, demands or envelopes ' &
-            //'yet (&output reactions, or such a quantity by name): displacements, rotations, ' &
-            //'modes, counts and energies are reported')
-         return
-      end if
       recorder%keeps_energy = case%output%energy
       recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
       call create_reaction_extremes(recorder%forces, case)
@@ -164,7 +159,7 @@ contains
    subroutine create_history(recorder, case, equation, t_end, y, error)
       type(recorder_t), intent(inout) :: recorder
       type(case_t), intent(in) :: case
-      !! with an interval of the history
+      !! case with an interval of the history
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_end
       !! [s]
@@ -203,7 +198,7 @@ contains
       end if
    end subroutine create_history
 
-   !> Let a state take part in the maxima.
+   !> Update the maxima with a state.
    subroutine observe_state(recorder, equation, t, y)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -232,8 +227,9 @@ contains
       end if
    end subroutine observe_state
 
-   !> Does every step have to be observed, and not only what happens in some, and what the reactions
-   !> call for?
+   !> True if every step must be observed.
+   !>
+   !> Otherwise only steps with events, or with possible extrema of reactions, need it.
    pure logical function needs_all_steps(recorder) result(needs_all)
       type(recorder_t), intent(in) :: recorder
 
@@ -242,14 +238,14 @@ contains
          .or. allocated(recorder%envelopes)
    end function needs_all_steps
 
-   !> Does what is asked for show the ground motion while the wall rests?
+   !> True if the requested outputs depend on the ground motion while the wall rests.
    pure logical function sees_rest(recorder)
       type(recorder_t), intent(in) :: recorder
 
       sees_rest = recorder%keeps_history .or. sees_forces(recorder)
    end function sees_rest
 
-   !> Are forces, accelerations or velocities asked for?
+   !> Return true if forces, accelerations or velocities are requested.
    pure logical function sees_forces(recorder)
       type(recorder_t), intent(in) :: recorder
 
@@ -257,16 +253,16 @@ contains
          .or. allocated(recorder%envelopes)
    end function sees_forces
 
-   !> A piece of smooth motion inside the last step of the integrator.
+   !> Record a piece of smooth motion inside the last step of the integrator.
    subroutine observe_piece(recorder, piece, error, has_plain_reactions, has_calm_demands)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       logical, intent(in), optional :: has_plain_reactions
-      !! it is known to hold no extremum of the reactions
+      !! the piece is known to have no extremum of the reactions
       logical, intent(in), optional :: has_calm_demands
-      !! nor of the demands
+      !! the piece is known to have no extremum of the demands
       type(displacements_t) :: storeys
       logical :: is_left
 
@@ -294,13 +290,13 @@ contains
       if (recorder%keeps_energy) call integrate_powers(recorder%energy, piece, error)
    end subroutine observe_piece
 
-   !> Displacements of a bent wall's top inside a piece.
+   !> Update the maxima of a bending wall's roof displacement and tip deflection inside a piece.
    subroutine observe_top(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       type(top_motion_t) :: top
-      real(wp) :: times(2)
+      real(wp) :: times(top_count)
 
       call observe_turns(recorder%top, times, top, piece, error)
       if (.not. piece%equation%has_frame .or. .not. recorder%top(1) > recorder%u_max) return
@@ -308,14 +304,16 @@ contains
       recorder%t_u_max = times(1)
    end subroutine observe_top
 
-   !> Maximum of |theta'| inside a piece, where theta'' = 0, when it can be the largest so far. A
-   !> long piece is searched in parts.
+   !> Update the maximum of |theta'| inside a piece, at theta'' = 0.
+   !>
+   !> The search is skipped if no value can exceed the largest so far. A long piece is searched in
+   !> parts.
    subroutine observe_fastest(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: short = 1
-      !! over the fastest rate of the scene
+      !! limit of a short piece, times the fastest rate of the scene [-]
       real(wp), dimension(size(piece%y_b)), target :: y_a, y_b
       type(step_view_t) :: part
       integer :: i, n
@@ -345,7 +343,9 @@ contains
       end do
    end subroutine observe_fastest
 
-   !> The same in a piece of at most a quarter of a period, wherever theta'' changes its sign.
+   !> Update the maximum of |theta'| in a piece of at most a quarter of a period.
+   !>
+   !> Candidates are the instants at which theta'' changes its sign.
    subroutine observe_turn(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
@@ -356,7 +356,7 @@ contains
       type(watch_t) :: watch
       logical :: is_found
       integer, parameter :: most_turns = 20
-      !! more of them in a part are round-off
+      !! further ones in a part are round-off
       integer :: i
 
       if (fastest_in(piece) < recorder%theta_dot_max) return
@@ -384,7 +384,7 @@ contains
       end select
    end subroutine observe_turn
 
-   !> Is it plain that |theta'| does not exceed a value in a span?
+   !> True if |theta'| provably does not exceed a value in a span.
    pure logical function stays_within(largest, span)
       real(wp), intent(in) :: largest
       !! [rad/s]
@@ -394,8 +394,10 @@ contains
          changes_in(span, watch_t(1, 0, level=largest, side=-1.0_wp))] == no_change)
    end function stays_within
 
-   !> The same where theta'' changes its sign once: the cubic through ends and slopes gives the
-   !> instant, which a secant closes in on until nothing is to be gained.
+   !> Update the maximum of |theta'| in a piece where theta'' changes its sign once.
+   !>
+   !> The cubic through values and slopes at both ends gives a first instant. A secant method
+   !> refines it until the value no longer changes.
    subroutine observe_extremum(recorder, piece, slope, error)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
@@ -421,14 +423,15 @@ contains
       end do
    end subroutine observe_extremum
 
-   !> Rows of the history up to t_b from the integrator's last step.
+   !> Write the rows of the history in a piece, from the integrator's last step.
    subroutine sample_piece(recorder, piece, error)
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
       type(energy_t) :: energy
-      !! up to the row; that of the run is summed up over whole pieces, whatever the rows
+      !! energy up to the row; the sum of the run uses whole pieces and is independent of the rows
       real(wp), target :: y(size(piece%y_b))
+      real(wp) :: y_dot(size(piece%y_b))
       real(wp) :: t
 
       do while (recorder%next_row <= size(recorder%history%values, 1))
@@ -439,12 +442,12 @@ contains
          energy = recorder%energy
          if (recorder%keeps_energy) call integrate_powers(energy, until(piece, t, y), error)
          if (allocated(error)) return
-         call write_row(recorder, piece%equation, t, y, second_derivative(piece%equation, t, y), &
-            energy)
+         call rates_at(piece%equation, t, y, y_dot)
+         call write_row(recorder, piece%equation, t, y, y_dot, energy)
       end do
    end subroutine sample_piece
 
-   !> The wall rests from t_a to t_b, inside the interval in force.
+   !> Record a wall at rest from t_a to t_b, inside the current interval of the motion.
    subroutine observe_rest(recorder, equation, y, t_a, t_b)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -454,7 +457,7 @@ contains
       !! [s]
       real(wp), intent(in) :: t_b
       !! [s]
-      real(wp) :: t
+      real(wp) :: t, y_dot(size(y))
 
       if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, y, t_a, t_b)
       if (allocated(recorder%demands)) call observe_demands_at_rest(recorder%demands, equation, y, &
@@ -465,11 +468,12 @@ contains
       do while (recorder%next_row <= size(recorder%history%values, 1))
          t = (recorder%next_row - 1)*recorder%dt
          if (t > t_b) exit
-         call write_row(recorder, equation, t, y, 0.0_wp, recorder%energy)
+         call find_rates_at_rest(equation, t, y, y_dot)
+         call write_row(recorder, equation, t, y, y_dot, recorder%energy)
       end do
    end subroutine observe_rest
 
-   !> A wall on its base without velocity.
+   !> Record a wall on its base without velocity.
    subroutine observe_still(recorder, equation, t, y)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -480,60 +484,56 @@ contains
       real(wp) :: y_dot(size(y))
 
       call rates_at(equation, t, y, y_dot)
-      if (allocated(recorder%forces)) call observe_instant(recorder%forces, equation, t, y, &
-         y_dot(2))
+      if (allocated(recorder%forces)) call observe_instant(recorder%forces, equation, t, y, y_dot)
       if (allocated(recorder%demands)) call search_state(recorder%demands, equation, t, y, y_dot)
       if (allocated(recorder%envelopes)) call search_state(recorder%envelopes, equation, t, y, &
          y_dot)
    end subroutine observe_still
 
-   !> Rates of all states, where that of the velocity is known.
-   subroutine complete_rates(equation, t, y, y_ddot, y_dot)
+   !> Compute the rates of all states while the wall rests.
+   subroutine find_rates_at_rest(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' or u''
       real(wp), intent(out) :: y_dot(:)
 
       y_dot = 0
       if (equation%floors%n > 1 .or. equation%beam%n > 0) call rates_at(equation, t, y, y_dot)
-      y_dot(2) = y_ddot
-   end subroutine complete_rates
+      y_dot(2) = 0
+   end subroutine find_rates_at_rest
 
-   !> The next row of the history.
-   subroutine write_row(recorder, equation, t, y, y_ddot, energy)
+   !> Write the next row of the history.
+   subroutine write_row(recorder, equation, t, y, y_dot, energy)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' or u''
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
       type(energy_t), intent(in) :: energy
-      !! with the work done up to t
+      !! energy with the work up to t
 
       recorder%row%n = 0
-      call put_columns(recorder, equation, t, y, y_ddot, energy)
-      ! A wall at rest on its left side is at 0, not at -0.
+      call put_columns(recorder, equation, t, y, y_dot, energy)
+      ! Adding zero turns -0 of a wall at rest on its left side into 0.
       recorder%history%values(recorder%next_row, :) = recorder%row%values + 0.0_wp
       recorder%next_row = recorder%next_row + 1
    end subroutine write_row
 
-   !> The columns that apply to the scene, in their order.
-   subroutine put_columns(recorder, equation, t, y, y_ddot, energy)
+   !> Fill in the columns that apply to the scene, in their order.
+   subroutine put_columns(recorder, equation, t, y, y_dot, energy)
       type(recorder_t), intent(inout) :: recorder
-      !! gains a row
+      !! its `row` receives the columns
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
+      real(wp), intent(in) :: y_dot(:)
       type(energy_t), intent(in) :: energy
       type(cable_state_t) :: cable
       real(wp) :: u_s
       !! [m]
       real(wp) :: u_s_dot
       !! [m/s]
-      real(wp) :: y_dot(size(y))
       integer :: i
 
       u_s = 0
@@ -542,7 +542,7 @@ contains
          if (equation%has_wall) then
             call put(row, id%theta_rad, y(1))
             call put(row, id%theta_dot_rad_s, y(2))
-            call put(row, id%theta_ddot_rad_s2, y_ddot)
+            call put(row, id%theta_ddot_rad_s2, y_dot(2))
          end if
          if (equation%has_frame) then
             call frame_motion(equation, equation%state%side, y, u_s, u_s_dot)
@@ -564,16 +564,14 @@ contains
          if (equation%floors%yields) call put_shears(row, equation, y)
          if (equation%beam%n > 0) call put(row, id%q_i_m, y(equation%beam%first: &
             equation%beam%first + equation%beam%n - 1))
-         if (allocated(recorder%demands)) then
-            call complete_rates(equation, t, y, y_ddot, y_dot)
-            call put_storeys(row, recorder%demands, equation, t, y, y_dot)
-         end if
+         if (allocated(recorder%demands)) call put_storeys(row, recorder%demands, equation, t, y, &
+            y_dot)
          if (allocated(recorder%forces)) then
-            call put_reactions(row, equation, m_w_g, t, y, y_ddot, u_s)
+            call put_reactions(row, equation, m_w_g, t, y, y_dot, u_s)
          end if
          if (allocated(recorder%demands)) call put_demands(row, recorder%demands, equation)
          if (allocated(recorder%envelopes)) call put_envelopes(row, recorder%envelopes, equation, &
-            t, y, y_ddot)
+            t, y, y_dot)
          if (allocated(row%names)) call list_newtons(recorder)
          do i = 1, size(recorder%newtons, 2)
             associate (n => recorder%newtons(:, i))
@@ -585,10 +583,12 @@ contains
       end associate
    end subroutine put_columns
 
-   !> Which columns of the row so far follow in N, those that stand there already apart.
+   !> List the columns of the row for which a column in N follows.
+   !>
+   !> Quantities that the row already has in N are left out.
    subroutine list_newtons(recorder)
       type(recorder_t), intent(inout) :: recorder
-      !! with a row that gathers names
+      !! its row collects names
       integer :: i, first, place
 
       allocate (recorder%newtons(4, 0))
@@ -609,7 +609,7 @@ contains
       end associate
    end subroutine list_newtons
 
-   !> An impact with the angular velocity before and after it.
+   !> Record an impact with the angular velocities before and after it.
    subroutine observe_impact(recorder, equation, before, after)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -625,8 +625,10 @@ contains
       end if
    end subroutine observe_impact
 
-   !> The wall comes back to its base and is driven off again. An error of a tolerance of the
-   !> largest rotation changes its velocity by the half of it over the clearance: is that 1e-4?
+   !> Record grazing: the wall returns to its base and is driven away again.
+   !>
+   !> A rotation error of rtol times the largest rotation changes the velocity there by half the
+   !> ratio of this error to the clearance. Grazing counts if this relative change reaches 1e-4.
    subroutine observe_grazing(recorder, rtol, t, clearance)
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: rtol
@@ -634,10 +636,10 @@ contains
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: clearance
-      !! rotation that is left, or by which it would have gone on [rad]
+      !! remaining rotation, or rotation beyond the base [rad]
       real(wp), parameter :: seen = 1.0e-4_wp
       real(wp), parameter :: largest = 0.01_wp
-      !! clearance over the largest rotation that is ever called grazing [-]
+      !! upper limit of clearance over largest rotation for grazing [-]
 
       if (recorder%t_grazing >= 0) return
       associate (largest_rotation => max(recorder%theta_max, -recorder%theta_min))
@@ -646,23 +648,23 @@ contains
       recorder%t_grazing = t
    end subroutine observe_grazing
 
-   !> Bounces below the resolution are averaged.
+   !> Record bounces that are averaged because they are below the resolution.
    pure subroutine observe_chatter(recorder, t, impacts)
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t
       !! [s]
       integer(i8), intent(in) :: impacts
-      !! their number
+      !! number of averaged impacts
 
       recorder%impacts = recorder%impacts + impacts
       if (recorder%t_chatter < 0) recorder%t_chatter = t
    end subroutine observe_chatter
 
-   !> Keep an event for the list when there is one.
+   !> Append an event to the list, if events are kept.
    subroutine observe_event(recorder, kind, t, y)
       type(recorder_t), intent(inout) :: recorder
       integer, intent(in) :: kind
-      !! one of the `event_` numbers
+      !! kind of the event, one of the `event_` numbers
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
@@ -673,7 +675,7 @@ contains
       end if
    end subroutine observe_event
 
-   !> The simulation has reached its end with the state y.
+   !> Complete the records at the end of a simulation.
    subroutine finish_recorder(recorder, equation, t, y, is_at_rest)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(inout) :: equation
@@ -682,22 +684,24 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       logical, intent(in) :: is_at_rest
-      !! the wall rests then, so that its acceleration is 0
+      !! the wall rests at the end, so its acceleration is 0
       type(history_row_t) :: parts
-      !! of the energy
-      real(wp) :: y_ddot, y_dot(size(y))
+      !! parts of the energy
+      real(wp) :: y_dot(size(y))
       integer :: before
-      !! interval of the motion up to the last knot
+      !! interval of the motion that ends at the last knot
 
-      ! what moves the ground beyond a knot at the end is not in the run
+      ! the ground motion after a knot at the end does not belong to the run
       before = max(0, interval_of(equation) - 1)
       if (t <= interval_end(equation%motion, before)) call enter_interval(equation%model_t, &
          equation%state, before)
       call observe_state(recorder, equation, t, y)
-      y_ddot = 0
-      if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
-      if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_ddot)
-      if (sees_forces(recorder)) call complete_rates(equation, t, y, y_ddot, y_dot)
+      if (is_at_rest) then
+         call find_rates_at_rest(equation, t, y, y_dot)
+      else
+         call rates_at(equation, t, y, y_dot)
+      end if
+      if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_dot)
       if (allocated(recorder%demands)) call search_state(recorder%demands, equation, t, y, y_dot)
       if (allocated(recorder%envelopes)) call search_state(recorder%envelopes, equation, t, y, &
          y_dot)
@@ -715,18 +719,20 @@ contains
       if (recorder%next_row > size(recorder%history%values, 1)) return
       ! The last row may lie within round-off beyond the end.
       if ((recorder%next_row - 1)*recorder%dt <= t*(1 + 16*epsilon(t))) then
-         call write_row(recorder, equation, t, y, y_ddot, recorder%energy)
+         call write_row(recorder, equation, t, y, y_dot, recorder%energy)
       end if
-      ! of a motion that ends early, by overturning or collapse, there are no more rows
+      ! overturning and collapse end the history early
       call shorten_rows(recorder%history%values, recorder%next_row - 1)
    end subroutine finish_recorder
 
-   !> Keep the first rows, in a memory of their own: a whole history is too much for the stack.
+   !> Keep the first rows of a history.
+   !>
+   !> The copy is allocated explicitly, because a temporary array could exceed the stack.
    pure subroutine shorten_rows(values, n)
       real(wp), allocatable, intent(inout) :: values(:, :)
       !! (rows, columns)
       integer, intent(in) :: n
-      !! number of rows that are kept
+      !! number of rows to keep
       real(wp), allocatable :: kept(:, :)
 
       if (n == size(values, 1)) return

@@ -1,6 +1,7 @@
-!> States inside a short piece of a step at the cost of one further step: by the polynomials through
-!> displacements, velocities and accelerations at both ends and in the middle. They say where to
-!> look, to far more digits than a maximum needs: its value comes from the integrator.
+!> Interpolated states inside a short piece of a step, at the cost of one further step.
+!>
+!> The polynomials use displacements, velocities and accelerations at both ends and in the middle.
+!> They locate a maximum to far more digits than it needs; its value comes from the integrator.
 module rwmf_simulation_recorder_step_states
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -12,28 +13,28 @@ module rwmf_simulation_recorder_step_states
    public :: step_states_t, may_interpolate, fit_states, state_inside
 
    integer, parameter :: most = 9
-   !! conditions on a polynomial
+   !! largest number of conditions on a polynomial
 
-   !> Polynomials of a piece in Newton's form, over the position in it from 0 to 1.
+   !> Polynomials of a piece in Newton's form, over the relative position from 0 to 1.
    type :: step_states_t
       real(wp) :: t_a
       !! [s]
       real(wp) :: h
-      !! its length [s]
+      !! length of the piece [s]
       real(wp), allocatable :: c(:, :)
-      !! (conditions, states) of displacements, of which velocities are the rates; 6 conditions of
-      !! states that are neither
+      !! (conditions, states) coefficients for displacements, whose rates are the velocities. Other
+      !! states have 6 conditions
       integer, allocatable :: displacement(:)
-      !! (states) of which a state is the velocity; 0: of none
+      !! (states) displacement whose velocity this state is; 0: none
    end type step_states_t
 
 contains
 
-   !> Is a piece short enough, and not so short that round-off governs?
+   !> True if a piece is short enough to interpolate, but not so short that round-off governs.
    logical function may_interpolate(piece, frequency) result(may)
       type(step_view_t), intent(in) :: piece
       real(wp), intent(in) :: frequency
-      !! of the fastest vibration [rad/s]
+      !! frequency of the fastest vibration [rad/s]
       real(wp), parameter :: longest = 1.5_wp, shortest = 1.0e-3_wp
       !! [rad]
 
@@ -41,7 +42,7 @@ contains
       if (may) may = is_short(piece, longest, frequency)
    end function may_interpolate
 
-   !> Polynomials of a piece whose rates at both ends are known.
+   !> Compute the polynomials of a piece from the rates at both ends.
    subroutine fit_states(piece, rates, states, error)
       type(step_view_t), intent(in) :: piece
       real(wp), intent(in) :: rates(:, :)
@@ -74,7 +75,7 @@ contains
       end do
    end subroutine fit_states
 
-   !> Displacement that each state is the velocity of; 0: of none.
+   !> Number of the displacement whose velocity each state is; 0: none.
    pure function velocities(equation) result(displacement)
       type(equation_t), intent(in) :: equation
       integer, allocatable :: displacement(:)
@@ -89,12 +90,12 @@ contains
       end associate
    end function velocities
 
-   !> Divided differences of a function at 0, 1/2 and 1, each as often as its derivatives are given.
+   !> Divided differences of a function at 0, 1/2 and 1, with its given derivatives.
    pure function newton_form(f, slope, bend) result(c)
       real(wp), intent(in) :: f(3), slope(3)
-      !! with its first derivative, of any unit
+      !! values and first derivatives, in any unit
       real(wp), intent(in), optional :: bend(3)
-      !! half of its second one
+      !! halves of the second derivatives
       real(wp) :: c(most), x(most)
       integer :: i, k, n, times
 
@@ -120,7 +121,7 @@ contains
       end do
    end function newton_form
 
-   !> State at a time of the piece.
+   !> Interpolate the state at a time inside the piece.
    pure subroutine state_inside(states, t, y)
       type(step_states_t), intent(in) :: states
       real(wp), intent(in) :: t

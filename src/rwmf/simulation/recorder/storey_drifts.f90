@@ -1,4 +1,4 @@
-!> How far the storeys of a frame have been displaced, where they yield.
+!> Largest storey drifts of a yielding frame.
 module rwmf_simulation_recorder_storey_drifts
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -16,10 +16,10 @@ module rwmf_simulation_recorder_storey_drifts
 
 contains
 
-   !> Let a state take part in the largest displacements.
+   !> Update the largest drifts with a state.
    subroutine observe_drifts(largest, equation, y)
       real(wp), intent(inout) :: largest(:)
-      !! (n) of |u_i - u_(i-1)| so far [m]
+      !! (n) largest |u_i - u_(i-1)| so far [m]
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
@@ -30,7 +30,8 @@ contains
       largest = max(largest, abs(d))
    end subroutine observe_drifts
 
-   !> Let the turns inside a piece of the last step, and its end, take part in them.
+   !> Update the largest displacements with the turning points inside a piece of the last step and
+   !> its end.
    subroutine observe_turns(largest, times, displacements, step, error)
       real(wp), intent(inout) :: largest(:)
       !! (storeys) largest |u_i - u_(i-1)| so far [m]
@@ -68,8 +69,9 @@ contains
       end do
    end subroutine observe_turns
 
-   !> Is it plain from the ends of a short piece, the last of which takes part, that no storey goes
-   !> farther out between them?
+   !> True if the ends of a short piece exclude larger displacements between them.
+   !>
+   !> The end of the piece updates the largest displacements.
    logical function is_inside(largest, times, storeys)
       real(wp), intent(inout) :: largest(:), times(:)
       class(displacements_t), intent(inout) :: storeys
@@ -94,8 +96,10 @@ contains
       end do
    end function is_inside
 
-   !> Is it plain that a storey does not go farther out than ever in a span? One that hardly moves
-   !> beside the others, before their motion reaches it, has its largest displacement later.
+   !> True if a span provably has no larger drift of a storey.
+   !>
+   !> A storey that moves very little compared with the others counts as well, because it reaches
+   !> its largest drift later.
    logical function stays_within(largest, k, span)
       real(wp), intent(in) :: largest
       !! [m]
@@ -103,7 +107,7 @@ contains
       !! number of the storey, from the ground
       type(span_t), intent(in) :: span
       real(wp), parameter :: hardly = 1.0e-6_wp
-      !! of the largest displacement of all storeys [-]
+      !! negligible part of the largest drift of all storeys [-]
 
       stays_within = largest < hardly*span%largest(0)
       if (stays_within) return
@@ -112,7 +116,7 @@ contains
          side=-1.0_wp)) == no_change
    end function stays_within
 
-   !> Let the turns of a storey in a span, and its end, take part.
+   !> Update the largest displacement with its turning points in a span and the end.
    subroutine follow_turns(largest, time, storeys, k, span, error)
       real(wp), intent(inout) :: largest
       !! [m]

@@ -1,13 +1,13 @@
-!> A frame of several storeys whose roof is linked to the wall, with all its modes.
+!> Frame of several storeys with all its modes, whose roof is linked to the wall.
 !>
-!> The rotation moves the roof; the floors below it are free. Their displacements u_i and
-!> velocities v_i relative to the ground are states of their own, so that an impact, which gives the
-!> roof a jump of velocity, leaves them as they are:
+!> The rotation of the wall moves the roof; the floors below it are free. Their displacements u_i
+!> and velocities v_i relative to the ground are states. An impact changes the roof's velocity
+!> suddenly and leaves these states unchanged:
 !>
 !>    m_i (v_i' + u_g'') = k_(i+1) (u_(i+1) - u_i) - k_i (u_i - u_(i-1)) - (C v)_i,   i < n
 !>
-!> The roof's own mass and the stiffness of the storey below it are the frame of `equation_t` (gamma
-!> and omega_s); a storey that yields is on one of the branches of `yielding_storeys`.
+!> The frame of `equation_t` (gamma and omega_s) represents the roof's mass and the stiffness of
+!> the uppermost storey. Each yielding storey is on one of the branches of `yielding_storeys`.
 module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, floors_t, &
@@ -28,16 +28,16 @@ module rwmf_model_effects_storeys_shear_building
 
 contains
 
-   !> Put the frame's storeys into the equation. In a spectrum all stiffnesses follow the period.
+   !> Add the frame's storeys to the equation. In a spectrum all stiffnesses scale with the period.
    subroutine set_storeys(case, equation)
       type(case_t), intent(in) :: case
-      !! with `&storeys` and its modes
+      !! case with `&storeys` and its modes
       type(equation_t), intent(inout) :: equation
       type(shear_frame_t) :: frame
       real(wp) :: unit
-      !! mass that energies are per, over m_w: the wall's, without wall the roof's [-]
+      !! reference mass of energies over m_w: 1, or without wall the roof's mass [-]
       real(wp) :: pace
-      !! of the frame in this scene [-]
+      !! frequency of this scene over that of the case's storeys [-]
       integer :: n
 
       frame = case%storeys%frame
@@ -72,7 +72,7 @@ contains
       equation%moves_at_rest = equation%has_impacts .and. n > 1
    end subroutine set_storeys
 
-   !> Coefficients of the loop of all modes, as `add_floors` reads them.
+   !> Coefficients of `add_floors`, for all modes.
    pure subroutine storey_coefficients(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
@@ -93,19 +93,19 @@ contains
       end associate
    end subroutine storey_coefficients
 
-   !> One mode: the ground pushes more of the frame than moves with the roof.
+   !> Coefficient of `add_excited_mass`: mass excited by the ground minus mass moving with the
+   !> roof.
    pure subroutine excited_mass_coefficients(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
-      !! that of `add_excited_mass` [-]
+      !! coefficient of `add_excited_mass` [-]
 
       coef(1) = frame_mass(model)*(model%floors%excited_mass_ratio - 1)
    end subroutine excited_mass_coefficients
 
-   !> Forces, K u + C v when all is elastic, with which the storeys resist the motion of floors and
-   !> roof [m/s2].
+   !> Resisting forces of the storeys on floors and roof, K u + C v for elastic storeys [m/s2].
    function resistance(equation, y) result(force)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -121,7 +121,7 @@ contains
    !> Shears of the storeys' columns, without dampers [m/s2].
    pure function column_shears(equation, y) result(shear)
       type(equation_t), intent(in) :: equation
-      !! with all modes of the frame
+      !! equation with all modes of the frame
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: shear(equation%floors%n)
@@ -130,15 +130,15 @@ contains
          equation%state%side, y))
    end function column_shears
 
-   !> The same for a displacement of the roof that is known.
+   !> Shears of the storeys' columns for a given displacement of the roof [m/s2].
    pure function shears_at(floors, branches, y, u_roof) result(shear)
       type(floors_t), intent(in) :: floors
       type(branch_t), intent(in) :: branches(:)
-      !! (floors)
+      !! (floors) active branches
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: u_roof
-      !! [m]
+      !! displacement of the roof [m]
       real(wp) :: shear(floors%n)
       real(wp) :: u(0:floors%n)
 
@@ -156,17 +156,17 @@ contains
       end associate
    end function shears_at
 
-   !> Resistance for a motion of the roof that is known.
+   !> Resisting forces of the storeys for a given motion of the roof [m/s2].
    pure function resistance_to(floors, branches, y, u_roof, v_roof) result(force)
       type(floors_t), intent(in) :: floors
       type(branch_t), intent(in) :: branches(:)
-      !! (floors)
+      !! (floors) active branches
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: u_roof
-      !! [m]
+      !! displacement of the roof [m]
       real(wp), intent(in) :: v_roof
-      !! [m/s]
+      !! velocity of the roof [m/s]
       real(wp) :: force(floors%n)
       real(wp), dimension(floors%n) :: shear, v
 
@@ -179,15 +179,15 @@ contains
       end associate
    end function resistance_to
 
-   !> Rate of momentum of the floors below the roof that its own motion does not say; zero without
-   !> storeys [m/s2].
+   !> Rate of momentum of the floors below the roof beyond that implied by the roof's motion
+   !> [m/s2].
    !>
-   !> One mode: they move as their share of the roof, and the modes that are left out follow the
-   !> ground. All modes: what the storeys do to them.
+   !> One mode: the floors move in proportion to the roof, and the omitted modes follow the ground.
+   !> All modes: the sum of the storeys' forces on the floors. Without storeys it is zero.
    real(wp) function floor_inertia(equation, t, y, u_ddot) result(inertia)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
-      !! [s]
+      !! time [s]
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: u_ddot
@@ -203,12 +203,12 @@ contains
       end if
    end function floor_inertia
 
-   !> Columns of the history: displacements of the floors below the roof relative to the ground [m],
-   !> and what each storey is displaced by over its height [-].
+   !> Write the history columns of the floors' displacements relative to the ground [m] and the
+   !> interstorey drift ratios [-].
    subroutine put_floors(row, equation, y)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
-      !! with all modes of the frame
+      !! equation with all modes of the frame
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: u(0:size(equation%floors%m))
@@ -221,15 +221,16 @@ contains
       call put(row, id%storey_i_drift, (u(1:) - u(:n - 1))/equation%floors%height)
    end subroutine put_floors
 
-   !> The floors move about as much as the roof; z is at most d/u_y and 1.
+   !> Estimate the size of the states: floors move about as much as the roof, z is at most d/u_y
+   !> and 1.
    subroutine storey_sizes(effect, equation, size_guess, sizes)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: size_guess(2)
-      !! of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
+      !! sizes of theta and theta' [rad], [rad/s] or of u and u' [m], [m/s]
       real(wp), intent(out) :: sizes(:)
-      !! (states of the effect) of displacements [m] and velocities [m/s] of the floors, and of z
-      !! [-]
+      !! (states of the effect) sizes of displacements [m] and velocities [m/s] of the floors, and
+      !! of z [-]
 
       associate (n => equation%floors%n - 1)
          sizes(:n) = frame_travel(equation)*size_guess(1)
@@ -239,8 +240,9 @@ contains
       end associate
    end subroutine storey_sizes
 
-   !> Kinetic energy of the floors below the roof, and strain of the storeys beyond that of the roof
-   !> on the spring of the uppermost one [J/kg].
+   !> Kinetic energy of the floors below the roof, and strain energy of the storeys [J/kg]. The
+   !> latter excludes the energy of the frame of `equation_t`, the uppermost spring at the roof's
+   !> displacement.
    function storey_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation

@@ -1,5 +1,5 @@
-!> Storeys of the frame, `&storeys`: their lists or the rule that they follow, and how they are
-!> linked to the wall.
+!> Storeys of the frame, `&storeys`: their lists, or the rule that generates them, and their link
+!> to the wall.
 module rwmf_model_effects_storeys_storeys
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
@@ -27,7 +27,7 @@ module rwmf_model_effects_storeys_storeys
 
 contains
 
-   !> The group `&storeys`: its keys, and how they are checked and read.
+   !> Describe the group `&storeys`: its keys and the procedures that check and read them.
    type(case_group_t) function storeys_group() result(group)
       type(key_t) :: distribution
 
@@ -70,7 +70,7 @@ contains
       group%refuse_element => refuse_element
    end function storeys_group
 
-   !> A key that may stand beside the one whose values it scales.
+   !> Mark a key as one that scales another key and may be given with it.
    pure type(key_t) function scaling(key)
       type(key_t), intent(in) :: key
 
@@ -78,7 +78,7 @@ contains
       scaling%scales = .true.
    end function scaling
 
-   !> The lists of `n` storeys that follow a rule, and the stiffnesses that a first period asks for.
+   !> Derive the lists of `n` storeys from a rule, and the stiffnesses from a given first period.
    subroutine derive_storeys(values, error)
       type(group_values_t), intent(inout) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -101,7 +101,7 @@ contains
       if (has_key(values, 'storeys', 'n')) then
          call spread_out('height', frame%height)
          call spread_out(trim(m_key), frame%m)
-         ! the period may say how stiff they are
+         ! T_1 alone may determine the stiffnesses
          if (.not. allocated(frame%k) .and. has_key(values, 'storeys', 'T_1')) frame%k = [1.0_wp]
          if (allocated(error) .or. .not. allocated(frame%k)) return
          if (size(frame%k) == 1) then
@@ -118,7 +118,7 @@ contains
          call derive(values, 'storeys', 'k_over_m_w', trim(k_key), frame%k)
       end if
       if (.not. (has_key(values, 'storeys', 'T_1') .and. allocated(frame%k))) return
-      ! lists that do not fit are for the rules
+      ! check_lists refuses lists of different lengths
       if (size(frame%k) /= size(frame%m)) return
       call find_modes(frame, error)
       if (allocated(error)) return
@@ -127,7 +127,7 @@ contains
 
    contains
 
-      !> One number for all storeys.
+      !> Expand one number to all storeys.
       subroutine spread_out(key, list)
          character(*), intent(in) :: key
          real(wp), allocatable, intent(inout) :: list(:)
@@ -136,7 +136,7 @@ contains
 
          n = integer_of(values, 'storeys', 'n')
          if (size(list) == 1) then
-            ! not of itself: gfortran 12 reads it after it has been given back
+            ! not by self-assignment: gfortran 12 reads the list after deallocating it
             one = list(1)
             list = [(one, i=1, n)]
          end if
@@ -146,22 +146,22 @@ contains
       end subroutine spread_out
    end subroutine derive_storeys
 
-   !> Stiffness of each storey from that of the lowest.
+   !> Compute the stiffness of each storey from that of the lowest.
    pure function stiffnesses(distribution, frame) result(k)
       character(*), intent(in) :: distribution
       type(shear_frame_t), intent(in) :: frame
-      !! with masses and heights, and the stiffness of the lowest storey
+      !! masses and heights, and the stiffness of the lowest storey
       real(wp) :: k(size(frame%height))
       real(wp) :: moment(size(frame%height))
-      !! of each floor's mass about the ground, over g
+      !! first moment of each floor's mass about the ground
       integer :: i
 
       select case (distribution)
       case ('linear')
-         ! falls with the height at which the storey begins, to zero at the roof
+         ! proportional to the height of the roof above the bottom of the storey
          k = [(sum(frame%height(i:)), i=1, size(k))]/sum(frame%height)
       case ('straight_mode')
-         ! each storey bears the inertia of the floors above it, which grows with their height
+         ! each storey bears the inertia of the floors above it, proportional to their height
          moment = frame%m*[(sum(frame%height(:i)), i=1, size(k))]
          do i = 1, size(k)
             k(i) = sum(moment(i:))/frame%height(i)
@@ -173,7 +173,7 @@ contains
       k = frame%k(1)*k
    end function stiffnesses
 
-   !> Storeys say what period and mass ratio would say; their lists belong together.
+   !> Check that no key contradicts the storeys and that their lists agree.
    subroutine check_storeys(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -182,7 +182,7 @@ contains
       if (.not. allocated(error)) call check_lists(values, error)
    end subroutine check_storeys
 
-   !> What storeys set themselves, and the link that needs a wall.
+   !> Refuse keys that the storeys determine, and floors linked to the wall in a case without one.
    subroutine check_excluded(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -208,7 +208,7 @@ contains
          //'&storeys, whose masses it scales', error)
    end subroutine check_excluded
 
-   !> One mass, stiffness and height a storey, none too stiff, as high as the wall.
+   !> Check one mass, stiffness and height for each storey, the periods, and the total height.
    subroutine check_lists(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -252,7 +252,7 @@ contains
       end subroutine check_length
    end subroutine check_lists
 
-   !> Storeys with their modes, which give the frame its period and mass ratio.
+   !> Read the storeys and compute their modes, which set the period and mass ratio of the frame.
    subroutine fill_storeys(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
@@ -265,7 +265,7 @@ contains
       call set_equivalent_frame(case, error)
    end subroutine fill_storeys
 
-   !> All modes, whose storeys may yield one by one, or one mode.
+   !> Prepare the contribution of the storeys: one mode, or all modes, whose storeys may yield.
    subroutine prepare_storeys(case, equation, storeys)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -300,7 +300,7 @@ contains
       has_storeys = allocated(case%storeys)
    end function has_storeys
 
-   !> With all modes, displacements and velocities of the floors below the roof.
+   !> Add the names of the floor states: with all modes, displacement and velocity of each floor.
    pure subroutine add_floor_states(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)

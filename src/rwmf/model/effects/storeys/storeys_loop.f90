@@ -1,5 +1,5 @@
-!> Loops over lanes of a frame with storeys: all its modes, whose floors below the roof have states
-!> of their own, or one mode.
+!> Frame with storeys in the equation of motion, for all lanes. The floors below the roof have
+!> states with all modes, and none with one mode.
 module rwmf_model_effects_storeys_storeys_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
@@ -12,7 +12,7 @@ module rwmf_model_effects_storeys_storeys_loop
    public :: no_hysteresis, floor_coefficients, floor_states
 
    integer, parameter :: no_hysteresis = -1
-   !! storeys on straight lines; else the factors of Bouc and Wen's power
+   !! law of storeys on straight lines; other values are the factors of Bouc and Wen's power
 
 contains
 
@@ -27,7 +27,7 @@ contains
       if (law /= no_hysteresis) n_coef = n_coef + 4*n
    end function floor_coefficients
 
-   !> Number of states of its own that `add_floors` moves.
+   !> Number of states of the floors and of smooth storeys in `add_floors`.
    pure integer function floor_states(n, law) result(n_states)
       integer, intent(in) :: n
       !! number of storeys
@@ -38,30 +38,31 @@ contains
       if (law /= no_hysteresis) n_states = n_states + n
    end function floor_states
 
-   !> Rates of the floors below the roof, and the force of the uppermost storey on the roof.
+   !> Compute the rates of the floors below the roof and add the uppermost storey's force to the
+   !> moment.
    pure subroutine add_floors(n, law, coef, y, motion, y_dot)
       integer, intent(in) :: n
       !! number of storeys, from the ground to the roof
       integer, intent(in) :: law
       !! `no_hysteresis`, or the factors of the power of smooth storeys (`raise_state`)
       real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
-      !! R [m]; of each storey slope [1/s2] and offset [m/s2] of its line, over the unit of mass; of
-      !! each floor one over its mass [-]; damping by rows [1/s]; of smooth storeys force at z = 1
-      !! [m/s2], one over the displacement at yield [1/m], part lost, exponent
+      !! R [m]; slope [1/s2] and offset [m/s2] of each storey's line, over the unit of mass;
+      !! reciprocal mass of each floor [-]; damping by rows [1/s]. Smooth storeys append the
+      !! force at z = 1 [m/s2], reciprocal yield displacement [1/m], lost part [-], exponent [-]
       real(wp), intent(in) :: y(lane_count, floor_states(n, law))
       !! displacements [m] and velocities [m/s] of the floors below the roof, states z of smooth
       !! storeys [-]
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: y_dot(lane_count, floor_states(n, law))
-      !! rates of these states, which are set [m/s], [m/s2], [1/s]
+      !! rates of these states, all set here [m/s], [m/s2], [1/s]
       real(wp) :: u_roof(lane_count), v_roof(lane_count)
-      !! [m], [m/s]
+      !! displacement and velocity of the roof [m], [m/s]
       real(wp) :: shear(lane_count, n + 1)
-      !! of the columns of each storey; none above the roof [m/s2]
+      !! shear of the columns of each storey; zero above the roof [m/s2]
       real(wp) :: force(lane_count)
-      !! that resists a floor [m/s2]
+      !! resisting force on a floor [m/s2]
       integer :: damping
-      !! column before those of a floor's damping
+      !! index of the column before those of a floor's damping
       integer :: i, j, k
 
       damping = 3*n + 1
@@ -103,15 +104,15 @@ contains
       end do
    end subroutine add_floors
 
-   !> Shears of storeys on straight lines.
+   !> Compute the shears of storeys on straight lines.
    pure subroutine find_shears(n, coef, u, u_roof, shear)
       integer, intent(in) :: n
       real(wp), intent(in) :: coef(lane_count, 2*n + 1)
-      !! the first of those of `add_floors`
+      !! first coefficients of `add_floors`
       real(wp), intent(in) :: u(lane_count, n - 1)
       !! displacements of the floors below the roof [m]
       real(wp), intent(in) :: u_roof(lane_count)
-      !! [m]
+      !! displacement of the roof [m]
       real(wp), intent(inout) :: shear(lane_count, n + 1)
       real(wp) :: below(lane_count)
       integer :: i, j
@@ -130,16 +131,16 @@ contains
       end do
    end subroutine find_shears
 
-   !> Hysteretic parts of the shears of smooth storeys, and the rates of their states.
+   !> Add the hysteretic shears of smooth storeys and compute the rates of their states.
    pure subroutine add_smooth_shears(n, factors, coef, y, v_roof, shear, y_dot)
       integer, intent(in) :: n
       integer, intent(in) :: factors
       real(wp), intent(in) :: coef(lane_count, 4*n)
-      !! of smooth storeys, as `add_floors` says
+      !! coefficients of smooth storeys, see `add_floors`
       real(wp), intent(in) :: y(lane_count, 3*n - 2)
-      !! states, as those of `add_floors`
+      !! states of `add_floors`
       real(wp), intent(in) :: v_roof(lane_count)
-      !! [m/s]
+      !! velocity of the roof [m/s]
       real(wp), intent(inout) :: shear(lane_count, n + 1)
       real(wp), intent(inout) :: y_dot(lane_count, 3*n - 2)
       real(wp) :: rate(lane_count), power(lane_count)
@@ -158,10 +159,10 @@ contains
       end do
    end subroutine add_smooth_shears
 
-   !> One mode: the ground pushes more of the frame than moves with the roof.
+   !> Add the ground force on the excited mass that does not move with the roof (one mode).
    pure subroutine add_excited_mass(coef, motion)
       real(wp), intent(in) :: coef(lane_count)
-      !! mass over m_w that it pushes beyond that [-]
+      !! excited mass minus mass moving with the roof, over m_w [-]
       type(lane_motion_t), intent(inout) :: motion
       integer :: i
 
@@ -171,12 +172,12 @@ contains
       end do
    end subroutine add_excited_mass
 
-   !> Power of that push.
+   !> Add the power of this ground force.
    pure subroutine add_excited_mass_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
-      !! of the power in the sum [-]
+      !! weight of the power in the sum [-]
       real(wp), intent(in) :: coef(lane_count)
-      !! that of `add_excited_mass` [-]
+      !! coefficient of `add_excited_mass` [-]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
@@ -190,15 +191,15 @@ contains
       end do
    end subroutine add_excited_mass_power
 
-   !> Powers of the ground motion on the floors below the roof, of the frame's dampers, and of the
-   !> plastic flow of smooth storeys.
+   !> Add the powers of the ground motion on the floors below the roof, of the frame's dampers, and
+   !> of the plastic flow of smooth storeys.
    pure subroutine add_floor_power(n, law, weight, coef, y, y_dot, motion, total)
       integer, intent(in) :: n
       !! number of storeys, from the ground to the roof
       integer, intent(in) :: law
       !! `no_hysteresis`, or smooth storeys
       real(wp), intent(in) :: weight
-      !! of the powers in the sum [-]
+      !! weight of the powers in the sum [-]
       real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
       !! coefficients of `add_floors`
       real(wp), intent(in) :: y(lane_count, floor_states(n, law))
@@ -209,11 +210,11 @@ contains
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
       real(wp) :: own(lane_count, power_count)
-      !! over m_w [W/kg]
+      !! powers of this frame over m_w [W/kg]
       real(wp) :: v(lane_count, 0:n)
       !! velocities from the ground to the roof [m/s]
       real(wp) :: force(lane_count)
-      !! of the dampers on a floor [m/s2]
+      !! force of the dampers on a floor [m/s2]
       integer :: i, j, k, m
 
       own = 0
@@ -251,19 +252,19 @@ contains
       end do
    end subroutine add_floor_power
 
-   !> Power that plastic flow of smooth storeys takes.
+   !> Add the power dissipated by plastic flow of smooth storeys.
    pure subroutine add_smooth_power(n, coef, v, z, z_dot, power)
       integer, intent(in) :: n
       real(wp), intent(in) :: coef(lane_count, 4*n)
-      !! of smooth storeys, as `add_floors` says
+      !! coefficients of smooth storeys, see `add_floors`
       real(wp), intent(in) :: v(lane_count, 0:n)
       !! velocities from the ground to the roof [m/s]
       real(wp), intent(in) :: z(lane_count, n)
-      !! [-]
+      !! hysteretic states [-]
       real(wp), intent(in) :: z_dot(lane_count, n)
-      !! [1/s]
+      !! rates of these states [1/s]
       real(wp), intent(inout) :: power(lane_count)
-      !! over m_w [W/kg]
+      !! sum of powers over m_w [W/kg]
       integer :: i, j
 
       do j = 1, n

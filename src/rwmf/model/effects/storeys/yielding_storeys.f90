@@ -1,9 +1,9 @@
-!> Storeys that yield one by one: the spring of each, which branch it is on, and what that means for
-!> the shear, the energy and what stays displaced.
+!> Storeys that yield one by one: the spring of each, its active branch, and the resulting shear,
+!> energy and residual displacement.
 !>
-!> The displacement d_i = u_i - u_(i-1) of a storey is no function of the rotation alone. So the end
-!> of a branch is looked for in the states (`simulation/events`), storey by storey: elastic branches
-!> end at a known d_i, one that yields where d_i' changes its sign.
+!> The displacement d_i = u_i - u_(i-1) of a storey is not a function of the rotation alone. So the
+!> end of a branch is located in the states (`simulation/events`), storey by storey. An elastic
+!> branch ends at a known d_i, a yielding one where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: discrete_state_t, equation_t, floors_t, model_t, &
@@ -27,12 +27,12 @@ module rwmf_model_effects_storeys_yielding_storeys
 
 contains
 
-   !> A spring for each storey of the frame.
+   !> Create a spring or a smooth law for each storey of the frame.
    subroutine choose_storey_springs(case, equation)
       type(case_t), intent(in) :: case
-      !! with `&yielding storey_u_y`
+      !! case with `&yielding storey_u_y`
       type(equation_t), intent(inout) :: equation
-      !! with its floors
+      !! equation with its floors
 
       equation%floors%yields = .true.
       if (has_branches(case%yielding)) then
@@ -48,7 +48,7 @@ contains
       end if
    end subroutine choose_storey_springs
 
-   !> Smooth hysteresis of each storey; the states of all stand behind the velocities of the floors.
+   !> Create the smooth law of each storey. Their states follow the velocities of the floors.
    subroutine choose_laws(case, floors)
       type(case_t), intent(in) :: case
       type(floors_t), intent(inout) :: floors
@@ -63,7 +63,8 @@ contains
       end do
    end subroutine choose_laws
 
-   !> Storeys that have not moved before, at an initial state: loaded once from zero and let go.
+   !> Initialise storeys that have not moved: load them slowly from zero to the initial state, then
+   !> release them.
    subroutine start_storeys(model, state, y)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -88,19 +89,20 @@ contains
       call renew_coefficients(model, state)
    end subroutine start_storeys
 
-   !> Storeys that yield against their motion unload: an impact has turned it, or the state has come
-   !> to a turn within round-off. Smooth ones take over the signs of their motion.
+   !> Unload yielding storeys that move against their loading direction after an impact, or within
+   !> round-off of a reversal. Smooth storeys take the signs of their motion.
    subroutine settle_storeys(model, state, y, keeps_directions)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states)
       logical, intent(in) :: keeps_directions
-      !! the loading directions are known: rates within round-off of zero do not change them
+      !! true if the loading directions are known and rates within round-off of zero do not change
+      !! them
       real(wp) :: d(model%floors%n)
       real(wp) :: d_dot(model%floors%n)
       integer :: highest
-      !! storey that unloads
+      !! number of the highest storey that unloads
       integer :: i
 
       if (.not. model%floors%yields) return
@@ -122,33 +124,33 @@ contains
       call renew_storeys(model, state, highest)
    end subroutine settle_storeys
 
-   !> Let the loops over lanes follow the branches of storeys.
+   !> Update the coefficients of the loops after branches of storeys have changed.
    !>
-   !> Where the floors below the roof have states, the wall bears the uppermost storey alone, and a
-   !> smooth one by its state: what follows for lift-off then stays known. To find it anew after
-   !> each branch takes the cube of the number of storeys.
+   !> Only the uppermost storey acts on the wall, and a smooth one acts through its state. So the
+   !> cached uplift quantities remain valid unless the uppermost storey has changed its branch. The
+   !> time to recompute them grows with the cube of the number of storeys.
    pure subroutine renew_storeys(model, state, highest)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: highest
-      !! of the storeys whose branches have changed, from the ground up
+      !! highest storey whose branch has changed, from the ground up
       logical :: is_known
 
-      is_known = state%bearing_is_known .and. (allocated(state%storey_signs) &
+      is_known = state%capacity_is_known .and. (allocated(state%storey_signs) &
          .or. highest < model%floors%n)
       call renew_coefficients(model, state)
-      state%bearing_is_known = is_known
+      state%capacity_is_known = is_known
    end subroutine renew_storeys
 
-   !> Displacements between which the branch of a storey holds; a smooth one has no limits.
+   !> Displacements between which the branch of a storey is valid; a smooth storey has no limits.
    pure subroutine branch_limits(equation, storey, low, high)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: storey
-      !! its number, from the ground up
+      !! number of the storey, from the ground up
       real(wp), intent(out) :: low
-      !! [m]
+      !! lower limit [m]
       real(wp), intent(out) :: high
-      !! [m]
+      !! upper limit [m]
 
       low = -huge(low)
       high = huge(high)
@@ -156,13 +158,13 @@ contains
          equation%state%storeys(storey), low, high)
    end subroutine branch_limits
 
-   !> Sign that d_i' must keep on the branch in force, or in the piece of a smooth law; 0 on an
+   !> Sign that d_i' keeps on the active branch, or in the current piece of a smooth law; 0 on an
    !> elastic branch.
    pure integer function loading_direction_of(model, state, storey) result(direction)
       class(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
-      !! its number, from the ground up
+      !! number of the storey, from the ground up
 
       if (allocated(state%storey_signs)) then
          direction = state%storey_signs(storey)%loading_direction
@@ -171,23 +173,23 @@ contains
       end if
    end function loading_direction_of
 
-   !> Has a smooth storey not moved yet, so that it has no loading direction?
+   !> Return whether a smooth storey has not moved yet, so that it has no loading direction.
    pure logical function stands_still(state, storey)
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
-      !! its number, from the ground up
+      !! number of the storey, from the ground up
 
       stands_still = .false.
       if (allocated(state%storey_signs)) stands_still = &
          state%storey_signs(storey)%loading_direction == 0
    end function stands_still
 
-   !> Sign of the hysteretic state of a smooth storey beyond zero, where it can pass zero in the
-   !> piece in force; else 0.
+   !> Sign of the hysteretic state of a smooth storey after it passes zero in the current piece; 0
+   !> if it cannot.
    pure integer function side_beyond_zero(state, storey) result(side)
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
-      !! its number, from the ground up
+      !! number of the storey, from the ground up
 
       side = 0
       if (.not. allocated(state%storey_signs)) return
@@ -196,7 +198,7 @@ contains
       end associate
    end function side_beyond_zero
 
-   !> Hysteretic states of smooth storeys; zero of others [-].
+   !> Hysteretic states of smooth storeys; zero for other storeys [-].
    pure function hysteretic_states(equation, y) result(z)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -207,38 +209,38 @@ contains
       if (allocated(equation%floors%laws)) z = y(equation%floors%laws%place)
    end function hysteretic_states
 
-   !> The hysteretic force of a smooth storey passes zero, to the last bit.
+   !> Set the hysteretic state of a smooth storey exactly to zero where it passes zero.
    pure subroutine stop_at_zero(model, storey, y)
       type(model_t), intent(in) :: model
       integer, intent(in) :: storey
-      !! its number, from the ground up
+      !! number of the storey, from the ground up
       real(wp), intent(inout) :: y(:)
       !! (states)
 
       y(model%floors%laws(storey)%place) = 0
    end subroutine stop_at_zero
 
-   !> A storey comes to a limit of its branch.
+   !> Begin the next branch where a storey reaches a limit of its branch.
    pure subroutine pass_storey_limit(model, state, storey, is_rising)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: storey
-      !! its number, from the ground up
+      !! number of the storey, from the ground up
       logical, intent(in) :: is_rising
-      !! d_i grows
+      !! true if d_i grows
 
       call pass_limit(model%floors%springs(storey), state%storeys(storey), is_rising)
       call renew_storeys(model, state, storey)
    end subroutine pass_storey_limit
 
-   !> A storey turns back, or begins to move: what yielded unloads.
+   !> Unload a storey that reverses, or set the loading direction of a smooth one.
    subroutine turn_storey(model, state, storey, is_rising, y)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: storey
-      !! its number, from the ground up
+      !! number of the storey, from the ground up
       logical, intent(in) :: is_rising
-      !! d_i grows from here on
+      !! true if d_i grows after the event
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: d(model%floors%n)
@@ -253,10 +255,10 @@ contains
       call renew_storeys(model, state, storey)
    end subroutine turn_storey
 
-   !> Energy that storeys on straight lines have dissipated by yielding since t = 0 [J/kg].
+   !> Energy dissipated by yielding of storeys on straight lines since t = 0 [J/kg].
    real(wp) function storeys_loss(equation, y) result(loss)
       type(equation_t), intent(in) :: equation
-      !! with storeys that yield one by one
+      !! equation with storeys that yield one by one
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: d(equation%floors%n)
@@ -268,12 +270,12 @@ contains
       loss = sum(spring_loss(equation%floors%springs, equation%state%storeys, d))
    end function storeys_loss
 
-   !> Columns of the history: shears of the columns of each storey, without dampers, over the mass
-   !> that the case's are over times g [-].
+   !> Write the history columns of storey shears without dampers, over the weight of the case's
+   !> reference mass [-].
    subroutine put_shears(row, equation, y)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
-      !! with storeys that yield one by one
+      !! equation with storeys that yield one by one
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: shears(equation%floors%n)
@@ -292,7 +294,7 @@ contains
       call put(row, id%storey_i_shear_over_m_w_g, shears)
    end subroutine put_shears
 
-   !> Displacement at which each storey would have no shear, unloaded slowly [m].
+   !> Displacement of zero shear after slow unloading, of each storey [m].
    function storey_residuals(equation, y) result(residuals)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)

@@ -1,0 +1,1 @@
+"""Counts of words and sentences in docstrings, comments, messages and pages."""
