@@ -77,16 +77,17 @@ contains
          sections%share(j) = (1 + node)/2
       end do
       sections%weight = sections%weight/2
-      associate (n => ubound(sections%z, 1), z => sections%z/beam%length)
+      associate (n => ubound(sections%z, 1))
          allocate (sections%above(beam%n, 0:n), sections%slope(beam%n, points, n), &
             sections%above_inside(beam%n, points, n))
          allocate (sections%below_node(2, 0:n), sections%above_node(2, 0:n), source=0.0_wp)
          do i = 0, n
             do k = 1, beam%n
-               sections%above(k, i) = force_above(beam%modes(k), z(i))
+               sections%above(k, i) = force_above(beam%modes(k), sections%z(i)/beam%length)
                if (i == 0) cycle
                do j = 1, points
-                  node = z(i - 1) + sections%share(j)*(z(i) - z(i - 1))
+                  node = (sections%z(i - 1) + sections%share(j)*(sections%z(i) - sections%z(i - 1))) &
+                     /beam%length
                   sections%slope(k, j, i) = slope_of(beam%modes(k), node)/beam%length
                   sections%above_inside(k, j, i) = force_above(beam%modes(k), node)
                end do

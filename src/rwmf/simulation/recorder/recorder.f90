@@ -184,7 +184,7 @@ contains
             all_quantities(i)%ratio)
       end do
       call create_row(recorder%row)
-      call put_columns(recorder, equation, 0.0_wp, y, 0.0_wp, recorder%energy)
+      call put_columns(recorder, equation, 0.0_wp, y, 0*y, recorder%energy)
       call move_alloc(recorder%row%names, recorder%history%names)
       rows = aint(t_end/recorder%dt*(1 + 8*epsilon(1.0_wp))) + 1
       status = 1
