@@ -15,9 +15,9 @@ contains
       integer, intent(in) :: j
       !! number of the node
       real(wp), intent(out) :: node
-      !! place between -1 and 1
+      !! place between -1 and 1 [-]
       real(wp), intent(out) :: weight
-      !! share of the rule, of which the sum is 2
+      !! weight; the sum of all is 2 [-]
       integer, parameter :: most_steps = 20
       !! more than Newton's iteration needs, in quadruple precision too
       real(wp) :: before, present, next, slope

@@ -66,18 +66,18 @@ contains
       call renew_coefficients(equation%model_t, equation%state)
       associate (p => equation%p, &
          pushed => 2*equation%p%gamma*equation%floors%excited_mass_ratio + 1)
-         equation%threshold = p%g*tan(p%alpha)*(1 + p%eta_0)/pushed
-         equation%weight_share = tan(p%alpha)/pushed
+         equation%uplift%threshold = p%g*tan(p%alpha)*(1 + p%eta_0)/pushed
+         equation%uplift%weight_share = tan(p%alpha)/pushed
       end associate
-      equation%state%uplift_acceleration = equation%threshold
+      equation%state%uplift_acceleration = equation%uplift%threshold
       equation%state%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%p%cos_alpha**2
       if (equation%beam%n > 0) call find_push_gain(equation)
       equation%effects_act_at_rest = equation%has_impacts &
          .and. (has_further_effects(equation) .or. equation%has_bilinear_springs)
    end subroutine build_equation
 
-   !> Moment of the ground acceleration on a bending wall over that on a rigid wall: the modes follow
-   !> the ground and carry most of it.
+   !> Find the moment of the ground acceleration on a bending wall over that on a rigid wall. The
+   !> modes follow the ground and carry most of it.
    subroutine find_push_gain(equation)
       type(equation_t), intent(inout) :: equation
       type(lane_motion_t) :: motion
@@ -92,7 +92,7 @@ contains
          moment(i) = motion%moment(1)
       end do
       associate (p => equation%p)
-         equation%push_gain = (moment(1) - moment(2))*equation%state%side*p%R/(p%gamma &
+         equation%uplift%push_gain = (moment(1) - moment(2))*equation%state%side*p%R/(p%gamma &
             *equation%floors%excited_mass_ratio*(2*p%cos_alpha) + p%cos_alpha)
       end associate
    end subroutine find_push_gain

@@ -1,5 +1,5 @@
-!> Modes of the uniform cantilever, in the frame that turns with the base of the wall, and the floors
-!> that are linked to it.
+!> Modes of the uniform cantilever, in the frame that turns with the base of the wall, and the
+!> floors that are linked to it.
 module rwmf_model_beam
    use rwmf_core_kinds, only: wp
    use rwmf_math_cantilever, only: cantilever_mode_t, deflection, find_cantilever_mode, &
@@ -7,7 +7,7 @@ module rwmf_model_beam
    implicit none
    private
 
-   public :: beam_t, linked_floors_t, create_beam, link_floors, tip_deflection, tip_rate
+   public :: beam_t, linked_floors_t, set_beam, set_floors, tip_deflection, tip_rate
 
    !> Floors that are linked to a bending wall one by one. All values are over m_w.
    type :: linked_floors_t
@@ -56,8 +56,9 @@ module rwmf_model_beam
 contains
 
    !> Compute the modes of a wall on a fixed base.
-   pure subroutine create_beam(beam, n, h, b, stiffness, shear_flexibility, xi, in_proportion)
-      type(beam_t), intent(out) :: beam
+   pure subroutine set_beam(beam, n, h, b, stiffness, shear_flexibility, xi, in_proportion)
+      type(beam_t), intent(inout) :: beam
+      !! beam, whose floors are kept
       integer, intent(in) :: n
       !! number of modes
       real(wp), intent(in) :: h, b
@@ -83,27 +84,26 @@ contains
       beam%area = [(force_above(beam%modes(i), 0.0_wp), i=1, n)]
       beam%arm = [(beam%length*moment_above(beam%modes(i), 0.0_wp), i=1, n)]
       allocate (beam%linked_mass(n, n), source=0.0_wp)
-   end subroutine create_beam
+   end subroutine set_beam
 
-   !> Link all floors to the beam.
-   pure subroutine link_floors(beam, floors)
+   !> Compute deflections and mass matrix of the linked floors.
+   pure subroutine set_floors(beam)
       type(beam_t), intent(inout) :: beam
-      type(linked_floors_t), intent(in) :: floors
-      !! floors without the deflections of the modes
-      integer :: i, j, k
+      !! modes, and floors without the deflections of the modes
+      integer :: i, j
 
-      beam%floors = floors
-      allocate (beam%floors%phi(size(floors%m), beam%n))
-      do i = 1, beam%n
-         beam%floors%phi(:, i) = [(deflection(beam%modes(i), floors%share(k)), &
-            k=1, size(floors%m))]
-      end do
-      do i = 1, beam%n
-         do j = 1, beam%n
-            beam%linked_mass(i, j) = sum(floors%m*beam%floors%phi(:, i)*beam%floors%phi(:, j))
+      allocate (beam%floors%phi(size(beam%floors%m), beam%n))
+      associate (floors => beam%floors, phi => beam%floors%phi)
+         do i = 1, beam%n
+            phi(:, i) = [(deflection(beam%modes(i), floors%share(j)), j=1, size(floors%m))]
          end do
-      end do
-   end subroutine link_floors
+         do i = 1, beam%n
+            do j = 1, beam%n
+               beam%linked_mass(i, j) = sum(floors%m*phi(:, i)*phi(:, j))
+            end do
+         end do
+      end associate
+   end subroutine set_floors
 
    !> Deflection of the top from the straight axis, positive as theta [m].
    pure real(wp) function tip_deflection(beam, y) result(w)

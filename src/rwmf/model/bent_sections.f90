@@ -27,7 +27,7 @@ module rwmf_model_bent_sections
    integer, parameter :: most_modes = 12
 
    !> Loads on the part of the wall above a section, in the axes of the wall.
-   type :: loads_t
+   type :: bent_loads_t
       real(wp) :: push = 0, turn = 0, across(most_modes) = 0
       !! acceleration across the axis [m/s2], [1/s2], [m/s2]
       real(wp) :: pull = 0, stretch = 0, along(most_modes) = 0
@@ -38,7 +38,7 @@ module rwmf_model_bent_sections
       !! slope of the moment due to the rotary inertia of the width [m/s2]
       real(wp) :: force(2) = 0
       !! force of cable and links across and along the axis [m/s2]
-   end type loads_t
+   end type bent_loads_t
 
    !> Pieces between nodes along the height, and the section forces at the nodes.
    type :: bent_sections_t
@@ -86,8 +86,8 @@ contains
                sections%above(k, i) = force_above(beam%modes(k), sections%z(i)/beam%length)
                if (i == 0) cycle
                do j = 1, points
-                  node = (sections%z(i - 1) + sections%share(j)*(sections%z(i) - sections%z(i - 1))) &
-                     /beam%length
+                  node = (sections%z(i - 1) + sections%share(j)*(sections%z(i) &
+                     - sections%z(i - 1)))/beam%length
                   sections%slope(k, j, i) = slope_of(beam%modes(k), node)/beam%length
                   sections%above_inside(k, j, i) = force_above(beam%modes(k), node)
                end do
@@ -137,7 +137,7 @@ contains
       real(wp), intent(in) :: y(:), y_dot(:)
       !! (states) and their rates
       type(links_t), intent(in) :: links
-      type(loads_t) :: loads
+      type(bent_loads_t) :: loads
 
       call integrate(sections, equation, t, y, y_dot, links, loads)
    end subroutine find_bent_sections
@@ -153,7 +153,7 @@ contains
       !! (states) and their rates
       type(links_t), intent(in) :: links
       type(section_extremes_t), intent(out) :: extremes
-      type(loads_t) :: loads
+      type(bent_loads_t) :: loads
 
       call integrate(sections, equation, t, y, y_dot, links, loads, extremes)
    end subroutine find_bent_extremes
@@ -165,7 +165,7 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:), y_dot(:)
       type(links_t), intent(in) :: links
-      type(loads_t), intent(out) :: loads
+      type(bent_loads_t), intent(out) :: loads
       type(section_extremes_t), intent(inout), optional :: extremes
       type(section_extremes_t) :: found
       real(wp) :: moment
@@ -224,7 +224,7 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:), y_dot(:)
-      type(loads_t), intent(out) :: loads
+      type(bent_loads_t), intent(out) :: loads
       real(wp) :: g, a, arm, sine, cosine
       real(wp) :: cable(2)
 
@@ -265,7 +265,7 @@ contains
    !> Add the force of a link to the loads above the section.
    pure subroutine add_link(beam, loads, links, i, theta, moment)
       type(beam_t), intent(in) :: beam
-      type(loads_t), intent(inout) :: loads
+      type(bent_loads_t), intent(inout) :: loads
       type(links_t), intent(in) :: links
       integer, intent(in) :: i
       !! number of the link
@@ -289,7 +289,7 @@ contains
    !> Shear at a node [m/s2].
    pure real(wp) function shear_at_node(sections, loads, i) result(shear)
       type(bent_sections_t), intent(in) :: sections
-      type(loads_t), intent(in) :: loads
+      type(bent_loads_t), intent(in) :: loads
       integer, intent(in) :: i
 
       shear = straight_part(loads%push, loads%turn, sections%z(i), sections%beam%length) &
@@ -311,7 +311,7 @@ contains
    !> Growth of the moment over a piece, from its lower to its upper end [m2/s2].
    pure real(wp) function moment_gain(sections, loads, i) result(gain)
       type(bent_sections_t), intent(in) :: sections
-      type(loads_t), intent(in) :: loads
+      type(bent_loads_t), intent(in) :: loads
       integer, intent(in) :: i
       !! number of the piece, that of its upper node
       real(wp) :: z
@@ -331,7 +331,7 @@ contains
    !> dM/dz from the slope of the axis and the integrals of the modes above [m/s2].
    pure real(wp) function slope_from(beam, loads, z, tilt, above) result(slope)
       type(beam_t), intent(in) :: beam
-      type(loads_t), intent(in) :: loads
+      type(bent_loads_t), intent(in) :: loads
       real(wp), intent(in) :: z
       !! [m]
       real(wp), intent(in) :: tilt
@@ -348,7 +348,7 @@ contains
    !> Find extrema of shear and moment inside a piece between two nodes.
    subroutine inspect_piece(sections, loads, i, found)
       type(bent_sections_t), intent(in) :: sections
-      type(loads_t), intent(in) :: loads
+      type(bent_loads_t), intent(in) :: loads
       integer, intent(in) :: i
       !! number of the piece, that of its upper node
       type(section_extremes_t), intent(out) :: found
@@ -374,7 +374,7 @@ contains
    !> Height inside a piece at which shear or moment is stationary [m].
    real(wp) function turning_height(beam, loads, z, slopes, of_shear) result(height)
       type(beam_t), intent(in) :: beam
-      type(loads_t), intent(in) :: loads
+      type(bent_loads_t), intent(in) :: loads
       real(wp), intent(in) :: z(2)
       !! ends of the piece [m]
       real(wp), intent(in) :: slopes(2)
@@ -397,7 +397,7 @@ contains
    !> Acceleration across the axis, -2h dV/dz [m/s2].
    pure real(wp) function acceleration_across(beam, loads, z) result(a)
       type(beam_t), intent(in) :: beam
-      type(loads_t), intent(in) :: loads
+      type(bent_loads_t), intent(in) :: loads
       real(wp), intent(in) :: z
       integer :: k
 
@@ -410,7 +410,7 @@ contains
    !> Shear at a height [m/s2].
    pure real(wp) function shear_at(beam, loads, z) result(shear)
       type(beam_t), intent(in) :: beam
-      type(loads_t), intent(in) :: loads
+      type(bent_loads_t), intent(in) :: loads
       real(wp), intent(in) :: z
       integer :: k
 
@@ -423,7 +423,7 @@ contains
    !> dM/dz at a height [m/s2].
    pure real(wp) function moment_slope(beam, loads, z) result(slope)
       type(beam_t), intent(in) :: beam
-      type(loads_t), intent(in) :: loads
+      type(bent_loads_t), intent(in) :: loads
       real(wp), intent(in) :: z
       real(wp) :: above(most_modes), tilt
       integer :: k

@@ -216,14 +216,22 @@ module rwmf_model_equation
       !! (1, coefficients) coefficients of the lane loops, see `renew_coefficients`
    end type discrete_state_t
 
+   !> Uplift of the resting wall, as far as it does not depend on the state.
+   type :: uplift_t
+      real(wp) :: threshold = 0
+      !! ground acceleration at uplift without further effects [m/s2]
+      real(wp) :: weight_share = 0
+      !! change of the threshold per vertical ground acceleration [-]
+      real(wp) :: push_gain = 1
+      !! moment of the ground acceleration on the wall over that on a rigid wall [-]
+   end type uplift_t
+
    !> One scene and its ground motion, as assembled once.
    type :: model_t
       type(parameters_t) :: p
       !! parameters with the symbols of the paper; those of absent effects are zero
-      real(wp) :: threshold
-      !! ground acceleration at uplift of the resting wall without further effects [m/s2]
-      real(wp) :: weight_share = 0
-      !! change of the threshold per vertical ground acceleration [-]
+      type(uplift_t) :: uplift
+      !! uplift of the resting wall
       logical :: effects_act_at_rest = .false.
       !! further effects act on the resting wall
       type(geometry_t) :: geometry
@@ -233,8 +241,6 @@ module rwmf_model_equation
       !! floors of `&storeys`
       type(beam_t) :: beam
       !! modes of `&bending`
-      real(wp) :: push_gain = 1
-      !! moment of the ground acceleration on the wall on its base over that on a rigid wall [-]
       type(hysteresis_t) :: hysteresis
       !! hysteresis law of the frame
       logical :: has_loading_direction = .false.
@@ -557,10 +563,10 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      drive = -side*equation%push_gain*acceleration(equation%motion, interval, t) &
+      drive = -side*equation%uplift%push_gain*acceleration(equation%motion, interval, t) &
          - equation%state%uplift_acceleration(side)
       if (equation%has_vertical) then
-         drive = drive - equation%weight_share*(1 - side*equation%state%lean) &
+         drive = drive - equation%uplift%weight_share*(1 - side*equation%state%lean) &
             *vertical_acceleration(equation%motion, interval, t)
       end if
    end function uplift_demand
@@ -576,11 +582,11 @@ contains
       !! demand on the negative and on the positive side [m/s2]
       real(wp) :: push
 
-      push = equation%push_gain*acceleration(equation%motion, interval, t)
+      push = equation%uplift%push_gain*acceleration(equation%motion, interval, t)
       drive(1) = push - equation%state%uplift_acceleration(-1)
       drive(2) = -push - equation%state%uplift_acceleration(1)
-      if (equation%has_vertical) drive = drive - equation%weight_share*(1 - equation%state%lean &
-         *[-1, 1])*vertical_acceleration(equation%motion, interval, t)
+      if (equation%has_vertical) drive = drive - equation%uplift%weight_share &
+         *(1 - equation%state%lean*[-1, 1])*vertical_acceleration(equation%motion, interval, t)
    end function uplift_demands
 
    !> Displacement of the frame u_s on a side [m].

@@ -173,7 +173,7 @@ module rwmf_simulation_result
       real(wp), allocatable :: u_s_max
       !! supremum of |u_s| over [0, t_end] [m]; absent without a frame
       real(wp), allocatable :: tip_deflection_max
-      !! largest deflection of a bent wall's top from its straight axis [m]; absent without `&bending`
+      !! largest deflection of the wall's top from its straight axis [m]; absent without `&bending`
       real(wp), allocatable :: t_u_s_max
       !! time of its first occurrence [s]
       real(wp), allocatable :: theta_max

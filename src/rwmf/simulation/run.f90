@@ -265,7 +265,7 @@ contains
 
       floored = tolerance
       if (.not. equation%has_impacts .or. minval(size_guess) <= 0) return
-      noise = epsilon(1.0_wp)*equation%threshold*inverse_inertia(equation)
+      noise = epsilon(1.0_wp)*equation%uplift%threshold*inverse_inertia(equation)
       duration = size_guess(1)/size_guess(2)
       floored%atol(:2) = max(floored%atol(:2), noise*duration*[duration, 1.0_wp])
    end function above_round_off

@@ -204,8 +204,8 @@ contains
       do i = 1, size(energy%values)
          call keep(values, energy%numbers(i), energy%values(i))
       end do
-      residual = energy%final + energy%viscous + energy%bending + energy%impact + energy%hysteretic &
-         - energy%initial - energy%input
+      residual = energy%final + energy%viscous + energy%bending + energy%impact &
+         + energy%hysteretic - energy%initial - energy%input
       scale = abs(energy%initial) + energy%input_max
       balance = 0
       if (scale > 0) balance = abs(residual)/scale

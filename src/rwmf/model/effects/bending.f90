@@ -1,13 +1,13 @@
-!> Effect `&bending`: the wall bends in modes of the uniform cantilever, in the frame that turns with
-!> the base (docs/theory/bending.md).
+!> Effect `&bending`: the wall bends in modes of the uniform cantilever, in the frame that turns
+!> with the base (docs/theory/bending.md).
 module rwmf_model_effects_bending
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_beam, only: beam_t, create_beam, link_floors, linked_floors_t
+   use rwmf_model_beam, only: beam_t, set_beam, set_floors
    use rwmf_model_bent_wall, only: landing
    use rwmf_model_effects_bending_loop, only: bending_coefficients, fixed_columns, floor_columns
-   use rwmf_model_effects_p_delta, only: leaning_loads
-   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, model_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
+      model_t
    use rwmf_model_scene, only: elsewhere, frame_term, scene_t, through_link
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -84,7 +84,6 @@ contains
    subroutine check_bending(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
-      character(16) :: coupling
 
       if (has_key(values, 'bending', 'cracking') .and. .not. has_key(values, 'bending', 'E')) then
          call fail_key(values, 'bending', 'cracking', 'must not be given without E: EI and ' &
@@ -100,15 +99,8 @@ contains
             //'a bending wall have no tilted link', error)
       else if (.not. has_group(values, 'impact') .or. text_of(values, 'impact', 'rule') &
                /= 'coupled') then
-         call fail_group(values, 'bending', "needs &impact rule = 'coupled': the momentum balance " &
-            //'of the modes gives the velocities after an impact', error)
-      end if
-      if (allocated(error) .or. .not. has_group(values, 'frame')) return
-      coupling = ''
-      if (has_group(values, 'storeys')) coupling = text_of(values, 'storeys', 'coupling')
-      if (has_group(values, 'yielding') .and. coupling /= 'full') then
-         call fail_group(values, 'yielding', "must not be given with &bending but for &storeys " &
-            //"coupling = 'full', whose storeys yield one by one", error)
+         call fail_group(values, 'bending', "needs &impact rule = 'coupled': the momentum " &
+            //'balance of the modes gives the velocities after an impact', error)
       end if
    end subroutine check_bending
 
@@ -168,12 +160,12 @@ contains
       flexibility = 0
       associate (h => case%wall%h, b => case%wall%b, nu => numbers(5), cracking => numbers(6))
          if (nu >= 0) flexibility = cracking*(2*b)**2/12*2*(1 + nu)/(shear_factor*(2*h)**2)
-         call create_beam(equation%beam, nint(numbers(2)), h, b, numbers(1), flexibility, &
+         call set_beam(equation%beam, nint(numbers(2)), h, b, numbers(1), flexibility, &
             numbers(3), numbers(4) > 0)
       end associate
       equation%beam%first = equation%scene%n + 1
-      if (equation%floors%are_linked) then
-         call link_to_floors(case, equation)
+      if (allocated(equation%beam%floors)) then
+         call set_floors(equation%beam)
       else if (equation%has_frame) then
          equation%beam%linked_mass = equation%p%gamma
       end if
@@ -190,27 +182,6 @@ contains
       bending%sizes => mode_sizes
       bending%land => land
    end subroutine prepare_bending
-
-   !> Collect the floors that are linked one by one. Their loop replaces the loop of the frame.
-   subroutine link_to_floors(case, equation)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(inout) :: equation
-      type(linked_floors_t) :: floors
-      real(wp) :: stretch, ratio
-      !! square of the frequency over that of the case; mass unit over m_w
-      integer :: i
-
-      associate (frame => case%storeys%frame)
-         stretch = (equation%p%omega_s/frame%omega(1))**2
-         ratio = equation%p%gamma*frame%shape(size(frame%m), 1)**2
-         floors%share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
-         floors%m = ratio*frame%m
-         floors%k = ratio*frame%k*stretch
-         floors%load = ratio*leaning_loads(case)
-         floors%viscous_time = 2*equation%p%xi_s/equation%p%omega_s
-      end associate
-      call link_floors(equation%beam, floors)
-   end subroutine link_to_floors
 
    !> Fill in the coefficients of the loops.
    pure subroutine coefficients_of_bending(effect, model, state, coef)
@@ -250,8 +221,8 @@ contains
       end associate
    end subroutine mode_sizes
 
-   !> Apply an impact. Wall and modes share the impulse at the new corner. If the wall would turn back
-   !> into its base, it stays there.
+   !> Apply an impact. Wall and modes share the impulse at the new corner. If the wall would turn
+   !> back into its base, it stays there.
    subroutine land(effect, equation, y, after, stays)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation

@@ -1,14 +1,14 @@
-!> Loops over lanes of a wall that bends: the kinematics of its top, its modes, and the floors that
-!> are linked to it all.
+!> Lane loops of a bending wall: kinematics of its top, its modes, and floors that are linked to it
+!> one by one.
 !>
 !> With q = side q_i, w = sum phi_i q_i and the mass m_w as unit, the kinetic energy of the wall is
 !>
 !>    T = 1/2 phi'**2 (I_0 - 2 b W_0 + W_2) + 1/2 sum m_i q_i'**2 + phi' sum S_i q_i',
 !>    W_0 = sum A_i q_i,  W_2 = sum m_i q_i**2,
 !>
-!> and gravity has the potential g (b sin(phi) + h cos(phi) - sin(phi) W_0). Loops that act on the
-!> frame push through the link on the top, whose displacement is R u + cos(phi) w(2h); their force
-!> follows from the moment that they have added.
+!> and gravity has the potential g (b sin(phi) + h cos(phi) - sin(phi) W_0). Loops of the frame act
+!> through the link on the top, whose displacement is R u + cos(phi) w(2h). Their force follows from
+!> the moment that they have added.
 module rwmf_model_effects_bending_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_bending, of_input, of_viscous, &
@@ -20,17 +20,18 @@ module rwmf_model_effects_bending_loop
    public :: bending_coefficients, most_modes, fixed_columns, floor_columns
 
    integer, parameter :: most_modes = 12
+   !! upper limit of the key `modes`
    integer, parameter :: fixed_columns = 5
    !! R [m], b [m], g/R [1/s2], g [m/s2], damping over stiffness of linked floors [s]
    integer, parameter :: mode_columns = 5
    !! of each mode: A_i [-], S_i [m], m_i [-], stiffness [1/s2], damping [1/s]
    integer, parameter :: floor_columns = 4
-   !! of each linked floor: share of the height [-], mass [-], stiffness and push of leaning weights
-   !! of the storey below [1/s2]; then the deflections of the modes
+   !! of each linked floor: share of the height [-], mass [-], stiffness [1/s2] and P-Delta
+   !! stiffness [1/s2] of the storey below. The deflections of the modes follow.
 
 contains
 
-   !> Number of coefficients: fixed ones, modes, mass that is linked to them, floors.
+   !> Number of coefficients of `add_modes`.
    pure integer function bending_coefficients(n, floors) result(n_coef)
       integer, intent(in) :: n
       !! number of modes
@@ -40,8 +41,8 @@ contains
       n_coef = fixed_columns + (mode_columns + n)*n + (floor_columns + n)*floors
    end function bending_coefficients
 
-   !> Kinematics, inertia and weight of the bent wall in the place of those of the rigid one; before
-   !> all other loops.
+   !> Replace kinematics, inertia and weight of the rigid wall by those of the bending wall. This
+   !> loop comes before all others.
    pure subroutine bend_wall(n, coef, y, inertia, motion)
       integer, intent(in) :: n
       !! number of modes
@@ -50,7 +51,7 @@ contains
       real(wp), intent(in) :: y(lane_count, 2*n)
       !! q_i [m] and q_i' [m/s]
       real(wp), intent(in) :: inertia(lane_count)
-      !! of the rigid wall over m_w R**2 [-]
+      !! inertia of the rigid wall over m_w R**2 [-]
       type(lane_motion_t), intent(inout) :: motion
       real(wp) :: tip, tip_rate, lean, spread, sine, cosine
       integer :: i, j
@@ -85,22 +86,23 @@ contains
       end do
    end subroutine bend_wall
 
-   !> Modes under what has been added so far, which acts through the link on the top: what they take
-   !> from inertia and moment. Rates of the modes per phi'' and without it go to the places of their
-   !> rates, for `release_modes`.
+   !> Subtract the share of the modes from inertia and moment. The loops so far act through the link
+   !> on the top. The accelerations of the modes, per phi'' and for phi'' = 0, are stored in y_dot
+   !> for `release_modes`.
    pure subroutine add_modes(n, floors, coef, y, inertia, motion, y_dot)
       integer, intent(in) :: n
       !! number of modes
       integer, intent(in) :: floors
       !! number of floors that are linked one by one
       real(wp), intent(in) :: coef(lane_count, bending_coefficients(n, floors))
-      !! see the columns above; after those of the modes the linked mass at phi = 0 by rows [-]
+      !! columns as above; after those of the modes, the linked mass matrix at phi = 0 by rows [-]
       real(wp), intent(in) :: y(lane_count, 2*n)
       !! q_i [m] and q_i' [m/s]
       real(wp), intent(in) :: inertia(lane_count)
-      !! of the rigid wall over m_w R**2 [-]
+      !! inertia of the rigid wall over m_w R**2 [-]
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: y_dot(lane_count, 2*n)
+      !! accelerations of the modes per phi'' [m] and for phi'' = 0 [m/s2]
       real(wp) :: mass(lane_count, most_modes, most_modes), own(lane_count, most_modes, 2)
       real(wp), dimension(lane_count) :: sine, cosine, force, linked, drag, push
       integer :: i, j
@@ -152,8 +154,7 @@ contains
       end do
    end subroutine add_modes
 
-   !> Mass over m_w that moves with the top: what the loops so far have added to the inertia of the
-   !> bent wall.
+   !> Mass over m_w that moves with the top, from the inertia that the loops so far have added.
    pure subroutine find_linked_mass(n, coef, y, inertia, motion, linked)
       integer, intent(in) :: n
       real(wp), intent(in) :: coef(lane_count, fixed_columns + mode_columns*n)
@@ -179,7 +180,7 @@ contains
       end do
    end subroutine find_linked_mass
 
-   !> Masses, storeys and dampers of floors that are linked one by one.
+   !> Add masses, storeys and dampers of floors that are linked one by one.
    pure subroutine link_floors(n, floors, coef, y, sine, cosine, motion, own)
       integer, intent(in) :: n
       integer, intent(in) :: floors
@@ -188,7 +189,7 @@ contains
       real(wp), intent(in) :: sine(lane_count), cosine(lane_count)
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: own(lane_count, most_modes, 2)
-      !! coupling and force of each mode
+      !! coupling and force of each mode [m], [m/s2]
       real(wp), dimension(lane_count) :: tip, tip_rate, w, w_rate, j_floor, below, rate_below, &
          j_below, d, d_rate, shear, force, u, rate
       real(wp) :: phi_below
@@ -241,7 +242,7 @@ contains
       end do
    end subroutine link_floors
 
-   !> Mass matrix of the modes, with the masses that are linked to them.
+   !> Compute the mass matrix of the modes with the linked masses.
    pure subroutine put_masses(n, coef, cosine, mass)
       integer, intent(in) :: n
       real(wp), intent(in) :: coef(lane_count, fixed_columns + (mode_columns + n)*n)
@@ -253,8 +254,8 @@ contains
          do k = 1, j
             !$omp simd
             do i = 1, lane_count
-               mass(i, k, j) = cosine(i)*cosine(i)*coef(i, fixed_columns + (mode_columns + j - 1)*n &
-                  + k)
+               mass(i, k, j) = cosine(i)*cosine(i)*coef(i, fixed_columns &
+                  + (mode_columns + j - 1)*n + k)
             end do
          end do
          !$omp simd
@@ -264,7 +265,7 @@ contains
       end do
    end subroutine put_masses
 
-   !> Solve for the accelerations of the modes against phi'' and without it, by Cholesky's factors.
+   !> Solve for the accelerations of the modes, per phi'' and for phi'' = 0, by Cholesky factors.
    pure subroutine solve_for_modes(n, mass, right, solution)
       integer, intent(in) :: n
       real(wp), intent(inout) :: mass(lane_count, most_modes, most_modes)
@@ -309,17 +310,18 @@ contains
       end do
    end subroutine solve_for_modes
 
-   !> Rates of the modes, once phi'' is known.
+   !> Compute the rates of the modes from phi''.
    pure subroutine release_modes(n, y, side, theta_ddot, y_dot)
       integer, intent(in) :: n
       !! number of modes
       real(wp), intent(in) :: y(lane_count, 2*n)
       !! q_i [m] and q_i' [m/s]
       real(wp), intent(in) :: side(lane_count)
+      !! +1 or -1 [-]
       real(wp), intent(in) :: theta_ddot(lane_count)
       !! [rad/s2]
       real(wp), intent(inout) :: y_dot(lane_count, 2*n)
-      !! as `add_modes` leaves it; on return the rates [m/s], [m/s2]
+      !! as set by `add_modes`; on return the rates [m/s], [m/s2]
       integer :: i, j
 
       do j = 1, n
@@ -331,12 +333,14 @@ contains
       end do
    end subroutine release_modes
 
-   !> Powers of the ground motion on the modes, of their dampers, and of those of linked floors.
+   !> Add the powers of the ground motion on the modes, of their dampers and of linked floors.
    pure subroutine add_mode_power(n, floors, weight, coef, y, motion, total)
       integer, intent(in) :: n
+      !! number of modes
       integer, intent(in) :: floors
+      !! number of floors that are linked one by one
       real(wp), intent(in) :: weight
-      !! of the powers in the sum [-]
+      !! weight of the powers in the sum [-]
       real(wp), intent(in) :: coef(lane_count, bending_coefficients(n, floors))
       !! coefficients of `add_modes`
       real(wp), intent(in) :: y(lane_count, 2*n)

@@ -177,7 +177,7 @@ contains
    !> mass of the frame or of the roof replaces m_w.
    subroutine prepare_storeys(case, equation, limit, effect)
       type(case_t), intent(in) :: case
-      type(equation_t), intent(in) :: equation
+      type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: limit
       !! limit of the drifts [-]
       type(contribution_t), intent(inout) :: effect
@@ -194,9 +194,9 @@ contains
             effect%constants = [load/equation%floors%unit, 1/(limit*frame%height)]
             return
          end if
-         if (has_numbers(case, 'bending') .and. equation%floors%are_linked) then
-            effect%constants = [load*frame_mass(equation)*frame%shape(n, 1)**2, 1/(limit &
-               *frame%height)]
+         if (allocated(equation%beam%floors)) then
+            equation%beam%floors%load = load*frame_mass(equation)*frame%shape(n, 1)**2
+            effect%constants = [equation%beam%floors%load, 1/(limit*frame%height)]
             return
          end if
          bend = (frame%shape(:, 1) - [0.0_wp, frame%shape(:n - 1, 1)])/frame%shape(n, 1)

@@ -216,8 +216,9 @@ contains
          cable = cable_at(equation, y(1))
          recorder%cable_max = max(recorder%cable_max, cable%force)
       end if
-      if (allocated(recorder%top)) recorder%top = max(recorder%top, abs(top_displacements(equation, &
-         y)))
+      if (allocated(recorder%top)) then
+         recorder%top = max(recorder%top, abs(top_displacements(equation, y)))
+      end if
       if (.not. equation%has_frame) return
       if (allocated(recorder%drifts)) call observe_drifts(recorder%drifts, equation, y)
       u = abs(frame_displacement(equation, equation%state%side, y))
@@ -234,8 +235,8 @@ contains
       type(recorder_t), intent(in) :: recorder
 
       needs_all = recorder%keeps_history .or. recorder%keeps_events &
-         .or. allocated(recorder%drifts) .or. allocated(recorder%top) .or. allocated(recorder%nearby) &
-         .or. allocated(recorder%envelopes)
+         .or. allocated(recorder%drifts) .or. allocated(recorder%top) &
+         .or. allocated(recorder%nearby) .or. allocated(recorder%envelopes)
    end function needs_all_steps
 
    !> True if the requested outputs depend on the ground motion while the wall rests.

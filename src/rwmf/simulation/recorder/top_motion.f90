@@ -1,5 +1,5 @@
-!> Largest displacement of the frame, tip deflection and drift of a bending wall. They do not occur at
-!> the turning points of theta, as those of a rigid wall.
+!> Largest displacement of the frame, tip deflection and drift of a bending wall. Unlike those of a
+!> rigid wall, they do not occur at the turning points of theta.
 module rwmf_simulation_recorder_top_motion
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: rates_at
