@@ -6,7 +6,7 @@ module rwmf_model_contributions
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_model_hysteresis_spring_set, only: choose_springs, has_branches
    use rwmf_model_scene, only: add_term, term_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_all_modes
    implicit none
    private
 
@@ -32,13 +32,13 @@ contains
       end do
    end subroutine choose_contributions
 
-   !> True if the frame as a whole yields with a law of linear branches. Coupling 'full', with laws
-   !> for the single storeys, is excluded.
+   !> True if the frame as a whole yields with a law of linear branches. Frames with all modes have
+   !> laws for the single storeys.
    pure logical function frame_yields(case)
       type(case_t), intent(in) :: case
 
       frame_yields = allocated(case%yielding)
-      if (frame_yields .and. allocated(case%storeys)) frame_yields = case%storeys%coupling /= 'full'
+      if (frame_yields) frame_yields = .not. has_all_modes(case%storeys)
       if (frame_yields) frame_yields = has_branches(case%yielding)
    end function frame_yields
 

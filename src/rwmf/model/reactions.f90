@@ -4,7 +4,7 @@ module rwmf_model_reactions
    use rwmf_core_kinds, only: wp
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
-   use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
+   use rwmf_model_effects_storeys_shear_building, only: floor_inertia, link_pulls, resistance
    use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: plastic_displacement, uneven_plastic_part
@@ -80,8 +80,8 @@ contains
       end if
    end function friction_demand
 
-   !> Force of the link on the wall: the inertia force of the frame less the forces of its spring
-   !> and damper. The rise of its corner tilts a link of finite length.
+   !> Force of the links on the wall. That of a rigid link is the inertia force of the frame less the
+   !> forces of its spring and damper. The rise of its corner tilts a link of finite length.
    function link_force(equation, kin, t, y, y_ddot) result(force)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
@@ -102,6 +102,10 @@ contains
 
       force = 0
       if (.not. equation%has_frame) return
+      if (allocated(equation%floors%k_link)) then
+         force(1) = -sum(link_pulls(equation, y))
+         return
+      end if
       associate (p => equation%p)
          u_ddot = roof_acceleration(equation, kin, y, y_ddot)
          force(1) = -p%gamma*(u_ddot + equation%floors%excited_mass_ratio*ground(equation, t))

@@ -54,7 +54,7 @@ contains
                call add_straight_cable(coef(1, own), motion)
             case (storeys_effect)
                if (term%n > 0) then
-                  call add_floors(term%n, term%law, coef(1, own), y(1, term%state), motion, &
+                  call add_floors(term, coef(1, own), y(1, term%state), motion, &
                      y_dot(1, term%state))
                else
                   call add_excited_mass(coef(1, own), motion)
@@ -74,8 +74,8 @@ contains
                call add_vertical(coef(1, own), motion)
             case (p_delta_effect)
                ! a term with one coordinate has no states and reads none of y
-               call add_p_delta(term%n, coef(1, own), y(1, min(term%state, scene%n)), motion, &
-                  y_dot(1, min(term%state, scene%n)))
+               call add_p_delta(term%n, term%n_states/2, coef(1, own), &
+                  y(1, min(term%state, scene%n)), motion, y_dot(1, min(term%state, scene%n)))
             case (nl_damper_effect)
                call add_nl_damper(coef(1, own), motion)
             case default
@@ -116,8 +116,8 @@ contains
                call add_frame_power(weight, coef(1, own), motion, total)
             case (storeys_effect)
                if (term%n > 0) then
-                  call add_floor_power(term%n, term%law, weight, coef(1, own), &
-                     y(1, term%state), y_dot(1, term%state), motion, total)
+                  call add_floor_power(term, weight, coef(1, own), y(1, term%state), &
+                     y_dot(1, term%state), motion, total)
                else
                   call add_excited_mass_power(weight, coef(1, own), motion, total)
                end if

@@ -469,7 +469,7 @@ contains
       real(wp), intent(out) :: y_dot(:)
 
       y_dot = 0
-      if (equation%floors%n > 1) call rates_at(equation, t, y, y_dot)
+      if (equation%floors%free > 0) call rates_at(equation, t, y, y_dot)
       y_dot(2) = y_ddot
    end subroutine complete_rates
 
