@@ -192,29 +192,29 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
       character(15), parameter :: keys(2) = [character(15) :: 'k_link_over_m_w', 'k_link']
+      character(:), allocatable :: coupling
       integer :: i
 
-      associate (coupling => text_of(values, 'storeys', 'coupling'))
-         if (any(coupling == [character(11) :: 'every_floor', 'springs']) &
-             .and. .not. has_group(values, 'wall')) then
-            call fail_key(values, 'storeys', 'coupling', "must not be '"//coupling//"' without " &
-               //'&wall, which the floors are linked to', error)
-         else if (coupling == 'springs' .and. .not. has_key(values, 'storeys', trim(keys(1)))) then
-            call fail_group(values, 'storeys', 'the key k_link_over_m_w is missing (stiffness of ' &
-               //"the link springs): must be given with coupling = 'springs', numbers > 0 " &
-               //'[1/s2]; or k_link [N/m]', error)
-         else if (coupling == 'springs' .and. has_group(values, 'link')) then
-            call fail_group(values, 'link', "must not be given with &storeys coupling = " &
-               //"'springs', whose links are springs", error)
-         else if (coupling /= 'springs') then
-            do i = size(keys), 1, -1
-               if (.not. has_key(values, 'storeys', trim(keys(i)))) cycle
-               call fail_key(values, 'storeys', trim(keys(i)), "must not be given with coupling " &
-                  //"= '"//coupling//"', whose links are rigid; 'springs' needs it", error)
-               return
-            end do
-         end if
-      end associate
+      coupling = text_of(values, 'storeys', 'coupling')
+      if (any(coupling == [character(11) :: 'every_floor', 'springs']) &
+          .and. .not. has_group(values, 'wall')) then
+         call fail_key(values, 'storeys', 'coupling', "must not be '"//coupling//"' without " &
+            //'&wall, which the floors are linked to', error)
+      else if (coupling == 'springs' .and. .not. has_key(values, 'storeys', trim(keys(1)))) then
+         call fail_group(values, 'storeys', 'the key k_link_over_m_w is missing (stiffness of ' &
+            //"the link springs): must be given with coupling = 'springs', numbers > 0 " &
+            //'[1/s2]; or k_link [N/m]', error)
+      else if (coupling == 'springs' .and. has_group(values, 'link')) then
+         call fail_group(values, 'link', "must not be given with &storeys coupling = " &
+            //"'springs', whose links are springs", error)
+      else if (coupling /= 'springs') then
+         do i = size(keys), 1, -1
+            if (.not. has_key(values, 'storeys', trim(keys(i)))) cycle
+            call fail_key(values, 'storeys', trim(keys(i)), "must not be given with coupling " &
+               //"= '"//coupling//"', whose links are rigid; 'springs' needs it", error)
+            return
+         end do
+      end if
    end subroutine check_coupling
 
    !> Refuse keys that the storeys determine.
@@ -312,16 +312,18 @@ contains
    subroutine fill_storeys(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: k_link(:)
+      !! (1 or floors) [1/s2]
 
       allocate (case%storeys)
       call get_list(case%values, 'storeys', 'm_over_m_w', case%storeys%frame%m)
       call get_list(case%values, 'storeys', 'k_over_m_w', case%storeys%frame%k)
       call get_list(case%values, 'storeys', 'height', case%storeys%frame%height)
       case%storeys%coupling = text_of(case%values, 'storeys', 'coupling')
-      call get_list(case%values, 'storeys', 'k_link_over_m_w', case%storeys%k_link)
-      if (allocated(case%storeys%k_link)) then
-         if (size(case%storeys%k_link) == 1) case%storeys%k_link = &
-            spread(case%storeys%k_link(1), 1, size(case%storeys%frame%m))
+      call get_list(case%values, 'storeys', 'k_link_over_m_w', k_link)
+      if (allocated(k_link)) then
+         allocate (case%storeys%k_link, source=0*case%storeys%frame%m + k_link(1))
+         if (size(k_link) > 1) case%storeys%k_link(:) = k_link
       end if
       call set_equivalent_frame(case, error)
    end subroutine fill_storeys
