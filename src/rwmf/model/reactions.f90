@@ -80,8 +80,8 @@ contains
       end if
    end function friction_demand
 
-   !> Force of the links on the wall. That of a rigid link is the inertia force of the frame less the
-   !> forces of its spring and damper. The rise of its corner tilts a link of finite length.
+   !> Force of the links on the wall. That of a rigid link is the inertia force of the frame less
+   !> the forces of its spring and damper. The rise of its corner tilts a link of finite length.
    function link_force(equation, kin, t, y, y_ddot) result(force)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin

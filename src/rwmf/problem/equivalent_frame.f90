@@ -30,14 +30,9 @@ contains
          if (case%storeys%coupling == 'every_floor') call enforce_straight_line(frame)
          case%frame%T_s = 2*pi/frame%omega(1)
          if (.not. allocated(case%wall)) return
-         select case (case%storeys%coupling)
-         case ('full')
-            case%frame%gamma = frame%m(n)
-         case ('springs')
-            case%frame%gamma = sum(frame%m)
-         case default
-            case%frame%gamma = 1/frame%shape(n, 1)**2
-         end select
+         case%frame%gamma = 1/frame%shape(n, 1)**2
+         if (case%storeys%coupling == 'full') case%frame%gamma = frame%m(n)
+         if (case%storeys%coupling == 'springs') case%frame%gamma = sum(frame%m)
       end associate
    end subroutine set_equivalent_frame
 

@@ -115,7 +115,8 @@ contains
          if (allocated(floors%laws)) coef(3*n + 2 + n**2:7*n + 1 + n**2) = &
             [floors%laws%force_at_z1, 1/floors%laws%u_y, state%storey_signs%lost, &
             floors%laws%exponent]
-         if (allocated(floors%k_link)) coef(effect%n_coef - 2*n + 1:) = [floors%share, floors%k_link]
+         if (allocated(floors%k_link)) coef(effect%n_coef - 2*n + 1:) = [floors%share, &
+            floors%k_link]
       end associate
    end subroutine storey_coefficients
 
@@ -153,8 +154,8 @@ contains
       real(wp) :: pull(equation%floors%n)
 
       associate (floors => equation%floors)
-         pull = floors%k_link*(floors%share*frame_displacement(equation, equation%state%side, y(1)) &
-            - y(floors%first:floors%first + floors%n - 1))
+         pull = floors%k_link*(floors%share*frame_displacement(equation, equation%state%side, &
+            y(1)) - y(floors%first:floors%first + floors%n - 1))
       end associate
    end function link_pulls
 
@@ -222,8 +223,8 @@ contains
    !> Rate of momentum of the floors beyond that implied by the motion of a linked roof [m/s2].
    !>
    !> One mode: the floors move in proportion to the roof, and the omitted modes follow the ground.
-   !> All modes: the sum of the forces of storeys and link springs on the floors with states. Without
-   !> storeys it is zero.
+   !> All modes: the sum of the forces of storeys and link springs on the floors with states.
+   !> Without storeys it is zero.
    real(wp) function floor_inertia(equation, t, y, u_ddot) result(inertia)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -281,9 +282,9 @@ contains
       end associate
    end subroutine storey_sizes
 
-   !> Kinetic energy of the floors with states, and strain energy of storeys and link springs [J/kg].
-   !> The latter excludes the energy of the frame of `equation_t`, the uppermost spring at the
-   !> displacement of a linked roof.
+   !> Kinetic energy of the floors with states, and strain energy of storeys and link springs
+   !> [J/kg]. The latter excludes the energy of the frame of `equation_t`, the uppermost spring at
+   !> the displacement of a linked roof.
    function storey_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation

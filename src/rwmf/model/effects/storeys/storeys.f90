@@ -63,7 +63,7 @@ contains
             'reduced every_floor full springs', &
             'roof linked: first mode or all modes; each floor: a straight line, or by a spring'), &
          with_si('N/m', optional_key('storeys', 'k_link_over_m_w', 'real list', '1/s2', '', &
-            positive, 'stiffness of the link springs over m_w: one for all or one each; springs')), &
+            positive, 'stiffness of each link spring, or one for all, over the same mass')), &
          usually('[1e5, 1e12]', dimensional('storeys', 'k_link', 'real list', 'N/m', &
             'k_link_over_m_w', '', 'or the stiffnesses'))]
       group%derive => derive_storeys
@@ -90,6 +90,9 @@ contains
       real(wp), allocatable :: k(:)
       character(10) :: m_key, k_key
 
+      ! without a wall its stiffness is over no mass
+      if (has_key(values, 'storeys', 'k_link')) call check_coupling(values, error)
+      if (allocated(error)) return
       if (has_key(values, 'storeys', 'm') .and. has_key(values, 'storeys', 'k_over_m_w')) then
          if (.not. has_key(values, 'storeys', 'k')) then
             call fail_key(values, 'storeys', 'k_over_m_w', 'must not be given beside m: k [N/m] ' &
