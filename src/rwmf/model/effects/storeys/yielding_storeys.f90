@@ -126,9 +126,9 @@ contains
 
    !> Update the coefficients of the loops after branches of storeys have changed.
    !>
-   !> Only a storey below a linked roof acts on the wall, and a smooth one acts through its state. So
-   !> the cached uplift quantities remain valid unless that storey has changed its branch. The time
-   !> to recompute them grows with the cube of the number of storeys.
+   !> Only the storey below a linked roof acts on the wall, and a smooth one acts through its state.
+   !> So the cached uplift quantities remain valid unless that storey has changed its branch. The
+   !> time to recompute them grows with the cube of the number of storeys.
    pure subroutine renew_storeys(model, state, highest)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
