@@ -64,9 +64,7 @@ contains
 
       gamma = 0
       if (.not. allocated(case%frame)) return
-      if (allocated(case%storeys)) then
-         if (allocated(case%storeys%k_link)) return
-      end if
+      if (.not. case%frame%is_linked) return
       if (allocated(case%frame%gamma)) gamma = case%frame%gamma
    end function mass_ratio
 

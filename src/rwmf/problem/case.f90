@@ -44,6 +44,8 @@ module rwmf_problem_case
       !! mass ratio m_s/m_w [-]; absent for the bare frame
       real(wp) :: xi_s
       !! viscous damping ratio [-]
+      logical :: is_linked = .true.
+      !! its mass moves with the wall; false with link springs between them
    end type frame_t
 
    !> Storeys of the frame, `&storeys`; they determine the period and the mass ratio of `frame_t`.

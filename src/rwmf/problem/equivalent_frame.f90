@@ -32,7 +32,8 @@ contains
          if (.not. allocated(case%wall)) return
          case%frame%gamma = 1/frame%shape(n, 1)**2
          if (case%storeys%coupling == 'full') case%frame%gamma = frame%m(n)
-         if (case%storeys%coupling == 'springs') case%frame%gamma = sum(frame%m)
+         case%frame%is_linked = case%storeys%coupling /= 'springs'
+         if (.not. case%frame%is_linked) case%frame%gamma = sum(frame%m)
       end associate
    end subroutine set_equivalent_frame
 

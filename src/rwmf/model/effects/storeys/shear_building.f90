@@ -73,18 +73,19 @@ contains
       equation%state%frame_slope = 0
       equation%p%xi_s = 0
       equation%p%two_xi_omega = 0
-      if (allocated(case%storeys%k_link)) call release_floors(case%storeys%k_link, equation)
+      if (allocated(case%storeys%k_link)) call set_link_springs(case%storeys%k_link, equation)
       equation%moves_at_rest = equation%has_impacts .and. equation%floors%free > 0
    end subroutine set_storeys
 
-   !> Release the roof from the wall and link each floor to the wall by a spring.
-   subroutine release_floors(k_link, equation)
+   !> Release the roof from the wall and link each floor to the wall by a spring. No mass of the
+   !> frame moves with the wall (`is_linked` of the case's frame).
+   subroutine set_link_springs(k_link, equation)
       real(wp), intent(in) :: k_link(:)
       !! stiffness of each spring over m_w [1/s2]
       type(equation_t), intent(inout) :: equation
       integer :: i
 
-      associate (floors => equation%floors, p => equation%p)
+      associate (floors => equation%floors)
          floors%free = floors%n
          floors%are_linked = .true.
          floors%k_link = k_link
@@ -92,10 +93,9 @@ contains
          floors%mass = sum(floors%m)
          ! no energy of the springs exceeds the sum of those with the wall and with the floors held
          floors%max_frequency = sqrt(floors%max_frequency**2 + maxval(k_link/floors%m) &
-            + sum(k_link*floors%share**2)*4*p%cos_alpha**2/equation%inertia)
-         p%gamma = 0
+            + sum(k_link*floors%share**2)*4*equation%p%cos_alpha**2/equation%inertia)
       end associate
-   end subroutine release_floors
+   end subroutine set_link_springs
 
    !> Coefficients of `add_floors`, for all modes.
    pure subroutine storey_coefficients(effect, model, state, coef)
