@@ -236,6 +236,7 @@ contains
       case%wall%m_w = 1000
       case%frame%xi_s = 0
       case%storeys%k_link = [k_link]
+      deallocate (case%cable)
       call create_stepping(stepping, case, error)
       call advance_stepping(stepping, [0.0_wp, 0.2_wp], [a, a], error)
       call checks%no_error(error, 'advance')
