@@ -362,7 +362,7 @@ contains
           .or. .not. equation%has_wall) then
          pair = dormand_prince_853()
       else if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
-               .or. equation%floors%n > 1) then
+               .or. equation%floors%free > 0) then
          pair = tsitouras_papakostas_75()
       else
          pair = tsitouras_papakostas_64()

@@ -56,7 +56,7 @@ contains
                  - piece%t_a)
          if (equation%has_impacts .and. all(abs(piece%y_a(:2)) <= 0)) by_factor(:2) = 0
          if (allocated(nearby%before)) call pass_impact(nearby, piece)
-         n = max(0, equation%floors%n - 1)
+         n = equation%floors%free
          y = (piece%y_a + piece%y_b)/2
          t = piece%t_a + h/2
          call drift(equation, n, h/2, by_factor)
