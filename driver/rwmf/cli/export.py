@@ -41,9 +41,7 @@ def write_opensees(options: argparse.Namespace) -> int:
         return 0
     print(f"{'demand':34s} {'rwmf':>12s} {'OpenSees':>12s}  difference")
     for demand in compare_with_opensees(case, run_opensees(path)):
-        is_time = demand.name.startswith("impact")
-        difference = (
-            f"{1e3 * demand.difference:+8.3f} ms" if is_time else f"{100 * demand.difference:+8.3f} %"
-        )
+        scale, unit = (1e3, "ms") if demand.name.startswith("impact") else (100, "%")
+        difference = f"{scale * demand.difference:+8.3f} {unit}"
         print(f"{demand.name:34s} {demand.ours:12.6g} {demand.theirs:12.6g}  {difference}")
     return 0

@@ -16,7 +16,6 @@ from rwmf.errors import InputError
 __all__ = ["Building", "Frame", "Law", "Tendon", "read_building"]
 
 Array = npt.NDArray[np.float64]
-Words = tuple[str | float, ...]
 
 # interval at which a record is read, before samples on straight lines are left out [s]
 _STEP = 1e-3

@@ -13,12 +13,12 @@ from rwmf.export.building import Building, Frame, Law, read_building
 __all__ = ["opensees_script"]
 
 # angular frequency of the wall on both its corners [rad/s], and the step that resolves it [s]
-_CORNER_RATE = 4000.0
+_CORNER_RATE = 8000.0
 _STEP_OF_WALL, _STEP_OF_FRAME = 2.5e-5, 2e-4
 # angular frequency of the frame on the mast that keeps its line straight [rad/s]
 _MAST_RATE = 2000.0
 # accelerations do not count for so long after a corner lands [s]
-_BLOW = 5e-3
+_BLOW = 25e-3
 # length of a link that remains horizontal [m]
 _LONG = 100.0
 _HEAD = '''"""Building of {source}, written by `rwmf export opensees`.
@@ -77,7 +77,7 @@ class Excursions:
 
     def is_blow(self, t):
         """Return whether a corner has just landed: the force of a blow is no demand of rwmf."""
-        was_up, self.is_up = self.is_up, abs(self.last) > 2e-5
+        was_up, self.is_up = self.is_up, abs(self.last) > 2e-4
         if was_up and not self.is_up:
             self.blow_until = t + BLOW
         return t < self.blow_until
@@ -247,8 +247,8 @@ class _Script:
         given = self.building
         h, b, m = given.h, given.b, given.m_w
         self._note(
-            "the wall is a frame of stiff beams with its mass in the middle. Each corner is on a pad",
-            "of spring and dashpot that absorbs the blow, instead of a momentum balance at an instant.",
+            "the wall is a frame of stiff beams with its mass in the middle. Each corner is on a",
+            "pad of spring and dashpot that absorbs the blow; rwmf balances momenta at an instant.",
             f"Accelerations do not count for {1e3 * _BLOW:g} ms after a corner lands",
         )
         self._title("wall: base, corners, middle, top, corner of the link; ground below")
@@ -392,8 +392,8 @@ class _Script:
         """Keep the floors on a straight line by a stiff mast with a hinge."""
         self._title("mast that keeps the floors on a line, as the wall does")
         self._note(
-            "a stiff mast with a hinge keeps the floors on a straight line, and its top is linked to",
-            "the wall; forces of single links are not reported",
+            "a stiff mast with a hinge keeps the floors on a straight line, and its top is linked",
+            "to the wall; forces of single links are not reported",
         )
         self._do("geomTransf", "Linear", 2)
         self._do("damping", "SecStif", 1, 2 / _MAST_RATE)

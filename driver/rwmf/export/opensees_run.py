@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -103,11 +104,10 @@ def compare_with_opensees(case: Case, answer: dict[str, object]) -> list[Demand]
     """
     response = simulate(case.replace(output={"reactions": True}), dt=1e-3)
     peaks = dict(answer["peaks"])  # type: ignore[call-overload]
-    names = {name: _name(name) for name in peaks}
     found = [
-        Demand(name, float(response[names[name]]), float(value))
+        Demand(name, float(response[name.removesuffix("_m")]), float(value))
         for name, value in peaks.items()
-        if names[name] in response
+        if name.removesuffix("_m") in response
     ]
     if case.wall is None:
         return found
@@ -120,17 +120,12 @@ def compare_with_opensees(case: Case, answer: dict[str, object]) -> list[Demand]
     ]
 
 
-def _name(key: str) -> str:
-    """Return the variable of a dataset for a key: without the unit of lengths."""
-    return key.removesuffix("_m")
-
-
 def _impacts(t: np.ndarray, theta: np.ndarray) -> list[float]:
     """Return times of impacts between excursions above 2 % of the largest [s]."""
     known = np.isfinite(theta)
     t, theta = t[known], theta[known]
     places = [0, *(np.flatnonzero(theta[1:] * theta[:-1] < 0) + 1), theta.size]
-    peaks = [np.abs(theta[a:b]).max(initial=0.0) for a, b in zip(places, places[1:], strict=False)]
+    peaks = [np.abs(theta[a:b]).max(initial=0.0) for a, b in pairwise(places)]
     limit, times, is_large = 0.02 * max(peaks), [], False
     for i, place in enumerate(places[1:-1]):
         is_large = is_large or peaks[i] > limit
