@@ -382,7 +382,8 @@ def _sampled(case: Case, motion: dict[str, Any], step: float, t_end: float) -> A
     groups["frame"] = frame | {"T_s": 1.0, "xi_s": 0.05}
     groups["output"] = None
     history = simulate(case.replace(**groups), dt=step)
-    return np.nan_to_num(history["u_g_ddot"].to_numpy())
+    found: Array = np.nan_to_num(history["u_g_ddot"].to_numpy())
+    return found
 
 
 def _widest_stride(*motions: Array) -> int:
