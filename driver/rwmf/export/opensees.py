@@ -111,6 +111,9 @@ for step in range(1, round(T_END / DT) + 1):
     for name, value in found.items():
         if not (is_blow and "acceleration" in name):
             peaks[name] = max(peaks.get(name, 0.0), abs(value))
+    if DRIFT_LIMIT and any(peaks[x] >= DRIFT_LIMIT for x in peaks if "drift" in x):
+        print(f"collapsed at {step * DT:g} s")
+        break
 for name, value in peaks.items():
     print(f"{name:36s} {value:.6g}")
 print("impacts at", *(f"{t:.4f}" for t in excursions.impacts()[:10]), "s")
@@ -199,6 +202,7 @@ class _Script:
             "WEIGHT": given.m_w * given.g,
             "INTERVAL": given.dt,
             "BLOW": _BLOW,
+            "DRIFT_LIMIT": 0.0 if self.case.p_delta is None else self.case.p_delta.drift_limit,
         }
         lines = [f"{name} = {value!r}" for name, value in values.items()]
         lines += [
@@ -316,6 +320,7 @@ class _Script:
         if not math.isinf(tendon.elongation_at_rupture):
             strain = tendon.elongation_at_rupture / unit
             material = self._material("MinMax", material, "-max", strain)
+            self._note("accelerations ring in the link when the tendon breaks")
         if tendon.is_straight:
             tag = self._element("corotTruss", 11, 5, 1.0, material)
             self.tendon = (tag, "axialForce", 0)
