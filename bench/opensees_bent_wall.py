@@ -220,9 +220,7 @@ def read_peaks() -> dict[str, dict[str, float]]:
     """Return the stored peaks by variant and name."""
     with PEAKS.open(encoding="utf-8", newline="") as stream:
         head, *rows = csv.reader(stream)
-    return {
-        name: {row[0]: float(row[i]) for row in rows} for i, name in enumerate(head) if i > 0
-    }
+    return {name: {row[0]: float(row[i]) for row in rows} for i, name in enumerate(head) if i > 0}
 
 
 if __name__ == "__main__":

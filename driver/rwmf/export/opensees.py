@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 import math
+from importlib.resources import files
 
 import numpy as np
 
 from rwmf.case import Case
-from rwmf.export.building import Building, Frame, Law, read_building
+from rwmf.export.si_building import Building, Frame, Law, read_building
 
 __all__ = ["opensees_script"]
 
@@ -36,90 +37,6 @@ import sys
 
 import openseespy.opensees as ops
 
-'''
-_TAIL = '''
-
-def solver(integrator, analysis):
-    """Newton's method on the full matrix."""
-    ops.constraints("Plain")
-    ops.numberer("RCM")
-    ops.system("BandGeneral")
-    ops.test("NormDispIncr", 1e-10, 50, 0)
-    ops.algorithm("Newton")
-    ops.integrator(*integrator)
-    ops.analysis(analysis)
-
-
-def observe(t):
-    """Return demands at a time by the names of rwmf, with signs."""
-    place = t / INTERVAL
-    i = int(place + 1e-9)
-    a_g = A[i] + (place - i) * (A[i + 1] - A[i]) if i + 1 < len(A) else 0.0
-    found, below = {}, 0.0
-    for i, (node, share, height) in enumerate(FLOORS, start=1):
-        u = share * ops.nodeDisp(node, 1)
-        found[f"storey_{i}_drift_max"] = (u - below) / height
-        found[f"floor_{i}_acceleration_max_g"] = (share * ops.nodeAccel(node, 1) + a_g) / G
-        found["u_s_max_m"] = below = u
-    if ALPHA:
-        found["theta_max_over_alpha"] = -ops.nodeDisp(4, 3) / ALPHA
-    if TENDON:
-        found["tendon_force_max_over_m_w_g"] = ops.eleResponse(*TENDON)[TENDON_ENTRY] / WEIGHT
-    return found
-
-
-class Excursions:
-    """Times at which the rotation changes its sign, and the peaks before them."""
-
-    def __init__(self):
-        self.last, self.peak, self.passed = 0.0, 0.0, []
-        self.is_up, self.blow_until = False, 0.0
-
-    def is_blow(self, t):
-        """Return whether a corner has just landed: the force of a blow is no demand of rwmf."""
-        was_up, self.is_up = self.is_up, abs(self.last) > 2e-4
-        if was_up and not self.is_up:
-            self.blow_until = t + BLOW
-        return t < self.blow_until
-
-    def add(self, t, theta):
-        if theta * self.last < 0:
-            self.passed.append((t - DT * theta / (theta - self.last), self.peak))
-            self.peak = 0.0
-        self.last, self.peak = theta, max(self.peak, abs(theta))
-
-    def impacts(self):
-        """Return the times between excursions above 2 % of the largest."""
-        peaks = [peak for _, peak in self.passed] + [self.peak]
-        limit, times, is_large = 0.02 * max(peaks), [], False
-        for (t, peak), after in zip(self.passed, peaks[1:]):
-            is_large = is_large or peak > limit
-            if is_large and after > limit:
-                times.append(t)
-                is_large = False
-        return times
-
-
-solver(("Newmark", 0.5, 0.25), "Transient")
-peaks, excursions = {}, Excursions()
-for step in range(1, round(T_END / DT) + 1):
-    if ops.analyze(1, DT) != 0:
-        sys.exit(f"no convergence at {ops.getTime():g} s: use a shorter DT")
-    found = observe(step * DT)
-    excursions.add(step * DT, found.get("theta_max_over_alpha", 0.0))
-    is_blow = excursions.is_blow(step * DT)
-    for name, value in found.items():
-        if not (is_blow and "acceleration" in name):
-            peaks[name] = max(peaks.get(name, 0.0), abs(value))
-    if DRIFT_LIMIT and any(peaks[x] >= DRIFT_LIMIT for x in peaks if "drift" in x):
-        print(f"collapsed at {step * DT:g} s")
-        break
-for name, value in peaks.items():
-    print(f"{name:36s} {value:.6g}")
-print("impacts at", *(f"{t:.4f}" for t in excursions.impacts()[:10]), "s")
-if len(sys.argv) > 1:
-    with open(sys.argv[1], "w") as stream:
-        json.dump({"peaks": peaks, "impacts": excursions.impacts()}, stream)
 '''
 
 
@@ -185,12 +102,13 @@ class _Script:
         self._start()
         self._motion()
         has_mass = self.case.wall is None or self.case.wall.get("m_w") is not None
+        analysis = files("rwmf.export").joinpath("opensees_analysis.txt").read_text("utf-8")
         head = _HEAD.format(
             source=self.case.label,
             scale="" if has_mass else "; masses and forces over the mass of the wall",
             notes="\n".join(self.notes or ["* nothing"]),
         )
-        return head + self._constants() + "\n".join(self.lines) + "\n" + _TAIL
+        return head + self._constants() + "\n".join(self.lines) + "\n" + analysis
 
     def _constants(self) -> str:
         given = self.building
