@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from concurrent.futures import Future, ProcessPoolExecutor
+from pathlib import Path
 from typing import Any
 
 from bending import BentWall
@@ -39,43 +40,7 @@ TITLES = {
     "shear_springs": "Links of 500 MN/m, wall with shear",
 }
 MOTION_NAMES = {"elcentro": "El Centro times two", "pulse": "a sine of 0.6 g and 1 s"}
-HEAD = """# A wall that bends, against OpenSees
-
-<!-- made by: python bench/opensees_bent_wall.py --page; do not edit -->
-
-For users who design a wall by its forces: you see how far they agree with finite elements, and
-which of them depend on link stiffness, shear and damping.
-
-`validation/six_storeys_wall.nml` is a building of six storeys of 150 t and a wall of 19.2 m x 4.0
-m x 0.35 m with 20 strands. The wall is linked at every floor. Its concrete has 30 GPa; the damping
-ratio of its first mode is 2 %, in proportion to stiffness.
-
-OpenSees has 24 corotational beams with lumped masses, corners on no-tension springs and pads, a
-tendon on a mast that turns with the base, and steps of 0.05 ms (`bench/opensees/bent_wall.py`).
-The columns with modes are those of `tests/support/bending.py`, the independent program for the
-equations of `&bending`. The last column compares the highest number of modes with OpenSees. All
-values are the largest of a run.
-
-Two settings of the comparison concern OpenSees alone. For 1 ms after a landing the forces of the
-wall do not count (25 ms and all demands with a rigid wall): a blow has a duration there. The
-angular acceleration of the base, which the moment contains, is a mean over 1 ms, because the wall
-rings on its pads. The moment at the base is therefore uncertain there by up to 20 %.
-"""
-TAIL = """
-## What depends on what
-
-El Centro times two, links of 500 MN/m, 3 modes; each column changes one property:
-
-{table}
-
-* Drift, roof acceleration and the moments above the base agree with OpenSees from 3 modes on.
-* Base shear, the lowest links and the acceleration of the lowest floors do not converge with the
-  modes when links are rigid: they come from the shock of a landing. Flexible links and shear limit
-  them.
-* With steps of 0.1 ms instead of 0.05 ms, OpenSees changes drifts by less than 0.1 %, the roof
-  acceleration by 0.1 %, moments at the floors by 0.2 %, but the shears with rigid links by 5 to
-  9 %.
-"""
+TEXT = Path(__file__).parent / "bent_wall_text.md"
 
 
 def page(peaks: dict[str, Peaks]) -> str:
@@ -101,7 +66,7 @@ def _page(peaks: dict[str, Peaks], pool: ProcessPoolExecutor) -> str:
     def start(*words: object, **options: object) -> Future[Peaks]:
         return pool.submit(ours, *words, **options)
 
-    parts, tables = [HEAD], []
+    parts, tables = [], []
     for motion, words in MOTION_NAMES.items():
         parts.append(f"\n## {words[0].upper()}{words[1:]}\n")
         rigid = {"rigid": start(motion, 0), "OpenSees rigid": peaks[f"{motion}_rigid"]}
@@ -125,7 +90,8 @@ def _page(peaks: dict[str, Peaks], pool: ProcessPoolExecutor) -> str:
         "damping 'modal'": start("elcentro", 3, link=LINK, damping="modal"),
         "xi 1 %": start("elcentro", 3, link=LINK, xi=0.01),
     }
-    text = "\n".join(parts) + TAIL.format(table=f"@{len(tables)}@")
+    text = TEXT.read_text(encoding="utf-8")
+    text = text.replace("TABLES", "\n".join(parts)).replace("CHANGED", f"@{len(tables)}@")
     for i, columns in enumerate([*tables, changed]):
         known = {k: v.result() if isinstance(v, Future) else v for k, v in columns.items()}
         text = text.replace(f"@{i}@", table(known))

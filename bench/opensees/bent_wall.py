@@ -2,10 +2,10 @@
 
 ``python bent_wall.py FILE < SCENE`` is called by ``bench/opensees_bent_wall.py`` with a Python that
 has ``openseespy``, and imports nothing else. The wall is a chain of corotational beams with lumped
-masses on a rigid base. Each end of the base is on a spring without tension (ENT) on a pad of spring
-and dashpot; a key holds the middle of the base sideways. The tendon is a truss to the top of a
-stiff mast that turns with the base: its force does not bend the wall, like that of a tendon in a
-duct. Floors are masses with springs and dashpots between them; links are springs, or rigid.
+masses on a rigid base. Each end of the base is on a spring without tension (ENT), on a pad of
+spring and dashpot. A key holds the middle of the base sideways. The tendon is a truss to the top
+of a stiff mast that turns with the base. Like that of a tendon in a duct, its force does not bend
+the wall. Floors are masses with springs and dashpots between them; links are springs, or rigid.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ _HEAD = '''"""Building of {source}, written by `rwmf export opensees`.
 `python FILE [ANSWER.json]` needs openseespy alone. It prints the largest demands with the names of
 rwmf, and writes them into ANSWER.json. Units: N, kg, m, s{scale}.
 
-What differs from rwmf:
+Differences from rwmf:
 {notes}
 """
 
