@@ -265,6 +265,7 @@ _CHECKS: dict[str, Check] = {
     "n": lambda name, value: to_whole(name, value, 1),
     "omega_over_p": _positives,
     "open_browser": _truth,
+    "is_paired": _truth,
     "part": _part,
     "parts": _sequence,
     "path": path_of,

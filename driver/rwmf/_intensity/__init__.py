@@ -3,6 +3,7 @@
 Nothing in this folder depends on a structure: a measure belongs to the site.
 """
 
+from rwmf._intensity.extrema import Array
 from rwmf._intensity.measures import DAMPING, KINDS, Measure, choose_measure
 from rwmf._intensity.oscillator import pseudo_accelerations
 from rwmf._intensity.waveform import Waveform, waveform_of
@@ -10,6 +11,7 @@ from rwmf._intensity.waveform import Waveform, waveform_of
 __all__ = [
     "DAMPING",
     "KINDS",
+    "Array",
     "Measure",
     "Waveform",
     "choose_measure",

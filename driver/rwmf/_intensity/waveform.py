@@ -156,6 +156,18 @@ class Waveform:
         squares: Array = self.h * (a * a + a * b + b * b) / 3
         return squares
 
+    def husid(self) -> Array:
+        """Share of the Arias intensity up to each sample.
+
+        Returns
+        -------
+        array, shape (rows, n)
+            From 0 to 1; 0 for a motion without acceleration [-].
+        """
+        done = _accumulated(self._squares())
+        total = done[:, -1:]
+        return done / np.where(total > 0, total, 1.0)
+
     def cumulative_absolute_velocity(self) -> Array:
         """Integral of |acceleration|; a step with a change of sign has two triangles.
 

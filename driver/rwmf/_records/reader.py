@@ -14,7 +14,14 @@ from rwmf._records.plain import read_by_kernel, read_header, read_table
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["RECORD_SUFFIXES", "is_at2", "read_bytes", "read_channels", "unit_of_header"]
+__all__ = [
+    "RECORD_SUFFIXES",
+    "VERTICAL_SUFFIXES",
+    "is_at2",
+    "read_bytes",
+    "read_channels",
+    "unit_of_header",
+]
 
 _AT2_MARK = b"NPTS"
 _HEADER_BYTES = 1000
@@ -23,6 +30,7 @@ RECORD_SUFFIXES = (
     *(".at2", ".asc", ".raw", ".knet", ".v1", ".v2", ".v1c", ".v2c"),
     *(".ew", ".ns", ".ew1", ".ew2", ".ns1", ".ns2"),
 )
+VERTICAL_SUFFIXES = (".ud", ".ud1", ".ud2")
 
 
 @dataclass(frozen=True)
