@@ -21,8 +21,8 @@ _PRINTED = 1e-4
 _GAP = 5.0
 # peaks outside these limits point to a wrong unit [g]
 _SMALLEST, _LARGEST = 1e-5, 5.0
-# final velocity over the largest one that points to an uncorrected baseline [-]
-_DRIFT = 0.2
+# final over largest value that points to an uncorrected baseline [-]
+_DRIFT = {"velocity": 0.2, "displacement": 0.5}
 # first and last period of a spectrum [s], and their number
 _PERIODS = (0.02, 5.0, 200)
 # length of a record below which it is doubtful [s]
@@ -71,6 +71,7 @@ def describe(path: Path, unit: str | None, dt: float | None, g: float) -> list[D
 def _facts(channel: Channel, wave: Waveform, g: float) -> dict[str, Any]:
     peak = float(wave.peak_acceleration()[0])
     velocity = float(wave.peak_velocity()[0])
+    displacement = float(wave.peak_displacement()[0])
     interval = _interval(wave)
     return {
         "name": channel.motion.name,
@@ -84,11 +85,11 @@ def _facts(channel: Channel, wave: Waveform, g: float) -> dict[str, Any]:
         "peak_acceleration_m_s2": peak,
         "t_peak_acceleration_s": float(wave.t[np.argmax(np.abs(wave.a))]),
         "peak_velocity_m_s": velocity,
-        "peak_displacement_m": float(wave.peak_displacement()[0]),
+        "peak_displacement_m": displacement,
         "arias_m_s": float(wave.arias(g)[0]),
         "duration_5_95_s": float(wave.significant_duration()[0]),
         "cav_m_s": float(wave.cumulative_absolute_velocity()[0]),
-        "warnings": _doubts(wave, peak / g, velocity),
+        "warnings": _doubts(wave, peak / g, velocity, displacement),
     }
 
 
@@ -99,7 +100,7 @@ def _interval(wave: Waveform) -> float | None:
     return float(f"{h:.12g}") if np.abs(wave.t - even).max() <= _PRINTED * h else None
 
 
-def _doubts(wave: Waveform, peak: float, velocity: float) -> list[str]:
+def _doubts(wave: Waveform, peak: float, velocity: float, displacement: float) -> list[str]:
     """List what makes a record doubtful."""
     found = []
     h = wave.h
@@ -113,12 +114,17 @@ def _doubts(wave: Waveform, peak: float, velocity: float) -> list[str]:
         found.append(f"peak of {peak:.3g} g: check the unit")
     if wave.t[-1] - wave.t[0] < _SHORT:
         found.append(f"duration of {wave.t[-1] - wave.t[0]:g} s: check the interval")
-    last = abs(float(wave.velocities()[0, -1]))
-    if last > _DRIFT * velocity:
-        found.append(
-            f"velocity of {last:.3g} m/s at the end: the baseline is not corrected, peak velocity "
-            "and displacement contain its drift"
-        )
+    ends = {
+        "velocity": (abs(float(wave.velocities()[0, -1])), velocity, "m/s"),
+        "displacement": (abs(float(wave.displacements()[0, -1])), displacement, "m"),
+    }
+    for name, (last, largest, unit) in ends.items():
+        if last > _DRIFT[name] * largest:
+            found.append(
+                f"{name} of {last:.3g} {unit} at the end: the baseline is not corrected, peak "
+                "velocity and displacement contain its drift"
+            )
+            break
     return found
 
 

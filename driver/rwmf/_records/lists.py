@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -135,7 +136,7 @@ def _entries(
 
 def _file(folder: Path, name: str, line: int) -> Path:
     """Find a file of a list, in its folder or anywhere below."""
-    path = folder / name
+    path = Path(os.path.normpath(folder / name))
     if path.is_file():
         return path
     base = name.replace("\\", "/").rpartition("/")[2]

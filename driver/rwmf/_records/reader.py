@@ -195,4 +195,8 @@ def _case_of(path: Path, unit: str | None, dt: float | None) -> Case:
     """Let the kernel read and validate a record."""
     motion = {"kind": "record", "file": str(path.absolute()), "unit": unit, "dt": dt}
     keys = {key: value for key, value in motion.items() if value is not None}
-    return Case(frame={"T_s": 1.0, "xi_s": 0.05}, motion=keys)
+    try:
+        return Case(frame={"T_s": 1.0, "xi_s": 0.05}, motion=keys)
+    except InputError as error:
+        text = str(error).partition(f"{motion['file']}': ")[2] or str(error)
+        raise InputError(f"records: {path}: {text}") from error

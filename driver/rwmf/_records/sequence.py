@@ -11,7 +11,7 @@ from rwmf.errors import InputError
 __all__ = ["join"]
 
 _IN_SI = {"m/s2": 1.0, "cm/s2": 0.01}
-# rounding of a pause that still fits the common interval of two motions [-]
+# rounding of times that still fit a common interval, over the interval [-]
 _ROUNDING = 1e-6
 
 
@@ -51,10 +51,10 @@ def join(shocks: tuple[Motion, Motion], pause: float, factors: tuple[float, floa
     steps = [_step(shocks[0].times, -1), _step(shocks[1].times, 0)]
     if pause < sum(steps):
         raise InputError(f"pause = {pause:g}: must be at least {sum(steps):g} s, one step of each")
-    dt = shocks[0].dt
-    if dt is not None and dt == shocks[1].dt:
+    dt = _interval(shocks[0])
+    if dt is not None and dt == _interval(shocks[1]):
         count = round(pause / dt)
-        if abs(count * dt - pause) <= _ROUNDING * dt * count:
+        if abs(count * dt - pause) <= _ROUNDING * dt:
             rest = np.zeros(count - 1)
             return Motion(np.concatenate([values[0], rest, values[1]]), dt=dt, unit=unit, name=name)
     end = float(shocks[0].times[-1])
@@ -68,3 +68,11 @@ def join(shocks: tuple[Motion, Motion], pause: float, factors: tuple[float, floa
 
 def _step(times: npt.NDArray[np.float64], i: int) -> float:
     return float(np.diff(times)[i])
+
+
+def _interval(motion: Motion) -> float | None:
+    """Return the interval of the samples; None for uneven times."""
+    times = motion.times
+    dt = motion.dt or float(f"{(times[-1] - times[0]) / (times.size - 1):.12g}")
+    even = times[0] + dt * np.arange(times.size)
+    return dt if np.abs(times - even).max() <= _ROUNDING * dt else None

@@ -63,7 +63,7 @@ class Selection:
 @checked
 def select(
     words: Iterable[str | os.PathLike[str] | RecordFile | Motion],
-    target: str | os.PathLike[str] | Sequence[Sequence[float]],
+    target_spectrum: str | os.PathLike[str] | Sequence[Sequence[float]],
     band: tuple[float, float],
     n: int | None = None,
     *,
@@ -82,7 +82,7 @@ def select(
     ----------
     words : iterable of str, path, RecordFile or Motion
         Candidates, as for `rwmf.find_records`.
-    target : str, path or (periods, pseudo-accelerations)
+    target_spectrum : str, path or (periods, pseudo-accelerations)
         Target spectrum, or its file with two columns: periods [s] and pseudo-accelerations [g]. It
         is interpolated in logarithms.
     band : (float, float)
@@ -113,7 +113,7 @@ def select(
     low, high = _two("band", band)
     least, most = _two("limits", limits)
     periods = np.geomspace(low, high, _PERIODS)
-    wanted = _target_at(target, periods)
+    wanted = _target_at(target_spectrum, periods)
     names, members = _candidates(words, is_paired, unit, dt)
     spectra = [
         np.array(

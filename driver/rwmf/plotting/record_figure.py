@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from rwmf.plotting.style import ALONE, COLOURS, GREY, label_plainly, series
+from rwmf.plotting.style import ALONE, COLOURS, GREY, label_plainly, legend_below
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["draw_records", "draw_selection"]
 
+_THIN = 1.0
 _Array = npt.NDArray[np.float64]
 _HISTORIES = {
     "a": r"$\ddot u_g$ (g)",
@@ -33,27 +34,24 @@ def draw_records(figure: Figure, records: Mapping[str, Mapping[str, _Array]]) ->
     records : mapping of str to curves
         Curves by name, from `rwmf._records.facts.curves`.
     """
-    panels = figure.subplot_mosaic(
-        [["a", "Sa"], ["v", "Sa"], ["u", "energy"]], width_ratios=[1.5, 1.0]
-    )
+    parts: Any = figure.subfigures(1, 2, width_ratios=[1.5, 1.0])
+    left, right = parts
+    panels = dict(zip(_HISTORIES, left.subplots(3, 1, sharex=True), strict=True))
+    spectrum, energy = right.subplots(2, 1, height_ratios=[1.8, 1.0])
     for i, (name, curves) in enumerate(records.items()):
-        look = series(i, len(records))
-        for key in _HISTORIES:
-            panels[key].plot(curves["t"], curves[key], **look)
-        panels["energy"].plot(curves["t"], curves["energy"], **look)
-        panels["Sa"].loglog(curves["periods"], curves["Sa"], label=name, **look)
+        look = {"color": COLOURS[i % len(COLOURS)], "lw": _THIN}
+        for key, ax in panels.items():
+            ax.plot(curves["t"], curves[key], **look)
+        energy.plot(curves["t"], curves["energy"], **look)
+        spectrum.loglog(curves["periods"], curves["Sa"], label=name, **look)
     for key, label in _HISTORIES.items():
         panels[key].set_ylabel(label)
-        if key != "u":
-            panels[key].tick_params(labelbottom=False)
-            panels[key].sharex(panels["u"])
-    for key in ("u", "energy"):
-        panels[key].set_xlabel("$t$ (s)")
-    panels["energy"].set_ylabel("share of Arias intensity")
-    panels["Sa"].set(xlabel="$T$ (s)", ylabel="$S_a$(5 %) (g)")
-    label_plainly(panels["Sa"].xaxis)
-    label_plainly(panels["Sa"].yaxis)
-    panels["Sa"].legend()
+    panels["u"].set_xlabel("$t$ (s)")
+    energy.set(xlabel="$t$ (s)", ylabel="Arias share")
+    spectrum.set(xlabel="$T$ (s)", ylabel="$S_a$(5 %) (g)")
+    for axis in (spectrum.xaxis, spectrum.yaxis):
+        axis.set_major_formatter(lambda value, _: f"{value:g}")
+    legend_below(figure, spectrum)
 
 
 def draw_selection(
