@@ -18,7 +18,7 @@ __all__ = ["is_cgs", "is_cosmos", "read_cgs", "read_cosmos"]
 
 _LAYOUT = r"\(?(?P<per>\d+)[efEF](?P<width>\d+)\.\d+\)"
 _COSMOS = re.compile(
-    r"\s*(?P<n>\d+)\s+acceleration pts,\s*approx\s+(?P<seconds>[\d.]+)\s*secs,"
+    r"\s*(?P<n>\d+)\s+acceleration pts,\s*approx\s+(?P<seconds>\d+\.?\d*)\s*secs,"
     r"\s*units=(?P<unit>[^,]*),\s*Format=" + _LAYOUT,
     re.IGNORECASE,
 )
@@ -96,7 +96,7 @@ def read_cosmos(lines: list[str], name: str) -> list[Channel]:
         values = _block(lines, i, match)
         is_raw = reals[_INTERVAL_MS] in (0.0, _UNKNOWN)
         dt = reals[_INTERVAL] if is_raw else reals[_INTERVAL_MS] / 1000
-        seconds = header_number("approx ... secs", match["seconds"])
+        seconds = float(match["seconds"])
         # whole seconds are printed
         if dt <= 0 or not abs(values.size * dt - seconds) <= _SECONDS:
             raise InputError(

@@ -54,6 +54,8 @@ _REFUSED = {
     "CWB (Taiwan)": re.compile(r"#\s*(Earthquake Information|StationCode)"),
 }
 _BINARY = b"\0"
+# place in messages of the kernel, with the path in short
+_PLACE = re.compile(r"&motion: (file = '.*?': )?")
 
 
 def read_bytes(path: Path) -> bytes:
@@ -198,5 +200,5 @@ def _case_of(path: Path, unit: str | None, dt: float | None) -> Case:
     try:
         return Case(frame={"T_s": 1.0, "xi_s": 0.05}, motion=keys)
     except InputError as error:
-        text = str(error).partition(f"{motion['file']}': ")[2] or str(error)
+        text = _PLACE.sub("", str(error), count=1)
         raise InputError(f"records: {path}: {text}") from error
