@@ -245,7 +245,8 @@ def read(
     if channel is None and len(channels) > 1:
         names = ", ".join(f"{i} ({item.direction})" for i, item in enumerate(channels, 1))
         raise InputError(f"records: {path}: has {len(channels)} channels: {names}: give channel")
-    return channels[to_whole("channel", channel or 1, 1, len(channels)) - 1].motion
+    number = 1 if channel is None else to_whole("channel", channel, 1, len(channels))
+    return channels[number - 1].motion
 
 
 @checked

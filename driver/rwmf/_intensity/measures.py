@@ -48,10 +48,10 @@ class _Kind:
 
 KINDS = {
     "pseudo_acceleration": _Kind("pseudo-spectral acceleration", "m/s2", 1, ("period", "damping")),
+    "peak_acceleration": _Kind("peak ground acceleration", "m/s2"),
     "average_acceleration": _Kind(
         "average spectral acceleration", "m/s2", 1, ("periods", "damping")
     ),
-    "peak_acceleration": _Kind("peak ground acceleration", "m/s2"),
     "peak_velocity": _Kind("peak ground velocity", "m/s"),
     "peak_displacement": _Kind("peak ground displacement", "m"),
     "arias": _Kind("Arias intensity", "m/s", 2),

@@ -49,5 +49,6 @@ def component_of(name: str) -> tuple[str, str]:
         found = match.groupdict()
         part = found["part"].strip("-_").lower()
         is_up = found.get("up") is not None or part in _VERTICAL_PARTS
-        return found["key"] + (found.get("further") or ""), VERTICAL if is_up else part
+        key = found["key"].rstrip("-_") + (found.get("further") or "")
+        return key, VERTICAL if is_up else part
     return name, ""

@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from rwmf._arguments import checked
+from rwmf._arguments import checked, path_of
 from rwmf._files import files
 from rwmf._intensity import DAMPING, pseudo_accelerations
-from rwmf._numbers import show, to_array
+from rwmf._numbers import show, to_array, to_items
 from rwmf._records.channels import free_numbers
 from rwmf._records.lists import SUITE_HEADER
 from rwmf._records.reader import read_bytes
@@ -187,10 +187,16 @@ def _target_at(
 ) -> _Array:
     """Interpolate the target spectrum [g]."""
     if isinstance(target, str | os.PathLike):
-        table = _read_target(Path(target))
+        table = _read_target(Path(path_of("target_spectrum", target)))
     else:
-        table = np.array([to_array("target", row, above=0.0, least=2) for row in target])
-    if table.shape[0] != 2 or np.any(np.diff(table[0]) <= 0) or np.any(table <= 0):
+        rows = to_items(target) or []
+        if len(rows) != 2:
+            raise InputError(f"target_spectrum = {show(target)}: must be periods and accelerations")
+        first, second = (to_array("target", row, above=0.0, least=2) for row in rows)
+        if first.size != second.size:
+            raise InputError(f"target: has {first.size} periods and {second.size} accelerations")
+        table = np.stack([first, second])
+    if np.any(np.diff(table[0]) <= 0) or np.any(table <= 0):
         raise InputError("target: must be increasing periods > 0 and pseudo-accelerations > 0")
     if periods[0] < table[0, 0] * (1 - 1e-9) or periods[-1] > table[0, -1] * (1 + 1e-9):
         raise InputError(
@@ -215,6 +221,7 @@ def _read_target(path: Path) -> _Array:
         raise InputError(f"target: {path}: a word is not a finite number") from error
 
 
+@checked
 def write_suite(selection: Selection, path: str | os.PathLike[str]) -> None:
     """Write a list of records with factors, which `rwmf.find_records` reads.
 
@@ -232,6 +239,8 @@ def write_suite(selection: Selection, path: str | os.PathLike[str]) -> None:
     OutputError
         When the file cannot be written.
     """
+    if not isinstance(selection, Selection):
+        raise InputError(f"selection = {show(selection)}: must be the result of select")
     target = Path(path)
     lines = [SUITE_HEADER]
     for name, record in zip(selection.names, selection.records, strict=True):
