@@ -1,8 +1,9 @@
 """Response of linear oscillators to ground accelerations with straight lines between samples.
 
-Within a step the equation u'' + 2 xi omega u' + omega^2 u = -(a + slope tau) has the solution
-alpha + beta tau + exp(-xi omega tau) (C cos(omega_d tau) + D sin(omega_d tau)). It is exact, so the
-only errors are those of round-off.
+Each step has a solution in closed form, so that all errors are those of round-off::
+
+    u'' + 2 xi omega u' + omega^2 u = -(a + slope tau)
+    u = alpha + beta tau + exp(-xi omega tau) (C cos(omega_d tau) + D sin(omega_d tau))
 """
 
 from __future__ import annotations
@@ -169,8 +170,8 @@ def _free(history: History) -> _Steps:
 class _Steps:
     """Steps of oscillators from given states: arrays of shape (rows, steps) or (1, steps).
 
-    `w` has shape (rows, 1), `h` (steps,) or (rows, 1); `u`, `v` are states at the begin, `end` is
-    the displacement at the end, `a` and `slope` describe the ground acceleration.
+    The shape of `w` is (rows, 1), that of `h` (steps,) or (rows, 1). `u` and `v` are the states at
+    the begin, `end` is the displacement at the end. `a` and `slope` give the ground acceleration.
     """
 
     w: Array

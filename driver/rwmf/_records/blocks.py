@@ -32,13 +32,9 @@ _INTERVAL, _INTERVAL_MS, _LARGEST = 33, 61, 63
 _UNKNOWN = -999.0
 # accepted difference between duration and interval times number, as durations are rounded
 _SECONDS = 1.01
-_CGS = re.compile(
-    r"\s*(?P<n>\d+) (?:Accelerogram points at\s*(?P<rate>[\d.]+) pts/sec"
-    r" in units of (?P<raw>\S+?)\.\s+Format:"
-    r"|points of accel data equally spaced at\s*(?P<dt>[\d.]+) sec, in (?P<unit>\S+?)\.)"
-    r"\s*" + _LAYOUT,
-    re.IGNORECASE,
-)
+_CGS_1 = r"Accelerogram points at\s*(?P<rate>[\d.]+) pts/sec in units of (?P<raw>\S+?)\.\s+Format:"
+_CGS_2 = r"points of accel data equally spaced at\s*(?P<dt>[\d.]+) sec, in (?P<unit>\S+?)\."
+_CGS = re.compile(rf"\s*(?P<n>\d+) (?:{_CGS_1}|{_CGS_2})\s*{_LAYOUT}", re.IGNORECASE)
 _CGS_UNITS = {"g": "g", "cm/sec2": "cm/s2", "cm/sec/sec": "cm/s2"}
 _CGS_PEAK = re.compile(
     r"(?:Units of uncor data are sec and g\.\s+Max  =|Peak acceleration =)\s*(-?[\d.]+)"

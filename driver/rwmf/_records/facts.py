@@ -141,8 +141,8 @@ def curves(wave: Waveform, g: float) -> dict[str, Array]:
     Returns
     -------
     dict of array
-        ``t`` [s], ``a`` [g], ``v`` [m/s], ``u`` [m] and ``energy`` (share of the Arias intensity)
-        at the samples; ``periods`` [s] and ``Sa`` [g] of 5 % damping.
+        At the samples ``t`` [s], ``a`` [g], ``v`` [m/s], ``u`` [m] and ``energy``, the share of the
+        Arias intensity. The spectrum has ``periods`` [s] and ``Sa`` [g] with 5 % damping.
     """
     periods = np.geomspace(*_PERIODS)
     return {

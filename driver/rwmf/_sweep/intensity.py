@@ -43,9 +43,9 @@ def intensity(
 ) -> float:
     """Compute an intensity measure of a ground motion, or of two horizontal components.
 
-    The motion is linear between its samples and zero outside them. All measures are exact for it,
-    also where the extreme lies between samples or in the free vibration of an oscillator behind the
-    motion; the Housner intensity has a relative error below 1e-4. Baselines are not corrected.
+    The motion is linear between its samples and zero outside them. All measures are exact for it.
+    Extremes between samples count, and so does the free vibration of an oscillator after the
+    motion. The Housner intensity has a relative error below 1e-4. Baselines are not corrected.
 
     Parameters
     ----------

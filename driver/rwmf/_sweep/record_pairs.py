@@ -45,9 +45,8 @@ def pairs(
 ) -> tuple[RecordPair, ...]:
     """Group components into horizontal pairs, with the vertical component where there is one.
 
-    Rows of a list, channels of a file, and files with names as PEER, ESM, K-NET and KiK-net write
-    them belong together, and so do ``quake_x``, ``quake_y``, ``quake_z`` or ``quake-1``,
-    ``quake-2``.
+    Components belong together by the row of a list, by their file, or by the names of PEER, ESM,
+    K-NET and KiK-net. Other names end in ``_x``, ``_y``, ``_z`` or ``-1``, ``-2``, ``-3``.
 
     Parameters
     ----------

@@ -228,7 +228,7 @@ def write_suite(selection: Selection, path: str | os.PathLike[str]) -> None:
     Parameters
     ----------
     selection : Selection
-        The records; each needs a file of its own, or both horizontal channels of one file.
+        The records; each needs a separate file, or both horizontal channels of one file.
     path : str or path
         File to write.
 

