@@ -16,6 +16,8 @@ __all__ = ["Waveform", "aligned", "rotated", "waveform_of"]
 _UNITS = {"g": None, "m/s2": 1.0, "cm/s2": 0.01}
 # share of the Arias intensity at begin and end of the significant duration
 _SIGNIFICANT = (0.05, 0.95)
+# far above any acceleration; squares and their sums are still finite [m/s2]
+_LARGEST = 1e100
 # halvings that exhaust a double
 _HALVINGS = 60
 
@@ -225,9 +227,18 @@ def waveform_of(motion: Motion, g: float, scale: float = 1.0) -> Waveform:
     -------
     Waveform
         The motion in m/s2.
+
+    Raises
+    ------
+    InputError
+        When the accelerations are so large that their squares could overflow.
     """
     unit = _UNITS[motion.unit]
-    return Waveform(motion.times, motion.values * (scale * (g if unit is None else unit)))
+    wave = Waveform(motion.times, motion.values * (scale * (g if unit is None else unit)))
+    peak = float(wave.peak_acceleration()[0])
+    if peak > _LARGEST:
+        raise InputError(f"{motion.name}: peak of {peak:.3g} m/s2: must be at most {_LARGEST:g}")
+    return wave
 
 
 def aligned(pair: tuple[Waveform, Waveform]) -> tuple[Waveform, Waveform]:

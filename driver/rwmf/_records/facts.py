@@ -11,7 +11,6 @@ import numpy as np
 from rwmf._intensity import DAMPING, Array, Waveform, pseudo_accelerations, waveform_of
 from rwmf._records.channels import Channel
 from rwmf._records.reader import read_bytes, read_channels
-from rwmf.errors import InputError
 
 __all__ = ["Described", "curves", "describe"]
 
@@ -61,10 +60,7 @@ def describe(path: Path, unit: str | None, dt: float | None, g: float) -> list[D
     found = []
     for channel in channels:
         wave = waveform_of(channel.motion, g)
-        facts = {"file": str(path), "crc32": crc} | _facts(channel, wave, g)
-        if not np.isfinite(facts["arias_m_s"]):
-            raise InputError(f"records: {path}: the accelerations are too large for their squares")
-        found.append((facts, wave))
+        found.append(({"file": str(path), "crc32": crc} | _facts(channel, wave, g), wave))
     return found
 
 

@@ -13,8 +13,6 @@ from rwmf.errors import InputError
 
 __all__ = ["Header", "read_by_kernel", "read_header", "read_table"]
 
-# byte order mark of UTF-8, also read as Latin 1
-_MARKS = "\ufeff\u00ef\u00bb\u00bf"
 # separators, and the exponents of Fortran
 _TO_PLAIN = str.maketrans({",": " ", ";": " ", "D": "E", "d": "e"})
 _TIME = re.compile(r"t|time\b.*|t\W.*", re.IGNORECASE)
@@ -76,7 +74,7 @@ def read_header(lines: list[str]) -> Header | None:
         Names and units; None when the first line that is no comment begins with a number.
     """
     for i, line in enumerate(lines):
-        text = line.lstrip(_MARKS).strip()
+        text = line.strip()
         if not text or text.startswith("#"):
             continue
         if not text[0].isalpha() and text[0] not in "\"'":
@@ -132,10 +130,14 @@ def read_by_kernel(lines: list[str], case: Case, name: str) -> list[Channel]:
     """
     keys = case.motion.as_given()
     unit, dt = str(keys.get("unit", "g")), keys.get("dt")
+    peak, last = case.kernel.peak_of_motion(), case.kernel.end_of_motion()
     if "unit" not in keys:
-        begin, dt = _at2_header(lines)
-        rows = [line for line in lines[begin:] if not re.search("[A-CF-Za-cf-z]", line)]
+        begin = next(i for i, line in enumerate(lines, 1) if _is_at2_header(line))
+        # text may follow the numbers
+        rows = [line for line in lines[begin:] if not re.search("[A-CF-Za-cf-z#]", line)]
         values = free_numbers([_plain(line) for line in rows], begin + 1)
+        # the interval is a decimal number
+        dt = float(f"{last / (values.size - 1):.15g}")
         motion, dialect = Motion(values, dt=dt, unit=unit, name=name), "AT2"
     else:
         table = _columns(lines)
@@ -143,19 +145,15 @@ def read_by_kernel(lines: list[str], case: Case, name: str) -> list[Channel]:
         motion = Motion(values, dt=dt, times=times, unit=unit, name=name)
         dialect = "one column" if times is None else "two columns"
     factor = {"g": float(case.model.g), "m/s2": 1.0, "cm/s2": 0.01}[unit]
-    peak, last = case.kernel.peak_of_motion(), case.kernel.end_of_motion()
     largest = float(np.abs(values).max()) * factor
     if abs(largest - peak) > 1e-12 * peak or abs(motion.times[-1] - last) > 1e-9 * abs(last):
         raise InputError("the samples differ from those of the kernel; please report this file")
     return [Channel(motion, "", dialect)]
 
 
-def _at2_header(lines: list[str]) -> tuple[int, float]:
-    """Return the number of lines up to NPTS and DT, and the interval."""
-    i = next(i for i, line in enumerate(lines) if re.search("npts.*dt|dt.*npts", line.lower()))
-    match = re.search(r"dt\s*=\s*([\d.ed+-]+)", lines[i].lower())
-    text = match[1] if match else _plain(lines[i]).split()[1]
-    return i + 1, float(text.lower().replace("d", "e"))
+def _is_at2_header(line: str) -> bool:
+    lower = line.strip().lower()
+    return "npts" in lower and "dt" in lower and not lower.startswith("#")
 
 
 def _plain(line: str) -> str:
@@ -163,16 +161,11 @@ def _plain(line: str) -> str:
     return line.translate(_TO_PLAIN)
 
 
-def _columns(lines: list[str], skipped: int = 0) -> Values:
+def _columns(lines: list[str]) -> Values:
     """Return the columns of the lines that hold numbers, shape (columns, n)."""
-    rows = [
-        _plain(line).split()
-        for line in lines[skipped:]
-        if line.strip().lstrip(_MARKS).strip() and not line.strip().startswith("#")
-    ]
-    if rows and not _is_number(rows[0][0].lstrip(_MARKS)):
+    rows = [words for line in lines if (words := _plain(line).split()) and words[0][0] != "#"]
+    if not _is_number(rows[0][0]):
         rows = rows[1:]
-    rows[0][0] = rows[0][0].lstrip(_MARKS)
     return np.array([[float(word) for word in row] for row in rows]).T
 
 

@@ -54,6 +54,7 @@ _REFUSED = {
     "CWB (Taiwan)": re.compile(r"#\s*(Earthquake Information|StationCode)"),
 }
 _BINARY = b"\0"
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 # place in messages of the kernel, with the path in short
 _PLACE = re.compile(r"&motion: (file = '.*?': )?")
 
@@ -175,7 +176,8 @@ def read_channels(
 
 
 def _lines(content: bytes) -> list[str]:
-    return content.decode("latin-1").splitlines()
+    # the kernel ends lines at line feeds only
+    return content.removeprefix(_BYTE_ORDER_MARK).decode("latin-1").split("\n")
 
 
 def _check_known(content: bytes, lines: list[str]) -> None:
