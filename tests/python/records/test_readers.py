@@ -213,6 +213,40 @@ def test_damaged_files(name: str, tmp_path: Path) -> None:
     assert errors > 10
 
 
+_PLAIN = {
+    "at2": "PEER\nName\nUNITS OF G\nNPTS= 12, DT= .02 SEC\n" + _fixed(_A[:12] / 100, 5, 15, 8),
+    "one": "\n".join(map(str, _A[:12])) + "\n",
+    "two": "# note\ntime,a\n" + "\n".join(f"{0.02 * i:.2f},{a}" for i, a in enumerate(_A[:12])),
+}
+
+
+@pytest.mark.parametrize("kind", _PLAIN)
+def test_samples_are_those_of_the_kernel(kind: str, tmp_path: Path) -> None:
+    """Of all damaged files that the kernel accepts, by peak and end."""
+    chance = random.Random(kind)
+    path = tmp_path / "record"
+    marks = b" \t\n\r,;#-+.0123456789eEdDaNx_=\xef\xbb\xbf\0"
+    read = 0
+    for _ in range(150):
+        content = bytearray(_PLAIN[kind].encode())
+        for _ in range(chance.choice([0, 1, 1, 3])):
+            i = chance.randrange(len(content))
+            content[i : i + chance.randrange(2)] = bytes([chance.choice(marks)])
+        path.write_bytes(content)
+        given: dict[str, object] = {} if kind == "at2" else {"unit": "g"}
+        given |= {"dt": 0.02} if kind == "one" else {}
+        try:
+            motion = records.read(path, **given)  # type: ignore[arg-type]
+        except InputError as error:
+            assert "please report" not in str(error)
+            continue
+        read += 1
+        case = rwmf.Case(frame={"T_s": 1.0, "xi_s": 0.05},
+                         motion={"kind": "record", "file": str(path)} | given)  # fmt: skip
+        assert case.kernel.end_of_motion() == pytest.approx(motion.times[-1], rel=1e-12)
+    assert read > 30
+
+
 @pytest.mark.parametrize(
     ("name", "old", "new", "message"),
     [
