@@ -4,7 +4,7 @@ Nothing in this folder depends on a structure: a measure belongs to the site.
 """
 
 from rwmf._intensity.extrema import Array
-from rwmf._intensity.measures import DAMPING, KINDS, Measure, choose_measure
+from rwmf._intensity.measures import DAMPING, KINDS, Intensity, choose_measure
 from rwmf._intensity.oscillator import pseudo_accelerations
 from rwmf._intensity.waveform import Waveform, waveform_of
 
@@ -12,7 +12,7 @@ __all__ = [
     "DAMPING",
     "KINDS",
     "Array",
-    "Measure",
+    "Intensity",
     "Waveform",
     "choose_measure",
     "pseudo_accelerations",

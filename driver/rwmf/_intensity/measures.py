@@ -16,7 +16,7 @@ from rwmf._intensity.waveform import Waveform, aligned, rotated
 from rwmf._numbers import show, to_array, to_number
 from rwmf.errors import InputError, did_you_mean
 
-__all__ = ["DAMPING", "KINDS", "Measure", "choose_measure"]
+__all__ = ["DAMPING", "KINDS", "Intensity", "choose_measure"]
 
 DAMPING = 0.05
 # periods of the Housner intensity [s], and the relative tolerance of its quadrature
@@ -62,7 +62,7 @@ KINDS = {
 
 
 @dataclasses.dataclass(frozen=True)
-class Measure:
+class Intensity:
     """Intensity measure of a ground motion.
 
     Attributes
@@ -227,7 +227,7 @@ class Measure:
         return math.exp(float(np.log(found).mean())) if found.all() else 0.0
 
 
-def choose_measure(kind: object, **options: Any) -> Measure:  # noqa: ANN401 (checked here)
+def choose_measure(kind: object, **options: Any) -> Intensity:  # noqa: ANN401 (checked here)
     """Check a kind and its options.
 
     Parameters
@@ -239,7 +239,7 @@ def choose_measure(kind: object, **options: Any) -> Measure:  # noqa: ANN401 (ch
 
     Returns
     -------
-    Measure
+    Intensity
         The measure; the damping is 5 % unless given.
 
     Raises
@@ -259,7 +259,7 @@ def choose_measure(kind: object, **options: Any) -> Measure:  # noqa: ANN401 (ch
         if name not in given and name != "damping":
             raise InputError(f"intensity = {kind!r}: needs {name} [s]")
     if not known:
-        return Measure(kind)
+        return Intensity(kind)
     damping = to_number("damping", given.get("damping", DAMPING))
     if not 0 <= damping < 1:
         raise InputError(f"damping = {show(damping)}: must be at least 0 and below 1")
@@ -267,7 +267,7 @@ def choose_measure(kind: object, **options: Any) -> Measure:  # noqa: ANN401 (ch
     periods = tuple(map(float, to_array("periods", given.get("periods", ()), above=0.0)))
     if "periods" in given and not periods:
         raise InputError("periods: must be at least one number > 0 [s]")
-    return Measure(kind, period, damping, periods)
+    return Intensity(kind, period, damping, periods)
 
 
 def _percentile(values: Array, share: float) -> float:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rwmf._arguments import checked
-from rwmf._intensity import Measure, Waveform, choose_measure, waveform_of
+from rwmf._intensity import Intensity, Waveform, choose_measure, waveform_of
 from rwmf._numbers import show, to_number
 from rwmf._records.reader import read_bytes, read_channels
 from rwmf._sweep.axes import Key
@@ -17,7 +17,14 @@ from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf.case import Case, Motion
 from rwmf.errors import InputError
 
-__all__ = ["G", "choose_intensity", "intensity", "scale_to_one", "waveform_of_record"]
+__all__ = [
+    "G",
+    "Intensity",
+    "choose_intensity",
+    "intensity",
+    "scale_to_one",
+    "waveform_of_record",
+]
 
 # default of `&model g` [m/s2]
 G = 9.81
@@ -135,7 +142,7 @@ def choose_intensity(
     damping: float | None = None,
     varied: Sequence[Key] = (),
     periods: Sequence[float] | None = None,
-) -> Measure:
+) -> Intensity:
     """Choose the intensity measure for a scene, or check the given one.
 
     Parameters
@@ -155,7 +162,7 @@ def choose_intensity(
 
     Returns
     -------
-    Measure
+    Intensity
         The intensity measure.
 
     Raises
@@ -194,7 +201,7 @@ def choose_intensity(
 
 
 def scale_to_one(
-    case: Case, records: Sequence[RecordFile], measure: Measure
+    case: Case, records: Sequence[RecordFile], measure: Intensity
 ) -> tuple[RecordFile, ...]:
     """Scale records to an intensity of one: 1 g for accelerations, otherwise one SI unit.
 
@@ -204,7 +211,7 @@ def scale_to_one(
         The structure; the factors depend on its `&model g` only.
     records : sequence of RecordFile
         The suite.
-    measure : Measure
+    measure : Intensity
         From `choose_intensity`.
 
     Returns

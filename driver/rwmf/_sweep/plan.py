@@ -15,7 +15,7 @@ import numpy as np
 
 from rwmf import _library
 from rwmf._arguments import case_of
-from rwmf._intensity import Measure
+from rwmf._intensity import Intensity
 from rwmf._sweep.axes import (
     SCALE,
     Axis,
@@ -274,7 +274,7 @@ def make_plan(request: Request) -> Plan:
 
 def _motions_of(
     request: Request, case: Case
-) -> tuple[Sequence[RecordFile], Axis | None, Measure | None]:
+) -> tuple[Sequence[RecordFile], Axis | None, Intensity | None]:
     """Find records and points of a request; scale the records if it sets an intensity."""
     unit, dt = request.unit, request.dt
     records: Sequence[RecordFile] = ()
@@ -435,7 +435,7 @@ def _kernel_axes(case: Case, grid: Mapping[str, object], points: Axis | None) ->
             yield grid_axis(name, [axis.value])
 
 
-def _labelled(axis: Axis, case: Case, intensity: Measure | None) -> Axis:
+def _labelled(axis: Axis, case: Case, intensity: Intensity | None) -> Axis:
     """Label period, mass ratio, width and factor as the scene defines them."""
     known = case.kernel.axes()
 
