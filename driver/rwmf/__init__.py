@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rwmf._simulation import simulate
     from rwmf._spectrum import spectrum
     from rwmf._sweep import RecordFile, find_records, merge, sweep
+    from rwmf._sweep.intensity import intensity
     from rwmf.case import Case, Motion
     from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
 
@@ -41,6 +42,7 @@ __all__ = [
     "cost",
     "explore",
     "find_records",
+    "intensity",
     "loops",
     "merge",
     "plot",
@@ -65,6 +67,7 @@ _HOMES = {
     "cost": "_cost",
     "explore": "_explore",
     "find_records": "_sweep",
+    "intensity": "_sweep.intensity",
     "merge": "_sweep",
     "simulate": "_simulation",
     "spectrum": "_spectrum",

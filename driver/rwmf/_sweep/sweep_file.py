@@ -46,6 +46,7 @@ _KEYS = {
     "intensity": (str, False),
     "period": (float, False),
     "damping": (float, False),
+    "periods": (float, True),
 }
 _PAIR = "eta"
 _PATHS = ("case", "file", "records", "points")
@@ -109,7 +110,7 @@ def _checked(path: str, key: str, items: list[Item]) -> Any:  # noqa: ANN401 (as
     kind, several = _KEYS[key]
     wanted = {
         str: "a list of texts" if several else "one text",
-        float: "one finite number > 0",
+        float: "a list of finite numbers > 0" if several else "one finite number > 0",
         int: "one whole number >= 0",
     }[kind]
     accepted = {str: _is_text, float: _is_positive, int: _is_count}[kind]

@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from rwmf.cli.records_parser import add_records
 from rwmf.cli.study_parser import add_study
 from rwmf.cli.subcommands import Subcommands, add_case, add_plot, add_threads
 from rwmf.cli.words import number, whole, written_file
@@ -46,7 +47,7 @@ def make_parser() -> argparse.ArgumentParser:
         _add_spectrum,
         _add_cost,
         _add_check,
-        _add_records,
+        add_records,
         _add_sweep,
         _add_merge,
         add_study,
@@ -153,32 +154,6 @@ def _add_check(commands: Subcommands) -> None:
     )
     add_case(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
-
-
-def _add_records(commands: Subcommands) -> None:
-    parser = commands.add(
-        "records",
-        "Recorded ground motions that come with a Python package.",
-        "export elcentro inputs/records/elcentro.csv",
-    )
-    actions = Subcommands(parser, "ACTION")
-    actions.add(
-        "list",
-        "List the records with variant, points, dt, peak and checksum.",
-        "",
-        "records_command.show",
-    )
-    export = actions.add(
-        "export",
-        "Write a record into a file for &motion; the samples are unchanged.",
-        "elcentro inputs/records/elcentro.csv",
-        "records_command.export",
-    )
-    export.add_argument("name", metavar="NAME", help="name from 'rwmf records list'")
-    export.add_argument("file", metavar="FILE", type=written_file, help="file to write")
-    export.add_argument(
-        "--force", action="store_true", help="replace a file that has other content"
-    )
 
 
 def _add_sweep(commands: Subcommands) -> None:

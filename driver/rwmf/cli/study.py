@@ -96,6 +96,7 @@ def _fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Da
         intensity=options.intensity,
         period=options.period,
         damping=options.damping,
+        periods=options.periods,
         **_how(options, report),
     )
     curve = studies.fragility(analysis, options.limit, quantity)
@@ -192,9 +193,11 @@ def _fit_in_words(dataset: xr.Dataset) -> str:
     """Summarise a fragility curve."""
     unit = dataset["limit"].attrs["units"]
     limit = f"{float(dataset['limit']):g}" + ("" if unit == "1" else f" {unit}")
+    level = dataset["scale"].attrs["units"].replace("1", "g")
+    median, dispersion = float(dataset["median"]), float(dataset["dispersion"])
     return (
         f"{dataset.attrs['quantity']} > {limit}: "
-        f"median {float(dataset['median']):.6g} g, dispersion {float(dataset['dispersion']):.6g}"
+        f"median {median:.6g} {level}, dispersion {dispersion:.6g}"
         f"\nintensity: {dataset['scale'].attrs['long_name']}"
     )
 

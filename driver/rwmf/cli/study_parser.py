@@ -125,12 +125,15 @@ def _add_fragility(studies: Subcommands) -> None:
     parser.add_argument(
         "--intensity",
         metavar="WORD",
-        help="pseudo_acceleration (default with a frame) or peak_acceleration (of a wall alone)",
+        help="pseudo_acceleration (default with a frame), peak_acceleration (of a wall alone), "
+        "average_acceleration, peak_velocity, peak_displacement, arias, cav or housner",
     )
     text = "period of the oscillator of pseudo_acceleration in s, with --damping (default: frame)"
     parser.add_argument("--period", type=number(above=0), help=text)
     text = "damping ratio of that oscillator (default: that of the frame)"
     parser.add_argument("--damping", type=number(above=0), help=text)
+    text = "periods of average_acceleration in s"
+    parser.add_argument("--periods", metavar="LIST", type=numbers, help=text)
     parser.add_argument("--limit", type=number(), required=True, help="limit of the demand")
 
 

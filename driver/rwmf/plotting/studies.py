@@ -245,7 +245,10 @@ def _intensity_label(dataset: xr.Dataset) -> str:
     if kind is None:
         return "factor on the ground motion"
     if period is None:
-        return "peak ground acceleration over $g$"
+        scale = dataset["scale"].attrs
+        return str(scale["long_name"]).replace("over g", "over $g$") + _unit(
+            dataset["scale"], " ({})"
+        )
     return f"$S_a$({period:.3g} s, {100 * dataset.attrs['intensity_damping']:.3g} %)$/g$"
 
 

@@ -40,6 +40,7 @@ def incremental_dynamic_analysis(
     intensity: str | None = None,
     period: float | None = None,
     damping: float | None = None,
+    periods: Sequence[float] | None = None,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Scale every record of a suite to common intensities and compute the responses.
@@ -63,10 +64,12 @@ def incremental_dynamic_analysis(
     grid : mapping, optional
         Further axes.
     intensity : str, optional
-        ``pseudo_acceleration`` or ``peak_acceleration`` instead of the scene's default.
+        A kind of `rwmf.intensity` instead of the scene's default.
     period, damping : float, optional
         Period [s] and damping ratio [-] of the oscillator, both or none; required where further
         axes change the structure.
+    periods : sequence of float, optional
+        Periods of an ``average_acceleration`` [s].
     **how
         Further arguments of `rwmf.sweep`.
 
@@ -95,15 +98,17 @@ def incremental_dynamic_analysis(
     if "spectrum" in case.groups:
         # one structure is analysed; further structures need further axes
         case = case.without("spectrum")
-    measure = choose_intensity(case, intensity, period, damping, varied_keys(case, further, None))
+    varied = varied_keys(case, further, None)
+    measure = choose_intensity(case, intensity, period, damping, varied, periods)
     found = sweep(
         case,
         axes | further,
         records,
         quantities=quantities or (default_quantity(case),),
         intensity=measure.kind,
-        period=None if measure.is_own else measure.period,
-        damping=None if measure.is_own else measure.damping,
+        period=measure.period,
+        damping=measure.damping,
+        periods=measure.periods or None,
         **how,
     )
     return found.squeeze([name for name in ("T_s", "gamma", "b") if found.sizes.get(name) == 1])

@@ -57,7 +57,8 @@ WRONG: dict[str, Any] = {
 }
 _CLASSES = ("Case", "Cost", "Motion", "RecordFile")
 # results of other functions, and functions without arguments
-_NOT_CALLED = {"loops.Loop", "records.Record", "plot.style", "records.list_records"}
+_NOT_CALLED = {"loops.Loop", "records.Record", "records.RecordPair", "records.Selection",
+               "plot.style", "records.list_records"}  # fmt: skip
 
 
 def _motion() -> rwmf.Motion:
@@ -99,6 +100,8 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
     """Give each public function arguments with which it works."""
     case, found, records = _case(), _found(), [_motion()]
     grid = {"T_s": [0.5]}
+    samples = folder / "samples.txt"
+    _motion().write(samples)
     ax, both = plt.figure().subplots(), plt.figure().subplots(1, 2)
     suite = {"case": case, "grid": grid, "records": records}
     return {
@@ -108,8 +111,11 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "sweep": suite | {"file": None, "points": None, "quantities": ["u_s_max"], "threads": 1,
                           "executor": None, "progress": None, "restart": False, "part": (1, 1),
                           "chunk": 0, "unit": None, "dt": None, "intensity": "peak_acceleration",
-                          "period": None, "damping": None},
+                          "period": None, "damping": None, "periods": None},
         "find_records": {"words": records, "folder": "", "unit": None, "dt": None},
+        "intensity": {"motion": _motion(), "kind": "average_acceleration", "period": None,
+                      "damping": 0.05, "periods": [0.5], "component": None, "g": 9.81,
+                      "unit": None, "dt": None},
         "merge": {"parts": ["none.journal"], "file": str(folder / "x.nc")},
         "explore": {"case": str(folder / "none.nml"), "port": 0, "open_browser": False},
         "cost": {"case": "none.nml", "target": 1e-6, "progress": None, "quantities": None},
@@ -135,6 +141,15 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "plot.work_precision": {"cost": None, "ax": ax, "legend": True},
         "records.export": {"name": "none", "path": str(folder / "r.txt"), "force": False},
         "records.find": {"name": "none"},
+        "records.info": {"path": str(samples), "unit": "m/s2", "dt": 0.1, "g": 9.81},
+        "records.pairs": {"words": [*records, _motion()], "folder": "", "unit": None, "dt": None},
+        "records.read": {"path": str(samples), "unit": "g", "dt": 0.1, "channel": 1},
+        "records.select": {"words": records, "target_spectrum": [[0.1, 1.0], [1.0, 1.0]],
+                           "band": (0.2, 0.5), "n": 1, "limits": (1e-6, 1e6), "damping": 0.05,
+                           "is_paired": False, "unit": None, "dt": None},
+        "records.sequence": {"main": _motion(), "after": _motion(), "pause": 1.0,
+                             "factors": (1.0, 1.0), "unit": None, "dt": None},
+        "records.write_suite": {"selection": None, "path": str(folder / "s.csv")},
         "studies.cumulative_distribution": {"values": found["analysis"]["u_s_max"],
                                             "levels": [0.1]},
         "studies.percentiles": {"values": found["analysis"]["u_s_max"], "q": [50.0],
@@ -145,7 +160,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "studies.friction_spectra": suite | {"threads": 1, "unit": None},
         "studies.incremental_dynamic_analysis": {
             "case": case, "levels": [0.1], "records": records, "quantities": None, "grid": None,
-            "intensity": None, "period": None, "damping": None, "dt": None},
+            "intensity": None, "period": None, "damping": None, "periods": None, "dt": None},
         "studies.overturning_map": {"case": case, "omega_over_p": [5.0], "amplitude": [1.0],
                                     "tolerance": 1.0, "threads": 1, "progress": None},
         "studies.sensitivity_bands": suite | {"uncertain": {"e": [0.9]}, "quantities": None},

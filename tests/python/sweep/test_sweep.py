@@ -54,8 +54,11 @@ def test_scale_acts_on_every_motion(elcentro: Path) -> None:
 def test_records_run_to_their_end(elcentro: Path, tmp_path: Path) -> None:
     column = tmp_path / "short.txt"
     column.write_text("0\n1\n-1\n0\n", encoding="ascii")
-    suite = find_records([elcentro]) + find_records([column], unit="m/s2", dt=0.5)
-    with pytest.raises(InputError, match="elcentro"):
+    # neither key nor header gives a unit
+    nameless = tmp_path / "nameless.csv"
+    nameless.write_text("0,1\n1,-1\n", encoding="ascii")
+    suite = find_records([nameless]) + find_records([column], unit="m/s2", dt=0.5)
+    with pytest.raises(InputError, match="nameless"):
         rwmf.sweep(bare_frame(solver=QUICK), {}, suite)
     suite = find_records([elcentro], unit="g") + find_records([column], unit="m/s2", dt=0.5)
     found = rwmf.sweep(bare_frame(solver=QUICK), {"T_s": PERIODS}, suite)

@@ -1,0 +1,147 @@
+"""Formats of networks with one channel a file: ESM and ITACA (DYNA), K-NET and KiK-net."""
+
+from __future__ import annotations
+
+import re
+
+from rwmf._records.channels import (
+    Channel,
+    check_count,
+    check_peak,
+    free_numbers,
+    header_number,
+)
+from rwmf.case import Motion
+from rwmf.errors import InputError
+
+__all__ = ["is_dyna", "is_nied", "read_dyna", "read_nied"]
+
+_DYNA_UNITS = {"cm/s^2": "cm/s2", "m/s^2": "m/s2", "g": "g"}
+_NIED_LINES = 17
+_GAIN = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)")
+# directions of KiK-net: three in the borehole, three at the surface
+_KIK_NET = {
+    "1": "N-S borehole",
+    "2": "E-W borehole",
+    "3": "U-D borehole",
+    "4": "N-S surface",
+    "5": "E-W surface",
+    "6": "U-D surface",
+}
+
+
+def is_dyna(lines: list[str]) -> bool:
+    """Recognise an ASCII file of ESM or ITACA.
+
+    Parameters
+    ----------
+    lines : list of str
+        The lines of the file.
+
+    Returns
+    -------
+    bool
+        True when it has a DYNA header.
+    """
+    return bool(lines) and lines[0].startswith("EVENT_NAME:")
+
+
+def read_dyna(lines: list[str], name: str) -> list[Channel]:
+    """Read an ASCII file of the Engineering Strong Motion database or ITACA.
+
+    Parameters
+    ----------
+    lines : list of str
+        The lines of the file.
+    name : str
+        Name of the motion.
+
+    Returns
+    -------
+    list of Channel
+        Its channel.
+
+    Raises
+    ------
+    InputError
+        When the header lacks a value or contradicts the samples.
+    """
+    n = next((i for i, line in enumerate(lines) if ":" not in line), len(lines))
+    header = {
+        key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines[:n])
+    }
+    dialect = "ESM"
+    kind = header.get("DATA_TYPE", "ACCELERATION")
+    if kind != "ACCELERATION":
+        raise InputError(f"the header has DATA_TYPE = {kind}: must be ACCELERATION")
+    unit = header.get("UNITS", "")
+    if unit not in _DYNA_UNITS:
+        raise InputError(
+            f"the header has UNITS = {unit!r}: must be one of {', '.join(_DYNA_UNITS)}"
+        )
+    dt = header_number("SAMPLING_INTERVAL_S", header.get("SAMPLING_INTERVAL_S"))
+    values = free_numbers(lines[n:], n + 1)
+    check_count(values, header_number("NDATA", header.get("NDATA")), "NDATA")
+    if unit == "cm/s^2":
+        check_peak(values, header.get("PGA_CM/S^2"), "PGA_CM/S^2")
+    stream = header.get("STREAM", "")
+    direction = "Z" if stream.endswith("Z") else stream
+    motion = Motion(values, dt=dt, unit=_DYNA_UNITS[unit], name=name)
+    return [Channel(motion, direction, dialect)]
+
+
+def is_nied(lines: list[str]) -> bool:
+    """Recognise an ASCII file of K-NET or KiK-net.
+
+    Parameters
+    ----------
+    lines : list of str
+        The lines of the file.
+
+    Returns
+    -------
+    bool
+        True when it has the header of NIED.
+    """
+    return bool(lines) and lines[0].startswith("Origin Time")
+
+
+def read_nied(lines: list[str], name: str) -> list[Channel]:
+    """Read an ASCII file of K-NET or KiK-net; its mean is removed, as for the stated peak.
+
+    Parameters
+    ----------
+    lines : list of str
+        The lines of the file.
+    name : str
+        Name of the motion.
+
+    Returns
+    -------
+    list of Channel
+        Its channel.
+
+    Raises
+    ------
+    InputError
+        When the header lacks a value or contradicts the samples.
+    """
+    header = {line[:18].strip(): line[18:].strip() for line in lines[:_NIED_LINES]}
+    if "Memo." not in header:
+        raise InputError(f"the header ends before line {_NIED_LINES}, 'Memo.'")
+    rate = header_number("Sampling Freq(Hz)", header.get("Sampling Freq(Hz)", "").rstrip("Hz"))
+    gain = _GAIN.fullmatch(header.get("Scale Factor", ""))
+    if gain is None:
+        raise InputError(
+            f"the header has Scale Factor = {header.get('Scale Factor')!r}: must be like "
+            "2000(gal)/8388608"
+        )
+    counts = free_numbers(lines[_NIED_LINES:], _NIED_LINES + 1)
+    seconds = header_number("Duration Time(s)", header.get("Duration Time(s)"))
+    check_count(counts, seconds * rate, "Duration Time(s) times Sampling Freq(Hz)")
+    factor = header_number("Scale Factor", gain[1]) / header_number("Scale Factor", gain[2])
+    values = (counts - counts.mean()) * factor
+    check_peak(values, header.get("Max. Acc. (gal)"), "Max. Acc. (gal)")
+    direction = header.get("Dir.", "")
+    motion = Motion(values, dt=1 / rate, unit="cm/s2", name=name)
+    return [Channel(motion, _KIK_NET.get(direction, direction), "K-NET")]

@@ -1,0 +1,302 @@
+"""Pairs, lists, target spectra and sequences of records."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+from rwmf import cli, records
+from rwmf.errors import InputError
+from scenes import coupled
+
+_DT = 0.02
+
+
+def _motion(seed: int, n: int = 300) -> rwmf.Motion:
+    chance = np.random.default_rng(seed)
+    values = chance.standard_normal(n) * np.hanning(n)
+    return rwmf.Motion(values, dt=_DT, unit="g", name=f"m{seed}")
+
+
+def _at2(path: Path, seed: int = 0, n: int = 300) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    head = f"PEER\nName\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= {n}, DT= {_DT} SEC\n"
+    path.write_text(head + "\n".join(map(repr, _motion(seed, n).values.tolist())) + "\n")
+    return path
+
+
+_STATIONS = [
+    ("RSN6_IMPVALL.I_I-ELC180.AT2", "RSN6_IMPVALL.I_I-ELC270.AT2", "RSN6_IMPVALL.I_I-ELC-UP.AT2"),
+    ("RSN77_SFERN_PUL164.AT2", "RSN77_SFERN_PUL254.AT2", "RSN77_SFERN_PULDWN.AT2"),
+    ("RSN4040_BAM_BAM-L.AT2", "RSN4040_BAM_BAM-T.AT2", "RSN4040_BAM_BAM-V.AT2"),
+    ("NORTHR_SYL090.at2", "NORTHR_SYL360.at2", "NORTHR_SYL-UP.at2"),
+    ("HI.ARS1..HNE.D.2019.C.AT2", "HI.ARS1..HNN.D.2019.C.AT2", "HI.ARS1..HNZ.D.2019.C.AT2"),
+    ("quake_x.at2", "quake_y.at2", "quake_z.at2"),
+]
+
+
+@pytest.mark.parametrize("names", _STATIONS, ids=lambda names: names[0])
+def test_components_by_name(names: tuple[str, str, str], tmp_path: Path) -> None:
+    for i, name in enumerate(names):
+        _at2(tmp_path / name, i)
+    pair = records.pairs([tmp_path])[0]
+    assert pair.vertical is not None
+    found = [Path(item.path).name for item in (pair.first, pair.second, pair.vertical)]
+    assert found == list(names)
+    # in a folder the vertical component is no ground motion of the suite
+    assert [Path(item.path).name for item in rwmf.find_records([tmp_path])] == list(names[:2])
+    assert rwmf.find_records([tmp_path / names[2]])[0].name == Path(names[2]).stem
+    (tmp_path / names[1]).unlink()
+    with pytest.raises(InputError, match=r"1 horizontal and 1 vertical components .* must be 2"):
+        records.pairs([tmp_path])
+
+
+def test_stations_of_a_folder_stay_apart(tmp_path: Path) -> None:
+    for i, names in enumerate(_STATIONS):
+        for name in names:
+            _at2(tmp_path / f"event{i % 2}" / name)
+    assert len(records.pairs([tmp_path])) == len(_STATIONS)
+
+
+_PEER = """ -- Summary of PEER Ground Motion Database Search Criteria --
+Spectral Ordinate:,SRSS
+
+ -- Summary of Metadata of Selected Records --
+ Result ID, Spectral Ordinate, Record Sequence Number, MSE, Scale Factor, Earthquake Name,\
+ Horizontal-1 Acc. Filename, Horizontal-2 Acc. Filename, Vertical Acc. Filename
+1,SRSS,6,0.0511,1.2500,"Imperial Valley-02", RSN6_A180.AT2, RSN6_A270.AT2, RSN6_A-UP.AT2
+2,SRSS,77,0.0600,0.5000,"San Fernando", RSN77_B164.AT2, RSN77_B254.AT2,-----
+
+These records were obtained from the NGA-West2 On-Line Ground-Motion Database Tool
+"""
+_CS = (
+    "To download the time series, see the documentation \n \nof the data base \n \n"
+    "Record Number \t Record Sequence Number \t Scale Factor \t File Name Dir. 1 \t"
+    " File Name Dir. 2 \t URL 1 \t URL 2 \n"
+    "1 \t 6 \t   1.25 \t IMP/RSN6_A180.AT2 \t IMP/RSN6_A270.AT2 \t http://a \t http://b \n"
+    "2 \t 77 \t   0.50 \t RSN77_B164.AT2 \t RSN77_B254.AT2 \t http://a \t http://b \n"
+)
+_LIST = "file,factor,set\nRSN6_A180.AT2,1.25,6\nRSN6_A270.AT2,1.25,6\nsub/RSN77_B164.AT2,0.5,77\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for i, name in enumerate(("RSN6_A180", "RSN6_A270", "RSN6_A-UP", "sub/RSN77_B164")):
+        _at2(tmp_path / f"{name}.AT2", i)
+    _at2(tmp_path / "sub" / "RSN77_B254.AT2", 9)
+    return tmp_path
+
+
+@pytest.mark.parametrize("text", [_PEER, _CS, _LIST], ids=["PEER", "CS_Selection", "own"])
+def test_lists(text: str, folder: Path) -> None:
+    path = folder / "_SearchResults.csv"
+    path.write_text(text)
+    found = rwmf.find_records([path])
+    wanted = [("RSN6_A180", 1.25), ("RSN6_A270", 1.25), ("RSN77_B164", 0.5), ("RSN77_B254", 0.5)]
+    assert [(item.name, item.scale) for item in found] == wanted[: len(found)]
+    assert len(found) == (3 if text is _LIST else 4)
+    if text is not _LIST:
+        assert [(p.first.name, p.second.scale) for p in records.pairs([path])] == [
+            ("RSN6_A180", 1.25),
+            ("RSN77_B164", 0.5),
+        ]
+    # factors reach the runs
+    swept = rwmf.sweep(coupled(cable={"eta_alpha": 1.0}), {"scale": [1.0]}, found)
+    assert "times 1.25" in str(swept["record_format"].values[0])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("1.2500", "abc", "line 6: the header has Scale Factor = 'abc'"),
+        ("1.2500", "-1", "line 6: .*must be a number > 0"),
+        ("RSN6_A270.AT2", "RSN6_X.AT2", "line 6: RSN6_X.AT2: the file is not in the folder"),
+        ("RSN77_B164.AT2, RSN77_B254.AT2", "-----,-----", "line 7: names no file"),
+        (',"San Fernando", RSN77_B164.AT2, RSN77_B254.AT2,-----', "", "line 7: 5 columns"),
+        (" Scale Factor,", "", "no column Scale Factor"),
+    ],
+)
+def test_damaged_lists(old: str, new: str, message: str, folder: Path) -> None:
+    assert old in _PEER
+    path = folder / "_SearchResults.csv"
+    path.write_text(_PEER.replace(old, new))
+    with pytest.raises(InputError, match=message) as caught:
+        rwmf.find_records([path])
+    assert str(path) in str(caught.value)
+
+
+def _target(tmp_path: Path) -> Path:
+    path = tmp_path / "target.csv"
+    path.write_text("T (s),Sa (g)\n0.1,1.5\n0.5,1.5\n2.0,0.4\n")
+    return path
+
+
+@pytest.mark.parametrize("is_paired", [False, True])
+def test_the_mean_over_the_band_is_the_target(is_paired: bool, tmp_path: Path) -> None:
+    motions = [_motion(seed) for seed in range(6)]
+    named = [
+        rwmf.Motion(item.values * (1 + i), dt=_DT, unit="g", name=f"q{i // 2}_{'xy'[i % 2]}")
+        for i, item in enumerate(motions)
+    ]
+    found = records.select(named, _target(tmp_path), (0.2, 1.5), is_paired=is_paired,
+                           limits=(1e-3, 1e3))  # fmt: skip
+    assert len(found.records) == 6
+    group = 2 if is_paired else 1
+    logs = np.log(found.spectra / found.target).reshape(-1, group, found.periods.size).mean(axis=1)
+    np.testing.assert_allclose(logs.mean(axis=1), 0, atol=1e-12)
+    assert found.misfit == pytest.approx(math.sqrt((logs.mean(axis=0) ** 2).mean()), rel=1e-9)
+    # the spectra are those of the scaled records
+    sa = rwmf.intensity(found.records[0], "pseudo_acceleration", period=float(found.periods[7]))
+    assert found.spectra[0, 7] == pytest.approx(sa / 9.81, rel=1e-12)
+    if is_paired:
+        factors = [item.scale for item in found.records]
+        assert factors[0::2] == factors[1::2]
+
+
+def test_the_choice_is_greedy(tmp_path: Path) -> None:
+    """Each prefix of a choice is the choice of fewer; a record like the target comes first."""
+    target = _target(tmp_path)
+    motions = [_motion(seed) for seed in range(7)]
+    chosen = records.select(motions, target, (0.2, 1.5), 5, limits=(1e-3, 1e3))
+    for n in (1, 3):
+        fewer = records.select(motions, target, (0.2, 1.5), n, limits=(1e-3, 1e3))
+        assert fewer.names == chosen.names[:n]
+    alone = [records.select([item], target, (0.2, 1.5), limits=(1e-3, 1e3)).misfit
+             for item in motions]  # fmt: skip
+    assert chosen.names[0] == motions[int(np.argmin(alone))].name
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"band": (0.01, 1.0)}, r"band = \(0.01, 1\): must be within the periods of the target"),
+        ({"band": (1.0, 0.5)}, "band = .*the smaller first"),
+        ({"limits": (100.0, 200.0)}, "0 of 3 records need factors within"),
+        ({"n": 4, "limits": (1e-3, 1e3)}, "3 of 3 records"),
+        ({"target_spectrum": [[0.1, 2.0], [1.0, -1.0]]}, "target"),
+    ],
+)
+def test_refused_choices(options: dict[str, object], message: str, tmp_path: Path) -> None:
+    given: dict[str, object] = {"target_spectrum": _target(tmp_path), "band": (0.2, 1.5)}
+    with pytest.raises(InputError, match=message):
+        records.select([_motion(i) for i in range(3)], **given | options)  # type: ignore[arg-type]
+
+
+def test_the_commands(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib")
+    suite, picture = folder / "out" / "suite.csv", folder / "p.png"
+    suite.parent.mkdir()
+    words = [
+        "records",
+        "select",
+        str(folder),
+        "--target",
+        str(_target(folder)),
+        "--band",
+        "0.2,1.5",
+    ]
+    options = ["--n", "1", "--pairs", "--limits", "0.001,1000", "--out", str(suite), "--plot",
+               str(picture), "--json"]  # fmt: skip
+    assert cli.main([*words, *options]) == 0
+    told = json.loads(capsys.readouterr().out)
+    found = rwmf.find_records([suite])
+    assert [(item.path, item.scale) for item in found] == [
+        (item["file"], item["factor"]) for item in told["records"]
+    ]
+    assert picture.stat().st_size > 1000
+    assert cli.main(["records", "info", *(item.path for item in found), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)["records"]
+    for item, fact in zip(found, facts, strict=True):
+        for key, kind in {
+            "peak_acceleration_m_s2": "peak_acceleration",
+            "peak_velocity_m_s": "peak_velocity",
+            "peak_displacement_m": "peak_displacement",
+            "arias_m_s": "arias",
+            "duration_5_95_s": "duration_5_95",
+            "cav_m_s": "cav",
+        }.items():
+            assert fact[key] == rwmf.intensity(item.path, kind)
+        assert (fact["dt_s"], fact["samples"]) == (_DT, 300)
+    assert cli.main(["records", "info", str(suite.parent), "--json"]) == 2
+    assert cli.main([*words, "--out", str(folder / "target.csv")]) == 2
+
+
+@pytest.mark.parametrize("pause", [0.5, 10.0, 7.77])
+def test_a_sequence_keeps_its_parts(pause: float) -> None:
+    main, after = _motion(1), _motion(2, 150)
+    joined = records.sequence(main, after, pause, (1.2, -0.7))
+    grid = np.unique(np.concatenate([main.times, main.times[-1] + pause + after.times]))
+    wanted = 1.2 * np.interp(grid, main.times, main.values, right=0) - 0.7 * np.interp(
+        grid - main.times[-1] - pause, after.times, after.values, left=0, right=0
+    )
+    np.testing.assert_allclose(np.interp(grid, joined.times, joined.values), wanted, atol=1e-9)
+    assert (joined.dt == _DT) == (pause != 7.77)
+    assert joined.times[-1] == pytest.approx(main.times[-1] + pause + after.times[-1])
+    quiet = (joined.times > main.times[-1] + 0.1) & (joined.times < main.times[-1] + pause - 0.1)
+    assert not joined.values[quiet].any()
+
+
+def test_a_sequence_of_different_files(tmp_path: Path) -> None:
+    slow = rwmf.Motion([0.0, 100.0, 0.0], dt=0.05, unit="cm/s2")
+    fast = rwmf.Motion([0.0, 3.0, 0.0], times=[1.0, 1.01, 1.03], unit="m/s2")
+    joined = records.sequence(slow, fast, 2.0)
+    assert (joined.unit, joined.dt) == ("m/s2", None)
+    np.testing.assert_allclose(joined.times, [0, 0.05, 0.1, 0.15, 2.09, 2.1, 2.11, 2.13])
+    np.testing.assert_allclose(joined.values, [0, 1, 0, 0, 0, 0, 3, 0])
+    with pytest.raises(InputError, match="one motion is in g, the other is not"):
+        records.sequence(slow, _motion(1), 2.0)
+    with pytest.raises(InputError, match=r"pause = 0.01: must be at least"):
+        records.sequence(slow, fast, 0.01)
+    out = tmp_path / "sequence.txt"
+    words = ["records", "join", str(_at2(tmp_path / "a.AT2", 1)), str(_at2(tmp_path / "b.AT2", 2))]
+    assert cli.main([*words, str(out), "--pause", "4", "--factors", "1,0.5"]) == 0
+    joined = records.sequence(_motion(1), _motion(2), 4.0, (1.0, 0.5))
+    assert np.array_equal(records.read(out, unit="g", dt=_DT).values, joined.values)
+
+
+_YIELDING = {"F_y_over_m_s_g": 0.08, "hardening": 0.05}
+
+
+def _frame(motion: rwmf.Motion) -> rwmf.Case:
+    return rwmf.Case(
+        frame={"T_s": 0.6, "xi_s": 0.05},
+        yielding=_YIELDING,
+        motion=motion,
+        solver={"method": "dop853", "rtol": 1e-8},
+    )
+
+
+def test_the_state_continues_through_a_sequence() -> None:
+    """Residual drift of the main shock remains in the pause and is where the aftershock starts."""
+    main = _motion(3)
+    main = rwmf.Motion(main.values * 0.6, dt=_DT, unit="g")
+    pause = 60.0
+    both = rwmf.simulate(_frame(records.sequence(main, main, pause)), dt=_DT)
+    alone = rwmf.simulate(_frame(main), dt=_DT)
+    n = alone.sizes["time"]
+    np.testing.assert_allclose(both["u_s"][:n], alone["u_s"], rtol=0, atol=1e-7)
+    begin = float(main.times[-1]) + pause
+    residual = float(both["u_s"].sel(time=begin, method="nearest"))
+    assert abs(residual) > 1e-3
+    # a fresh structure would repeat its displacements, and the damaged one does not
+    later = both["u_s"].sel(time=slice(begin - 1e-9, None)).values
+    assert abs(later[:n] - alone["u_s"].values[: later.size]).max() > 1e-3
+
+
+def test_a_wall_that_rests_in_the_pause_lifts_again() -> None:
+    """The run goes on at rest; an elastic structure answers the aftershock as a fresh one."""
+    shock = rwmf.Motion(_motion(5).values, dt=_DT, unit="g")
+    case = coupled(cable={"eta_alpha": 1.0}, impact={"e": 0.5}).replace(motion=shock)
+    case = case.replace(solver={"t_end": None})
+    alone = rwmf.simulate(case, dt=_DT)
+    both = rwmf.simulate(case.replace(motion=records.sequence(shock, shock, 100.0)), dt=_DT)
+    assert int(both["lift_offs"]) > int(alone["lift_offs"])
+    begin = float(shock.times[-1]) + 100.0
+    before = both["theta"].sel(time=begin, method="nearest")
+    assert float(before) == 0.0
+    second = both["u_s"].sel(time=slice(begin - 1e-9, None)).values
+    np.testing.assert_allclose(second, alone["u_s"].values[: second.size], rtol=0, atol=1e-6)
