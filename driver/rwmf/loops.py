@@ -88,7 +88,8 @@ def find_loops(dataset: xr.Dataset, case: CaseLike) -> list[Loop]:
         When there is no history, or when no spring has a force in it.
     """
     case = case_of(case)
-    if "time" not in dataset_of(dataset, "rwmf.simulate").coords:
+    dataset = dataset_of(dataset, "rwmf.simulate")
+    if "time" not in dataset.coords:
         raise InputError("no history: loops need an interval, simulate(case, dt=0.01)")
     loops = springs_of({str(name): dataset[name].values for name in dataset}, case)
     if not loops:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf.case import Case, CaseLike
@@ -15,6 +14,7 @@ from rwmf.errors import InputError
 from rwmf.plotting.style import COLOURS, MARKERS, legend_above, make_panels
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["envelope", "envelope_quantities", "has_envelopes"]
@@ -96,7 +96,7 @@ def envelope(
         When the dataset lacks an envelope, or when axes and panels differ in number.
     """
     case = case_of(case)
-    dataset_of(dataset, "rwmf.simulate or rwmf.sweep")
+    dataset = dataset_of(dataset, "rwmf.simulate or rwmf.sweep")
     shown = [panel for panel in _PANELS if _sections(case, panel[0])]
     panels = make_panels(axes, len(shown), across=True)
     top, heights = _height(case), [z for _, z in _floors(case)] or [_height(case)]

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf.case import Case, CaseLike
@@ -17,6 +16,7 @@ from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, LIMIT, MARKERS, YIELD, legend_above, make_panels
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["DEMANDS", "demands_of", "profile"]
@@ -66,7 +66,8 @@ def profile(
         When the dataset has no demands of storeys, or when the numbers of axes and panels differ.
     """
     case = None if case is None else case_of(case)
-    names = demands_of(dataset_of(dataset, "rwmf.simulate"))
+    dataset = dataset_of(dataset, "rwmf.simulate")
+    names = demands_of(dataset)
     if not names:
         raise InputError("no demands of storeys: simulate storeys with &output reactions")
     panels = make_panels(axes, len(names), across=True)

@@ -7,7 +7,6 @@ from itertools import count, product, takewhile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf.case import Case, CaseLike
@@ -27,6 +26,7 @@ from rwmf.plotting.style import (
 from rwmf.quantities import AXES
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["PANELS", "history", "members", "panels_of", "spectrum"]
@@ -114,7 +114,8 @@ def history(
         variables differ.
     """
     case = None if case is None else case_of(case)
-    if "time" not in dataset_of(dataset, "rwmf.simulate").coords:
+    dataset = dataset_of(dataset, "rwmf.simulate")
+    if "time" not in dataset.coords:
         raise InputError("no history to plot: simulate with an interval, simulate(case, dt=0.01)")
     names = list(variables or panels_of(dataset))
     panels = make_panels(axes, len(names))
@@ -149,8 +150,6 @@ def _draw_panel(
     found = members(dataset, name)
     if not found:
         raise InputError(f"{name}: is not in the history")
-    if name == _FLOORS:
-        found.append("u_s")
     factor = 100.0 if name == _DRIFTS else 1.0
     for i, member in enumerate(found):
         # from the ground upwards; a panel of one variable needs no label

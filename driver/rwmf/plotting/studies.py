@@ -11,7 +11,6 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from rwmf._arguments import checked, dataset_of
 from rwmf.plotting.style import (
@@ -27,6 +26,7 @@ from rwmf.studies.fragility import exceedance
 from rwmf.studies.friction import CABLE, DEMAND
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = [
