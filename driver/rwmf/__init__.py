@@ -19,11 +19,13 @@ if TYPE_CHECKING:
     from rwmf import loops, plot, records, studies
     from rwmf._cost import Cost, cost
     from rwmf._explore import explore
+    from rwmf._response import Response
     from rwmf._simulation import simulate
     from rwmf._spectrum import spectrum
     from rwmf._sweep import RecordFile, find_records, merge, sweep
     from rwmf.case import Case, Motion
     from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
+    from rwmf.studies.statistics import quantile
 
     __version__: str
 
@@ -36,6 +38,7 @@ __all__ = [
     "NumericalError",
     "OutputError",
     "RecordFile",
+    "Response",
     "RwmfError",
     "__version__",
     "cost",
@@ -44,6 +47,7 @@ __all__ = [
     "loops",
     "merge",
     "plot",
+    "quantile",
     "records",
     "simulate",
     "spectrum",
@@ -61,11 +65,13 @@ _HOMES = {
     "NumericalError": "errors",
     "OutputError": "errors",
     "RecordFile": "_sweep",
+    "Response": "_response",
     "RwmfError": "errors",
     "cost": "_cost",
     "explore": "_explore",
     "find_records": "_sweep",
     "merge": "_sweep",
+    "quantile": "studies.statistics",
     "simulate": "_simulation",
     "spectrum": "_spectrum",
     "sweep": "_sweep",

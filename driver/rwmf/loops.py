@@ -13,7 +13,7 @@ from rwmf._arguments import case_of, checked, dataset_of
 from rwmf._numbers import show, to_array, to_items
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
-from rwmf.plotting.style import LEVEL, legend_above, make_panels, series
+from rwmf.plotting.style import LEVEL, Panels, legend_above, make_panels, series
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,7 +90,10 @@ def find_loops(dataset: xr.Dataset, case: CaseLike) -> list[Loop]:
     case = case_of(case)
     dataset = dataset_of(dataset, "rwmf.simulate")
     if "time" not in dataset.coords:
-        raise InputError("no history: loops need an interval, simulate(case, dt=0.01)")
+        raise InputError(
+            "dataset: no history: must be the dataset of rwmf.simulate with an interval, "
+            "simulate(case, dt=0.01)"
+        )
     loops = springs_of({str(name): dataset[name].values for name in dataset}, case)
     if not loops:
         check_springs(case)
@@ -209,9 +212,7 @@ def _elongation(theta: Array, case: Case) -> Array:
 
 
 @checked
-def draw(
-    dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None = None
-) -> npt.NDArray[np.object_]:
+def draw(dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None = None) -> Panels:
     """Draw the loops, a panel for each kind of spring.
 
     Parameters

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
-from rwmf.plotting.style import COLOURS, MARKERS, legend_above, make_panels
+from rwmf.plotting.style import COLOURS, MARKERS, Panels, legend_above, make_panels
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,7 +68,7 @@ def envelope(
     case: CaseLike,
     axes: Axes | Sequence[Axes] | np.ndarray | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
-) -> np.ndarray:
+) -> Panels:
     """Draw the largest shear and moment in the wall, and the link forces, over the height.
 
     Parameters
@@ -172,8 +172,8 @@ def _unit_of(dataset: xr.Dataset, name: str) -> tuple[str, float]:
         if name + ending in dataset:
             return ending, factor
     raise InputError(
-        f"dataset: has no {name}: simulate a wall with &output reactions, or ask a sweep for "
-        "rwmf.plot.envelope_quantities(case)"
+        f"dataset: has no {name}: must be the dataset of rwmf.simulate for a wall with &output "
+        "reactions, or of rwmf.sweep with rwmf.plot.envelope_quantities(case)"
     )
 
 

@@ -13,7 +13,7 @@ from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.plotting.levels import levels_of_storeys
 from rwmf.plotting.response import members
-from rwmf.plotting.style import COLOURS, LIMIT, MARKERS, YIELD, legend_above, make_panels
+from rwmf.plotting.style import COLOURS, LIMIT, MARKERS, YIELD, Panels, legend_above, make_panels
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,7 +40,7 @@ def profile(
     *,
     case: CaseLike | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
-) -> np.ndarray:
+) -> Panels:
     """Draw the peak demands of storeys and floors over the height.
 
     Parameters
@@ -69,7 +69,10 @@ def profile(
     dataset = dataset_of(dataset, "rwmf.simulate")
     names = demands_of(dataset)
     if not names:
-        raise InputError("no demands of storeys: simulate storeys with &output reactions")
+        raise InputError(
+            "dataset: no demands of storeys: must be the dataset of rwmf.simulate for a case with "
+            "&storeys and &output reactions = .true."
+        )
     panels = make_panels(axes, len(names), across=True)
     for ax, name in zip(panels, names, strict=True):
         values = _values(dataset, name)

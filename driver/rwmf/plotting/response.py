@@ -17,6 +17,7 @@ from rwmf.plotting.style import (
     COLOURS,
     GREY,
     LIMIT,
+    Panels,
     legend_beside,
     make_panels,
     period_label,
@@ -83,7 +84,7 @@ def history(
     *,
     case: CaseLike | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
-) -> np.ndarray:
+) -> Panels:
     """Draw variables against time, one panel each; ticks at the bottom mark impacts.
 
     Parameters
@@ -116,7 +117,10 @@ def history(
     case = None if case is None else case_of(case)
     dataset = dataset_of(dataset, "rwmf.simulate")
     if "time" not in dataset.coords:
-        raise InputError("no history to plot: simulate with an interval, simulate(case, dt=0.01)")
+        raise InputError(
+            "dataset: no history to plot: must be the dataset of rwmf.simulate with an interval, "
+            "simulate(case, dt=0.01)"
+        )
     names = list(variables or panels_of(dataset))
     panels = make_panels(axes, len(names))
     for ax, name in zip(panels, names, strict=True):
@@ -240,6 +244,12 @@ def spectrum(
         When the dataset or `bare` has no such quantity.
     """
     dataset_of(dataset, "rwmf.spectrum", "T_s", "status")
+    others = [str(name) for name in dataset["status"].dims if name not in AXES]
+    if others:
+        raise InputError(
+            f"dataset: has the dimension {others[0]}: must be the dataset of rwmf.spectrum, or of "
+            f"one motion, dataset.isel({others[0]}=0)"
+        )
     if bare is not None:
         dataset_of(bare, "rwmf.spectrum", "T_s", "status")
     if quantities is not None and len(quantities) != 1:
@@ -256,10 +266,11 @@ def spectrum(
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):
         line_style = {**series(i, len(curves)), "label": label or None} | line
-        has_fallen = np.isin(curve["status"].values, _FALLEN)
+        status = _names_of_status(curve["status"])
+        has_fallen = np.isin(status, _FALLEN)
         periods, values = curve["T_s"].values, curve[quantity].values
         # the rotation of an overturned wall is meaningless: crosses at the upper edge
-        on_side = (curve["status"].values == _FALLEN[0]) & (quantity == _ROTATION)
+        on_side = (status == _FALLEN[0]) & (quantity == _ROTATION)
         (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **line_style)
         cross: dict[str, Any] = {
             "color": drawn.get_color(),
@@ -281,6 +292,12 @@ def spectrum(
     if legend and (len(curves) > 1 or bare is not None):
         legend_beside(axes, _legend_title(dataset))
     return axes
+
+
+def _names_of_status(status: xr.DataArray) -> np.ndarray:
+    """Return the names of statuses; those of a sweep are numbers."""
+    names = np.array(str(status.attrs.get("flag_meanings", "")).split())
+    return names[status.values] if names.size else status.values
 
 
 def _curves(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:

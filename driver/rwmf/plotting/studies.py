@@ -166,7 +166,7 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
     sequence of matplotlib.axes.Axes
         The axes.
     """
-    dataset_of(dataset, "rwmf.studies.friction_spectra", DEMAND)
+    dataset_of(dataset, "rwmf.studies.friction_spectra", "T_s", DEMAND)
     panels = make_panels(axes, 2)
     second = CABLE if CABLE in dataset else "base_shear_max_over_weight"
     for ax, name in zip(panels, (DEMAND, second), strict=True):

@@ -34,7 +34,7 @@ def test_coinciding_lines_differ_twice() -> None:
 def test_a_history_shows_the_ground_and_every_storey() -> None:
     case = rwmf.Case.from_namelist(ROOT / "inputs" / "storeys_full.nml")
     run = rwmf.simulate(case, dt=0.05)
-    assert members(run, "floor_{i}") == [f"floor_{i}" for i in range(1, 5)]
+    assert members(run, "floor_{i}") == [f"floor_{i}" for i in range(1, 6)]
     assert members(run, "storey_{i}_drift") == [f"storey_{i}_drift" for i in range(1, 6)]
     assert members(run, "floor") == []
     panels = rwmf.plot.history(run)
