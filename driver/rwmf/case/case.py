@@ -464,7 +464,7 @@ class Case(Groups):
 
     def _repr_html_(self) -> str:
         """Show a table of the groups in a notebook; defaults are grey."""
-        rows = "".join(group.html_rows() for group in self._groups.values())
+        rows = "".join(group._html_rows() for group in self._groups.values())
         return f"<table><caption>Case({escape(self.label or 'in memory')})</caption>{rows}</table>"
 
 

@@ -144,16 +144,10 @@ class Group(Mapping[str, Value]):
 
     def _repr_html_(self) -> str:
         """Show a table in a notebook: values, units and meanings; defaults are grey."""
-        return f"<table>{self.html_rows()}</table>"
+        return f"<table>{self._html_rows()}</table>"
 
-    def html_rows(self) -> str:
-        """Return the rows of a table for a notebook.
-
-        Returns
-        -------
-        str
-            HTML rows: group, key, value, meaning; given keys first.
-        """
+    def _html_rows(self) -> str:
+        """Return the rows of the table: group, key, value, meaning; given keys first."""
         names = sorted(self, key=lambda key: key not in self._given)
         meanings = {row.key: row.meaning for row in _library.schema() if row.group == self._name}
         rows = []

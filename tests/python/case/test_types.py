@@ -136,7 +136,7 @@ def test_a_table_in_a_notebook() -> None:
         assert f">&amp;{name}</td>" in page
         for key in group:
             assert f">{key}</td>" in page
-        assert group.html_rows() in page
+        assert group._html_rows() in page
     assert "<b>" not in page
     assert "half height of the wall" in page
     assert page.count("<tr") == page.count("</tr>") == sum(map(len, case.groups.values()))
