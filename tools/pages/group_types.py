@@ -32,10 +32,8 @@ class Groups:
 
     An attribute is None where the case lacks the group. The declared types are those of a group
     that is present; ``"wall" in case.groups`` tests for it.
-    """
-
-    __slots__ = ()
 '''
+_ATTRIBUTES = "\n    Attributes\n    ----------\n"
 _TYPES = {"real": "float", "integer": "int", "logical": "bool", "text": "str"}
 _WIDTH = 100
 
@@ -52,26 +50,29 @@ def make() -> str:
     names = {}
     for name, rows in groupby(_library.schema(), key=lambda row: row.group):
         names[name] = "".join(word.capitalize() for word in name.split("_"))
-        parts.append(f'\n\nclass {names[name]}(Group):\n    """Group ``&{name}``."""\n')
-        parts.append("\n    __slots__ = ()\n")
         # a keyword of Python is no attribute; group["lambda"] has its value
-        parts += [_key(row) for row in rows if not keyword.iskeyword(row.key)]
-    parts += [_GROUPS, *(f"    {name}: {kind}\n" for name, kind in names.items())]
+        keys = [row for row in rows if not keyword.iskeyword(row.key)]
+        parts.append(f'\n\nclass {names[name]}(Group):\n    """Group ``&{name}``.\n{_ATTRIBUTES}')
+        parts += [_meaning(row) for row in keys]
+        parts.append('    """\n\n    __slots__ = ()\n')
+        parts += [f"    {row.key}: {_type(row.kind, row.allowed.split())}\n" for row in keys]
+    parts += [_GROUPS, _ATTRIBUTES]
+    parts += [f"    {name} : {kind}\n        Group ``&{name}``.\n" for name, kind in names.items()]
+    parts.append('    """\n\n    __slots__ = ()\n')
+    parts += [f"    {name}: {kind}\n" for name, kind in names.items()]
     parts.append("\n\nTYPES: dict[str, type[Group]] = {\n")
     parts += [f'    "{name}": {kind},\n' for name, kind in names.items()]
     return "".join([*parts, "}\n"])
 
 
-def _key(row: _library.KeyRow) -> str:
-    """Return the annotation of a key, with its meaning."""
+def _meaning(row: _library.KeyRow) -> str:
+    """Return the entry of a key in the docstring."""
     unit = "" if row.unit in ("", "-") else f" [{row.unit}]"
-    text = f"{row.meaning[:1].upper()}{row.meaning[1:]}{unit}."
+    kind = "str" if row.kind == "choice" else _type(row.kind, ())
     lines = textwrap.wrap(
-        f'"""{text}"""', _WIDTH - 4, break_long_words=False, break_on_hyphens=False
+        f"{row.meaning[:1].upper()}{row.meaning[1:]}{unit}.", _WIDTH - 8, break_on_hyphens=False
     )
-    raw = "r" if "\\" in text else ""
-    quoted = textwrap.indent(raw + "\n".join(lines), "    ")
-    return f"    {row.key}: {_type(row.kind, row.allowed.split())}\n{quoted}\n"
+    return f"    {row.key} : {kind}\n" + textwrap.indent("\n".join(lines), 8 * " ") + "\n"
 
 
 def _type(kind: str, words: Sequence[str]) -> str:

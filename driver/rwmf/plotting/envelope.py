@@ -172,8 +172,8 @@ def _unit_of(dataset: xr.Dataset, name: str) -> tuple[str, float]:
         if name + ending in dataset:
             return ending, factor
     raise InputError(
-        f"dataset: has no {name}: must be the dataset of rwmf.simulate for a wall with &output "
-        "reactions, or of rwmf.sweep with rwmf.plot.envelope_quantities(case)"
+        f"dataset: has no {name}: must be the dataset of rwmf.simulate with &output reactions, or "
+        "of rwmf.sweep with rwmf.plot.envelope_quantities(case)"
     )
 
 
