@@ -24,7 +24,7 @@ from rwmf.plotting.style import (
     series,
     storey,
 )
-from rwmf.quantities import AXES
+from rwmf.quantities import AXES, QUANTITIES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,6 +68,9 @@ _SYMBOLS = {
     "fuse_right_force_over_m_w_g": r"$F_r/(m_w g)$",
 }
 _FLOORS, _DRIFTS = "floor_{i}", "storey_{i}_drift"
+# names of one storey or floor by those of all
+_NUMBERED = {item.over_levels.name: item.name for item in QUANTITIES.values()
+             if item.level and "history" in item.outputs.split()}  # fmt: skip
 # lines per column of a legend as high as its panel
 _ROWS = 6
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
@@ -151,7 +154,8 @@ def _draw_panel(
     ax: Axes, dataset: xr.Dataset, name: str, case: Case | None, line: dict[str, Any]
 ) -> None:
     """Draw the lines of one panel, their labels, and the levels behind them."""
-    found = members(dataset, name)
+    name = _NUMBERED.get(name, name)
+    found = [member for member in members(dataset, name) if "time" in dataset[member].dims]
     if not found:
         raise InputError(f"{name}: is not in the history")
     factor = 100.0 if name == _DRIFTS else 1.0

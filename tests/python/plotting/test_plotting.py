@@ -36,7 +36,7 @@ def test_a_history_shows_the_ground_and_every_storey() -> None:
     run = rwmf.simulate(case, dt=0.05)
     assert members(run, "floor_{i}") == [f"floor_{i}" for i in range(1, 6)]
     assert members(run, "storey_{i}_drift") == [f"storey_{i}_drift" for i in range(1, 6)]
-    assert members(run, "floor") == []
+    assert members(run, "nowhere_{i}") == []
     panels = rwmf.plot.history(run)
     labels = [ax.get_ylabel() for ax in panels]
     assert labels[0] == r"$\ddot u_g$ (m/s²)"
@@ -44,8 +44,13 @@ def test_a_history_shows_the_ground_and_every_storey() -> None:
     drifts = panels[labels.index("storey drift (%)")].get_legend()
     assert drifts.get_title().get_text() == "storey"
     assert [text.get_text() for text in drifts.get_texts()] == ["1", "2", "3", "4", "5"]
-    with pytest.raises(ValueError, match="nowhere: is not in the history"):
-        rwmf.plot.history(run, variables=["nowhere"])
+    for name, same in (("storeys_drift", "storey_{i}_drift"), ("floors", "floor_{i}")):
+        (ax,), (other,) = (rwmf.plot.history(run, variables=[word]) for word in (name, same))
+        assert [line.get_label() for line in ax.lines] == [line.get_label() for line in other.lines]
+        assert ax.get_ylabel() == other.get_ylabel()
+    for name in ("nowhere", "u_s_max", "floor", "storeys_drift_max"):
+        with pytest.raises(ValueError, match=f"{name}: is not in the history"):
+            rwmf.plot.history(run, variables=[name])
 
 
 def _areas(ax: Axes) -> dict[tuple[float, ...], float]:
