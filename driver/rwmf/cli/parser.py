@@ -259,7 +259,7 @@ def _add_animate(commands: Subcommands) -> None:
     add_case(parser)
     positive = number(above=0)
     parser.add_argument(
-        "--out", type=written_file, metavar="FILE", help="gif or mp4; CASE.gif when absent"
+        "--out", type=written_file, metavar="FILE", help="gif, webp or mp4; CASE.gif when absent"
     )
     parser.add_argument("--fps", type=whole(1, 100), default=20, help="frames a second of the film")
     parser.add_argument(
