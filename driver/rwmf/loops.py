@@ -299,7 +299,7 @@ def draw(dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None
     panels = make_panels(axes, len(kinds), across=True)
     for ax, (kind, found) in zip(panels, kinds.items(), strict=True):
         for i, loop in enumerate(found):
-            label = loop.spring if len(found) > 1 else None
+            label = loop.spring.replace(kind, "").strip() if len(found) > 1 else None
             # side by side at equal width: one loop drawn inside another would be unreadable
             line = storey(i, len(found)) if kind == "storey" else series(i, len(found))
             force = loop.force if loop.newtons is None else 1e-3 * loop.newtons
@@ -310,5 +310,9 @@ def draw(dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None
         ax.set_ylabel(found[0].label if found[0].newtons is None else "force (kN)")
         ax.set_title(title)
         if len(found) > 1:
-            ax.legend(loc="best", ncols=1 + (len(found) - 1) // 4, fontsize="small")
+            columns = min(len(found), 5)
+            ax.legend(
+                title=kind, ncols=columns, loc="upper center", bbox_to_anchor=(0.5, -0.18),
+                handlelength=1.2, columnspacing=0.8, handletextpad=0.4,
+            )  # fmt: skip
     return panels

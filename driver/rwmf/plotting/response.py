@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import textwrap
 from collections.abc import Sequence
 from itertools import count, product, takewhile
 from typing import TYPE_CHECKING, Any
@@ -47,26 +49,23 @@ PANELS = (
     "fuse_left_force_over_m_w_g",
     "fuse_right_force_over_m_w_g",
 )
-_SYMBOLS = {
-    "theta": r"$\theta$",
-    "theta_dot": r"$\dot\theta$",
-    "theta_ddot": r"$\ddot\theta$",
-    "u_s": r"$u_s$",
-    "u_s_dot": r"$\dot u_s$",
-    "u_s_max": r"$u_{s,\max}$",
-    "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
-    "theta_dot_max": r"$\dot\theta_{\max}$",
-    "u_g_ddot": r"$\ddot u_g$",
-    "v_g_ddot": r"$\ddot v_g$",
-    "floor_{i}": "$u_i$",
-    "storey_{i}_drift": "storey drift",
-    "floor_{i}_acceleration_g": "acceleration (g)",
-    "cable_force_over_m_w_g": r"$P/(m_w g)$",
-    "cable_force": r"$P$",
-    "frame_force_over_m_s_g": r"$F_s/(m_s g)$",
-    "fuse_left_force_over_m_w_g": r"$F_l/(m_w g)$",
-    "fuse_right_force_over_m_w_g": r"$F_r/(m_w g)$",
+# labels of panels; other variables have the meaning in their attributes
+_WORDS = {
+    "theta": r"wall rotation $\theta$",
+    "theta_dot": r"angular velocity $\dot\theta$",
+    "u_s": "frame displacement $u_s$",
+    "u_g_ddot": r"ground acceleration $\ddot u_g$",
+    "v_g_ddot": r"vertical acceleration $\ddot v_g$",
+    "floor_{i}": "floor displacement $u_i$",
+    "storey_{i}_drift": "interstorey drift (%)",
+    "floor_{i}_acceleration_g": "floor acceleration (g)",
+    "cable_force_over_m_w_g": "tendon force $P/(m_wg)$",
+    "frame_force_over_m_s_g": "frame force $F_s/(m_sg)$",
+    "fuse_left_force_over_m_w_g": "left fuse $F_l/(m_wg)$",
+    "fuse_right_force_over_m_w_g": "right fuse $F_r/(m_wg)$",
 }
+# letters in a line of the label of a panel, and of a figure with one panel
+_LETTERS, _LETTERS_ALONE = 20, 45
 _FLOORS, _DRIFTS = "floor_{i}", "storey_{i}_drift"
 # names of one storey or floor by those of all
 _NUMBERED = {item.over_levels.name: item.name for item in QUANTITIES.values()
@@ -129,7 +128,8 @@ def history(
     for ax, name in zip(panels, names, strict=True):
         _draw_panel(ax, dataset, name, case, line)
     _mark_end(panels, dataset)
-    panels[-1].set_xlabel("$t$ (s)")
+    _explain_impacts(panels[-1], dataset)
+    panels[-1].set_xlabel("time $t$ (s)")
     return panels
 
 
@@ -172,7 +172,7 @@ def _draw_panel(
     if len(found) > 1:
         what, columns = name.split("_")[0], -(-len(found) // _ROWS)
         legend_beside(ax, what, columns, is_tight=True)
-    ax.set_ylabel("storey drift (%)" if name == _DRIFTS else _axis_label(dataset[found[0]], name))
+    ax.set_ylabel(_axis_label(dataset[found[0]], name))
     ax.margins(x=0)
     _mark_impacts(ax, dataset)
 
@@ -289,7 +289,7 @@ def spectrum(
     if bare is not None:
         axes.plot(bare["T_s"], bare[quantity], label="frame alone", **ALONE)
     axes.set_xlabel(period_label(dataset["T_s"]))
-    axes.set_ylabel(_axis_label(dataset[quantity]))
+    axes.set_ylabel(_axis_label(dataset[quantity], quantity, _LETTERS_ALONE))
     if not (dataset[quantity] < 0).any():
         axes.set_ylim(bottom=0)
     axes.margins(x=0)
@@ -344,8 +344,27 @@ def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:
     )
 
 
-def _axis_label(variable: xr.DataArray, name: str | None = None) -> str:
-    name = name or str(variable.name)
+def _explain_impacts(ax: Axes, dataset: xr.Dataset) -> None:
+    """Add a legend for the ticks of impacts, below the axes and beside other legends."""
+    from matplotlib.legend import Legend
+    from matplotlib.lines import Line2D
+
+    if "event" not in dataset.coords or not (dataset["event"] == "impact").any():
+        return
+    tick = Line2D([], [], color=GREY, marker="|", linestyle="none", markersize=5)
+    legend = Legend(
+        ax, [tick], ["impact"], loc="upper right", bbox_to_anchor=(1.0, -0.2),
+        borderpad=0.0, handletextpad=0.0, frameon=False,
+    )  # fmt: skip
+    ax.add_artist(legend).set_clip_on(False)
+
+
+def _axis_label(variable: xr.DataArray, name: str, letters: int = _LETTERS) -> str:
+    """Return the words for a variable, with its unit, in short lines."""
     unit = variable.attrs.get("units", "")
     unit = _UNITS.get(unit, unit)
-    return _SYMBOLS.get(name, name.replace("_", " ")) + (f" ({unit})" if unit else "")
+    words = _WORDS.get(name) or variable.attrs.get("long_name", name.replace("_", " "))
+    text = f"{words} ({unit})" if unit else str(words)
+    # a formula has no space at which a line could end
+    length = len(re.sub(r"[\\${}_]|dot|theta", "", text))
+    return text if length <= letters else textwrap.fill(text, letters, break_long_words=False)

@@ -78,16 +78,17 @@ def test_panels_of_storeys(coupling: str, has_wall: bool) -> None:
     panels = rwmf.plot.history(run)
     shown = {ax.get_ylabel(): ax for ax in panels}
     numbers = range(1, 6)
-    _same(_drawn(shown[r"$\ddot u_g$ (m/s²)"]), run, ["u_g_ddot"], 1.0)
+    ground = "ground acceleration\n" r"$\ddot u_g$ (m/s²)"
+    _same(_drawn(shown[ground]), run, ["u_g_ddot"], 1.0)
     drifts = [f"storey_{i}_drift" for i in numbers]
-    _same(_drawn(shown["storey drift (%)"]), run, drifts, 100.0)
+    _same(_drawn(shown["interstorey drift\n(%)"]), run, drifts, 100.0)
     accelerations = [f"floor_{i}_acceleration_g" for i in numbers]
-    _same(_drawn(shown["acceleration (g)"]), run, accelerations, 1.0)
+    _same(_drawn(shown["floor acceleration\n(g)"]), run, accelerations, 1.0)
     if coupling == "full":
         floors = [*(f"floor_{i}" for i in range(1, 5)), "u_s"]
-        _same(_drawn(shown["$u_i$ (m)"]), run, floors, 1.0)
-    assert ("$u_s$ (m)" in shown) == (coupling != "full")
-    assert (r"$\theta$ (rad)" in shown) == has_wall
+        _same(_drawn(shown["floor displacement\n$u_i$ (m)"]), run, floors, 1.0)
+    assert ("frame displacement\n$u_s$ (m)" in shown) == (coupling != "full")
+    assert (r"wall rotation $\theta$ (rad)" in shown) == has_wall
 
 
 def test_levels_of_storeys_that_yield_one_by_one() -> None:
@@ -197,7 +198,9 @@ def test_profile_against_the_dataset(tmp_path: Path) -> None:
         assert accelerations.get_xlim()[1] > 5.0
         labels = [text.get_text() for text in drifts.get_legend().get_texts()]
         assert labels == ["residual", "yield", "larger", "larger, residual"]
-    with pytest.raises(ValueError, match="simulate storeys with &output reactions"):
+    with pytest.raises(
+        ValueError, match=r"must be the dataset of rwmf.simulate .* &output reactions"
+    ):
         rwmf.plot.profile(rwmf.simulate(case.replace(output={"reactions": False})))
 
 

@@ -16,6 +16,7 @@ import shipped_spectra
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
+from matplotlib.legend import Legend
 from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, make_panels, new_figure, series, tint
 
@@ -39,9 +40,12 @@ def test_a_history_shows_the_ground_and_every_storey() -> None:
     assert members(run, "nowhere_{i}") == []
     panels = rwmf.plot.history(run)
     labels = [ax.get_ylabel() for ax in panels]
-    assert labels[0] == r"$\ddot u_g$ (m/s²)"
-    assert "$u_i$ (m)" in labels
-    drifts = panels[labels.index("storey drift (%)")].get_legend()
+    assert labels[0] == "ground acceleration\n" r"$\ddot u_g$ (m/s²)"
+    assert panels[-1].get_xlabel() == "time $t$ (s)"
+    legends = [item for item in panels[-1].get_children() if isinstance(item, Legend)]
+    assert ["impact"] in [[text.get_text() for text in item.get_texts()] for item in legends]
+    assert "floor displacement\n$u_i$ (m)" in labels
+    drifts = panels[labels.index("interstorey drift\n(%)")].get_legend()
     assert drifts.get_title().get_text() == "storey"
     assert [text.get_text() for text in drifts.get_texts()] == ["1", "2", "3", "4", "5"]
     for name, same in (("storeys_drift", "storey_{i}_drift"), ("floors", "floor_{i}")):
