@@ -130,6 +130,8 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "plot.draw_wall_effect": {"dataset": found["wall"], "ax": ax},
         "plot.envelope": {"dataset": found["forces"], "case": case, "axes": None},
         "plot.envelope_quantities": {"case": case},
+        "plot.ground_motion": {"dataset": found["run"], "axes": both, "T_s": [0.5],
+                               "damping": 0.05},
         "plot.history": {"dataset": found["run"], "axes": ax, "variables": ["u_s"], "case": case},
         "plot.make_panels": {"axes": ax, "n": 1, "across": False},
         "plot.profile": {"dataset": found["run"], "axes": ax, "case": case},
@@ -302,7 +304,7 @@ def test_messages_name_argument_value_and_what_is_allowed() -> None:
 
 # datasets that a function draws beside the one that the table of calls gives it
 _DRAWN = {("plot.history", "forces"), ("loops.draw", "forces"), ("loops.find_loops", "forces"),
-          ("plot.spectrum", "friction")}  # fmt: skip
+          ("plot.ground_motion", "forces"), ("plot.spectrum", "friction")}  # fmt: skip
 
 
 def test_figures_refuse_datasets_of_other_functions(tmp_path: Path) -> None:
