@@ -176,12 +176,12 @@ def _kind_of(path: Path) -> str:
 
 def _encode_mp4(pictures: Iterator[Image], path: Path, name: str, frames_per_second: int) -> None:
     """Send the pictures to ffmpeg."""
-    import matplotlib
+    from matplotlib.animation import FFMpegWriter
 
     first = next(pictures)
     size = f"{first.width}x{first.height}"
     words = [
-        matplotlib.rcParams["animation.ffmpeg_path"], "-loglevel", "error", "-y",
+        FFMpegWriter.bin_path(), "-loglevel", "error", "-y",
         "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", str(frames_per_second), "-i", "-",
         "-pix_fmt", "yuv420p", "-f", "mp4", name,
     ]  # fmt: skip
