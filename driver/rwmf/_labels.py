@@ -50,8 +50,8 @@ def dataset(
     indexes: dict[str, xr.indexes.PandasIndex] = {}
     made: dict[str, xr.Variable] = {}
     for name, (dims, values, attrs) in (*variables.items(), *coordinates.items()):
-        # the kernel's arrays need no conversion
-        variable = xr.Variable(dims, values, attrs, fastpath=isinstance(values, np.ndarray))
+        # arrays need no conversion by xarray, which would import dask and SciPy where they exist
+        variable = xr.Variable(dims, np.asarray(values), attrs, fastpath=True)
         sizes |= zip(dims, variable.shape, strict=True)
         if name in coordinates and dims == (name,):
             # the index already has this name and need not be copied to get one

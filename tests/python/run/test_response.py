@@ -5,6 +5,8 @@ from __future__ import annotations
 import copy
 import json
 import pickle
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -219,3 +221,22 @@ def test_groups_and_all_keys(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     shown = {QUANTITIES[key.replace("1..3", "{i}")].name for key, words in rows.items() if words}
     for item, _ in map(find_numbered, summary):
         assert item.found == "time" or {item.name, item.name.removesuffix("_over_m_w_g")} & shown
+
+
+def test_results_load_neither_scipy_nor_matplotlib() -> None:
+    """`import rwmf` loads no xarray; a response and a spectrum load nothing further."""
+    code = (
+        "import sys, rwmf\n"
+        "slow = {'scipy', 'matplotlib', 'dask', 'h5py'}\n"
+        "assert not {*slow, 'xarray', 'pandas', 'numpy'} & {*sys.modules}\n"
+        f"case = rwmf.Case.from_namelist({str(ROOT / 'inputs' / 'fig12_one_cosine.nml')!r})\n"
+        "assert not {*slow, 'xarray', 'pandas'} & {*sys.modules}\n"
+        "run = rwmf.simulate(case, 0.1)\n"
+        "rwmf.spectrum(case, T_s=[1.0])\n"
+        "assert float(run['u_s_max']) > 0 and run.headline()\n"
+        "assert not slow & {*sys.modules}, slow & {*sys.modules}\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
