@@ -17,7 +17,7 @@ from rwmf.quantities import QUANTITIES, Quantity
 __all__ = ["LEVELS", "Response", "as_response"]
 
 # dimensions of quantities with a number
-LEVELS = ("storey", "floor")
+LEVELS = ("storey", "floor", "mode")
 
 
 class Response(xr.Dataset):  # type: ignore[no-untyped-call]

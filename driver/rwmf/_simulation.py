@@ -128,19 +128,19 @@ def to_dataset(run: _library.Run, case: Case) -> Response:
     columns, values = run.history()
     over_time = _by_quantity(zip(columns, values, strict=True))
     of_run = _by_quantity(summary.items())
-    n = max((number for _, found in (over_time | of_run).values() for number in found), default=0)
+    sizes = _sizes((*over_time.values(), *of_run.values()))
     if "floor_{i}_m" in over_time:
         # the roof is a floor as well
-        over_time["floor_{i}_m"][1][n] = over_time["u_s_m"][1][0]
+        over_time["floor_{i}_m"][1][sizes["floor"]] = over_time["u_s_m"][1][0]
     variables: dict[str, Labelled] = {}
-    _label(variables, over_time, "history", n)
+    _label(variables, over_time, "history", sizes)
     coordinates: dict[str, Labelled] = {}
     if columns:
         coordinates = {"time": variables.pop("time")} | _event_coordinates(run, summary)
-    _label(variables, {key: item for key, item in of_run.items() if item[0].name}, "run", n)
-    if n > 0:
+    _label(variables, {key: item for key, item in of_run.items() if item[0].name}, "run", sizes)
+    if sizes:
         coordinates |= _level_coordinates(
-            case, n, {dim for item in variables.values() for dim in item[0]}
+            case, sizes, {dim for item in variables.values() for dim in item[0]}
         )
     facts: dict[str, Any] = {"version": _library.version()}
     if "cable_prestress_loss_over_m_w_g" in summary and "eta_y" in case.cable:
@@ -165,13 +165,26 @@ def _by_quantity(items: Iterable[tuple[str, Any]]) -> _Found:
     return found
 
 
-def _label(variables: dict[str, Labelled], found: _Found, output: str, n: int) -> None:
-    """Add variables over time or of a run, those of n storeys or floors over their numbers."""
+def _sizes(found: Iterable[tuple[Quantity, dict[int, Any]]]) -> dict[str, int]:
+    """Return the number of storeys, as many as floors, and of modes; absent without a quantity."""
+    sizes: dict[str, int] = {}
+    for quantity, values in found:
+        if quantity.level:
+            sizes[quantity.level] = max(sizes.get(quantity.level, 0), *values)
+    for level in {"storey", "floor"} & sizes.keys():
+        sizes[level] = max(sizes.get("storey", 0), sizes.get("floor", 0))
+    return sizes
+
+
+def _label(
+    variables: dict[str, Labelled], found: _Found, output: str, sizes: dict[str, int]
+) -> None:
+    """Add variables over time or of a run, those of storeys or floors over their numbers."""
     for quantity, values in found.values():
         dims = ("time",) if output == "history" else ()
         if quantity.level:
             missing = np.full_like(next(iter(values.values())), np.nan, dtype=np.float64)
-            levels = [values.get(number, missing) for number in range(1, n + 1)]
+            levels = [values.get(number, missing) for number in range(1, sizes[quantity.level] + 1)]
             dims, array = (*dims, quantity.level), np.stack(levels, axis=-1)
             quantity = quantity.over_levels
         else:
@@ -180,17 +193,18 @@ def _label(variables: dict[str, Labelled], found: _Found, output: str, n: int) -
             variables[name] = (dims, array, quantity.attributes)
 
 
-def _level_coordinates(case: Case, n: int, dims: set[str]) -> dict[str, Labelled]:
+def _level_coordinates(case: Case, sizes: dict[str, int], dims: set[str]) -> dict[str, Labelled]:
     """Return numbers and heights of the storeys and floors, from the ground up."""
-    heights = heights_of_storeys(case, n)
+    heights = heights_of_storeys(case, sizes.get("floor", sizes.get("storey", 0)))
     found: dict[str, Labelled] = {}
     for level, values, meaning in (
         ("storey", heights, "height of the storey, from floor to floor"),
         ("floor", list(accumulate(heights)), "height of the floor above the base"),
+        ("mode", [], ""),
     ):
         if level in dims:
-            text = f"number of the {level}, from the ground up"
-            found[level] = ((level,), np.arange(1, n + 1), {"long_name": text})
+            text = f"number of the {level}" + (", from the ground up" if meaning else "")
+            found[level] = ((level,), np.arange(1, sizes[level] + 1), {"long_name": text})
             if values:
                 attributes = {"units": "m", "long_name": meaning}
                 found[f"{level}_height"] = ((level,), np.array(values), attributes)

@@ -107,10 +107,11 @@ class Quantity:
 
     @property
     def level(self) -> str:
-        """Dimension of a numbered quantity, 'storey' or 'floor'; '' for the others."""
+        """Dimension of a numbered quantity: 'storey', 'floor' or 'mode'; '' for the others."""
         if "{i}" not in self.key:
             return ""
-        return "storey" if self.key.startswith("storey_") else "floor"
+        numbered = re.search(r"(\w+) \{i\}", self.meaning)
+        return numbered[1] if numbered else "mode"
 
     @property
     def over_levels(self) -> Quantity:

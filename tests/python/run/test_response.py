@@ -83,8 +83,8 @@ def test_no_variable_has_a_number(scene: str) -> None:
     assert not [name for name in run.variables if any(part.isdigit() for part in name.split("_"))]
     for name, values in run.data_vars.items():
         level = names[name].level if name in names else ""
-        assert {*values.dims} & {"storey", "floor"} == {level} - {""}
-        if level:
+        assert {*values.dims} & {"storey", "floor", "mode"} == {level} - {""}
+        if level in ("storey", "floor"):
             assert list(run[level].values) == list(range(1, n + 1))
     if case.frame is not None:
         assert "floor" in run.dims
