@@ -30,8 +30,8 @@ from pathlib import Path
 from typing import Any
 
 import rwmf
-import xarray as xr
 from rwmf.errors import NumericalError
+from rwmf.quantities import find
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
 
@@ -163,15 +163,15 @@ def _case(groups: Groups, path: Path, **solver: object) -> rwmf.Case:
     return rwmf.Case(**groups)
 
 
-def _numbers(run: xr.Dataset) -> dict[str, float]:
+def _numbers(run: rwmf.Response) -> dict[str, float]:
     """Return the scalars of a run that its accuracy is about."""
     return {
-        str(name): float(run[name])
-        for name in run.data_vars
-        if not run[name].dims
-        and run[name].dtype.kind == "f"
-        and not any(str(name).startswith(word) for word in NO_NUMBER)
-        and math.isfinite(float(run[name]))
+        find(key).name: value
+        for key, value in run.flat().items()
+        if isinstance(value, float)
+        and find(key).name
+        and not any(key.startswith(word) for word in NO_NUMBER)
+        and math.isfinite(value)
     }
 
 

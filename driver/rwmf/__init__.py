@@ -19,12 +19,14 @@ if TYPE_CHECKING:
     from rwmf import loops, plot, records, studies
     from rwmf._cost import Cost, cost
     from rwmf._explore import explore
+    from rwmf._response import Response
     from rwmf._simulation import simulate
     from rwmf._spectrum import spectrum
     from rwmf._sweep import RecordFile, find_records, merge, sweep
     from rwmf._sweep.intensity import intensity
     from rwmf.case import Case, Motion
     from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
+    from rwmf.studies.statistics import quantile
 
     __version__: str
 
@@ -37,6 +39,7 @@ __all__ = [
     "NumericalError",
     "OutputError",
     "RecordFile",
+    "Response",
     "RwmfError",
     "__version__",
     "cost",
@@ -46,6 +49,7 @@ __all__ = [
     "loops",
     "merge",
     "plot",
+    "quantile",
     "records",
     "simulate",
     "spectrum",
@@ -63,12 +67,14 @@ _HOMES = {
     "NumericalError": "errors",
     "OutputError": "errors",
     "RecordFile": "_sweep",
+    "Response": "_response",
     "RwmfError": "errors",
     "cost": "_cost",
     "explore": "_explore",
     "find_records": "_sweep",
     "intensity": "_sweep.intensity",
     "merge": "_sweep",
+    "quantile": "studies.statistics",
     "simulate": "_simulation",
     "spectrum": "_spectrum",
     "sweep": "_sweep",

@@ -122,7 +122,7 @@ def dataset_of(value: object, origin: str, *names: str) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        `value`, unchanged.
+        `value`; a dataset over storeys or floors as a `Response`.
 
     Raises
     ------
@@ -131,12 +131,14 @@ def dataset_of(value: object, origin: str, *names: str) -> xr.Dataset:
     """
     import xarray as xr
 
+    from rwmf._response import as_response
+
     if not isinstance(value, xr.Dataset):
         raise InputError(f"dataset = {show(value)}: must be the dataset of {origin}")
     missing = [name for name in names if name not in value.variables]
     if missing:
         raise InputError(f"dataset: has no {missing[0]}: must be the dataset of {origin}")
-    return value
+    return as_response(value)
 
 
 def array_of(value: object, dim: str) -> xr.DataArray:

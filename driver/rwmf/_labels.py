@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -11,6 +11,7 @@ import xarray as xr
 
 __all__ = ["Labelled", "dataset"]
 
+_Made = TypeVar("_Made", bound=xr.Dataset)
 # dimensions, values and attributes of a variable, as xarray takes them
 Labelled = tuple[tuple[str, ...], Any, Mapping[str, Any]]
 
@@ -19,7 +20,8 @@ def dataset(
     variables: Mapping[str, Labelled],
     coordinates: Mapping[str, Labelled],
     attributes: Mapping[str, Any],
-) -> xr.Dataset:
+    kind: type[_Made] = xr.Dataset,  # type: ignore[assignment]
+) -> _Made:
     """Assemble arrays of matching dimensions into a dataset.
 
     The result equals ``xarray.Dataset(...)``. That constructor searches for indexes, copies and
@@ -33,21 +35,23 @@ def dataset(
         Likewise; a coordinate with the name of its only dimension becomes an index.
     attributes : mapping of str to object
         Attributes of the dataset.
+    kind : type
+        Class of the dataset.
 
     Returns
     -------
     xarray.Dataset
         The dataset.
     """
-    make = _quick_way()
+    make = _quick_way(kind)
     if make is None:
-        return xr.Dataset(dict(variables), dict(coordinates), dict(attributes))
+        return kind(dict(variables), dict(coordinates), dict(attributes))
     sizes: dict[str, int] = {}
     indexes: dict[str, xr.indexes.PandasIndex] = {}
     made: dict[str, xr.Variable] = {}
     for name, (dims, values, attrs) in (*variables.items(), *coordinates.items()):
-        # the kernel's arrays need no conversion
-        variable = xr.Variable(dims, values, attrs, fastpath=isinstance(values, np.ndarray))
+        # arrays need no conversion by xarray, which would import dask and SciPy where they exist
+        variable = xr.Variable(dims, np.asarray(values), attrs, fastpath=True)
         sizes |= zip(dims, variable.shape, strict=True)
         if name in coordinates and dims == (name,):
             # the index already has this name and need not be copied to get one
@@ -55,10 +59,10 @@ def dataset(
             indexes[name] = xr.indexes.PandasIndex(index, name, coord_dtype=variable.dtype)
             variable = indexes[name].create_variables({name: variable})[name]
         made[name] = variable
-    found: xr.Dataset = make(made, set(coordinates), sizes, dict(attributes), indexes)
+    found: _Made = make(made, set(coordinates), sizes, dict(attributes), indexes)
     return found
 
 
-def _quick_way() -> Callable[..., xr.Dataset] | None:
+def _quick_way(kind: type[_Made]) -> Callable[..., _Made] | None:
     """Return xarray's constructor from known parts, or None in versions without it."""
-    return getattr(xr.Dataset, "_construct_direct", None)
+    return getattr(kind, "_construct_direct", None)

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any
 
-import xarray as xr
+import numpy as np
 
 from rwmf import _library
 from rwmf._arguments import case_of
-from rwmf._labels import Labelled, dataset
 from rwmf._numbers import to_number
 from rwmf.case import Case, CaseLike
-from rwmf.quantities import find
+from rwmf.case.heights import heights_of_storeys
+from rwmf.quantities import Quantity, find_numbered
+
+if TYPE_CHECKING:
+    from rwmf._labels import Labelled
+    from rwmf._response import Response
 
 __all__ = ["simulate", "start", "to_dataset", "with_history"]
 
 
-def simulate(case: CaseLike, dt: float | None = None) -> xr.Dataset:
+def simulate(case: CaseLike, dt: float | None = None) -> Response:
     """Compute the response of a case.
 
     Parameters
@@ -31,12 +36,13 @@ def simulate(case: CaseLike, dt: float | None = None) -> xr.Dataset:
 
     Returns
     -------
-    xarray.Dataset
-        Variables over ``time`` (none without an interval), coordinates over ``event``, and maxima
-        and counts without dimension, each with its unit in ``attrs``. The attributes of the dataset
-        hold the cost of the computation; ``warnings`` has one warning per line. Names carry no
-        units (docs/reference/outputs.md): energies over time are ``energy_input`` and so on,
-        energies at the end ``energy_input_end``.
+    Response
+        An `xarray.Dataset`: variables over ``time`` (none without an interval), coordinates over
+        ``event``, and maxima and counts, each with its unit in ``attrs``. Variables over ``storey``
+        and ``floor`` hold the values from the ground up. The attributes of the dataset hold the
+        cost of the computation; ``warnings`` has one warning per line. Names carry no units
+        (docs/reference/outputs.md): energies over time are ``energy_input`` and so on, energies at
+        the end ``energy_input_end``.
 
     Raises
     ------
@@ -48,8 +54,9 @@ def simulate(case: CaseLike, dt: float | None = None) -> xr.Dataset:
         After Ctrl-C.
     """
     case = case_of(case)
-    with start(case if dt is None else with_history(case, dt)) as run:
-        return to_dataset(run)
+    case = case if dt is None else with_history(case, dt)
+    with start(case) as run:
+        return to_dataset(run, case)
 
 
 def with_history(case: Case, dt: float) -> Case:
@@ -98,38 +105,110 @@ def start(case: Case) -> Iterator[_library.Run]:
         yield run
 
 
-def to_dataset(run: _library.Run) -> xr.Dataset:
+def to_dataset(run: _library.Run, case: Case) -> Response:
     """Label the kernel's result.
 
     Parameters
     ----------
     run : Run
         From `start`.
+    case : Case
+        The computed case.
 
     Returns
     -------
-    xarray.Dataset
+    Response
         As `simulate` returns it.
     """
+    # imported here, so that a run without a dataset does not load xarray
+    from rwmf._labels import dataset
+    from rwmf._response import Response
+
     summary = run.summary()
-    variables: dict[str, Labelled] = {}
     columns, values = run.history()
-    for i, column in enumerate(columns):
-        quantity = find(column)
-        for name in quantity.names("history"):
-            variables[name] = (("time",), values[i], quantity.attributes)
+    over_time = _by_quantity(zip(columns, values, strict=True))
+    of_run = _by_quantity(summary.items())
+    sizes = _sizes((*over_time.values(), *of_run.values()))
+    if "floor_{i}_m" in over_time:
+        # the roof is a floor as well
+        over_time["floor_{i}_m"][1][sizes["floor"]] = over_time["u_s_m"][1][0]
+    variables: dict[str, Labelled] = {}
+    _label(variables, over_time, "history", sizes)
     coordinates: dict[str, Labelled] = {}
     if columns:
         coordinates = {"time": variables.pop("time")} | _event_coordinates(run, summary)
+    _label(variables, {key: item for key, item in of_run.items() if item[0].name}, "run", sizes)
+    if sizes:
+        coordinates |= _level_coordinates(
+            case, sizes, {dim for item in variables.values() for dim in item[0]}
+        )
     facts: dict[str, Any] = {"version": _library.version()}
-    for key, value in summary.items():
-        quantity = find(key)
-        for name in quantity.names("run"):
-            variables[name] = ((), value, quantity.attributes)
+    if "cable_prestress_loss_over_m_w_g" in summary and "eta_y" in case.cable:
+        facts["tendon_yield_over_m_w_g"] = case.cable.eta_y
+    for key, (quantity, value) in of_run.items():
         if not quantity.name:
             # attributes of files are texts, and must not be empty
-            facts[key] = "\n".join(value) if key == "warnings" else value
-    return dataset(variables, coordinates, facts)
+            facts[key] = "\n".join(value[0]) if key == "warnings" else value[0]
+    return dataset(variables, coordinates, facts, Response)
+
+
+# rows of the table by their keys, each with the values of its floors or storeys by number
+_Found = dict[str, tuple[Quantity, dict[int, Any]]]
+
+
+def _by_quantity(items: Iterable[tuple[str, Any]]) -> _Found:
+    """Group values by their row in the table of quantities; the number is 0 without levels."""
+    found: _Found = {}
+    for key, value in items:
+        quantity, number = find_numbered(key)
+        found.setdefault(quantity.key, (quantity, {}))[1][number] = value
+    return found
+
+
+def _sizes(found: Iterable[tuple[Quantity, dict[int, Any]]]) -> dict[str, int]:
+    """Return the number of storeys, as many as floors, and of modes; absent without a quantity."""
+    sizes: dict[str, int] = {}
+    for quantity, values in found:
+        if quantity.level:
+            sizes[quantity.level] = max(sizes.get(quantity.level, 0), *values)
+    for level in {"storey", "floor"} & sizes.keys():
+        sizes[level] = max(sizes.get("storey", 0), sizes.get("floor", 0))
+    return sizes
+
+
+def _label(
+    variables: dict[str, Labelled], found: _Found, output: str, sizes: dict[str, int]
+) -> None:
+    """Add variables over time or of a run, those of storeys or floors over their numbers."""
+    for quantity, values in found.values():
+        dims = ("time",) if output == "history" else ()
+        if quantity.level:
+            missing = np.full_like(next(iter(values.values())), np.nan, dtype=np.float64)
+            levels = [values.get(number, missing) for number in range(1, sizes[quantity.level] + 1)]
+            dims, array = (*dims, quantity.level), np.stack(levels, axis=-1)
+            quantity = quantity.over_levels
+        else:
+            array = values[0]
+        for name in quantity.names(output):
+            variables[name] = (dims, array, quantity.attributes)
+
+
+def _level_coordinates(case: Case, sizes: dict[str, int], dims: set[str]) -> dict[str, Labelled]:
+    """Return numbers and heights of the storeys and floors, from the ground up."""
+    heights = heights_of_storeys(case, sizes.get("floor", sizes.get("storey", 0)))
+    found: dict[str, Labelled] = {}
+    for level, values, meaning in (
+        ("storey", heights, "height of the storey, from floor to floor"),
+        ("floor", list(accumulate(heights)), "height of the floor above the base"),
+        ("mode", [], ""),
+    ):
+        if level in dims:
+            text = f"number of the {level}" + (", from the ground up" if meaning else "")
+            found[level] = ((level,), np.arange(1, sizes[level] + 1), {"long_name": text})
+            if values:
+                attributes = {"units": "m", "long_name": meaning}
+                found[f"{level}_height"] = ((level,), np.array(values), attributes)
+    return found
 
 
 def _event_coordinates(run: _library.Run, summary: dict[str, Any]) -> dict[str, Labelled]:

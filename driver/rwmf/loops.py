@@ -1,9 +1,10 @@
-"""Force-displacement loops of the springs in a case: frame, cable, fuses."""
+"""Force-displacement loops of the springs in a case: frame or storeys, cable, fuses."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,8 +13,9 @@ import numpy.typing as npt
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf._numbers import show, to_array, to_items
 from rwmf.case import Case, CaseLike
+from rwmf.case.heights import heights_of_storeys
 from rwmf.errors import InputError
-from rwmf.plotting.style import LEVEL, legend_above, make_panels, series
+from rwmf.plotting.style import LEVEL, Panels, make_panels, series, storey
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,19 +25,13 @@ __all__ = ["Loop", "check_springs", "draw", "find_loops", "group_by_kind", "spri
 
 Array = npt.NDArray[np.float64]
 
-_COLUMNS = (
-    "theta",
-    "u_s",
-    "frame_force_over_m_s_g",
-    "cable_force_over_m_w_g",
-    "fuse_left_force_over_m_w_g",
-    "fuse_right_force_over_m_w_g",
-)
 _FUSES = {"left": 1.0, "right": -1.0}
-_DISPLACEMENTS = {
-    "frame": "$u_s$ (mm)",
-    "cable": "elongation (mm)",
-    "fuse": "uplift of its corner (mm)",
+# title of a panel and label of its displacement
+_PANELS = {
+    "frame": ("Frame", "displacement $u_s$ (mm)"),
+    "storey": ("Storeys", "storey drift (mm)"),
+    "cable": ("Tendon", "elongation (mm)"),
+    "fuse": ("Fuses", "uplift of the corner (mm)"),
 }
 
 
@@ -46,19 +42,28 @@ class Loop:
     Attributes
     ----------
     spring : str
-        'frame', 'cable', 'left fuse' or 'right fuse'.
+        'frame', 'storey 1' and so on, 'cable', 'left fuse' or 'right fuse'.
     displacement : numpy.ndarray, shape (n,)
-        Displacement of the frame, elongation of the cable, uplift of the fuse's corner [m].
+        Displacement of the frame, drift of the storey, elongation of the cable, uplift of the
+        fuse's corner [m].
     force : numpy.ndarray, shape (n,)
         Force over the weight of the frame's mass or of the wall [-].
     label : str
         Label of the force, with the weight that it is divided by.
+    newtons : numpy.ndarray, shape (n,), optional
+        The force [N]; None for a case without masses.
     """
 
     spring: str
     displacement: Array
     force: Array
     label: str
+    newtons: Array | None = None
+
+    @property
+    def kind(self) -> str:
+        """Kind of spring: 'frame', 'storey', 'cable' or 'fuse'."""
+        return next(kind for kind in _PANELS if kind in self.spring)
 
     @property
     def work(self) -> float:
@@ -80,7 +85,7 @@ def find_loops(dataset: xr.Dataset, case: CaseLike) -> list[Loop]:
     Returns
     -------
     list of Loop
-        Loops of a yielding frame, of the cable and of both fuses.
+        Loops of a yielding frame or of its yielding storeys, of the cable and of both fuses.
 
     Raises
     ------
@@ -88,12 +93,22 @@ def find_loops(dataset: xr.Dataset, case: CaseLike) -> list[Loop]:
         When there is no history, or when no spring has a force in it.
     """
     case = case_of(case)
-    if "time" not in dataset_of(dataset, "rwmf.simulate").coords:
-        raise InputError("no history: loops need an interval, simulate(case, dt=0.01)")
-    loops = springs_of({str(name): dataset[name].values for name in dataset}, case)
+    dataset = dataset_of(dataset, "rwmf.simulate")
+    if "time" not in dataset.coords:
+        raise InputError(
+            "dataset: no history: must be the dataset of rwmf.simulate with an interval, "
+            "simulate(case, dt=0.01)"
+        )
+    columns = {str(name): dataset[name].values for name in dataset if "time" in dataset[name].dims}
+    for name in _names_of_storeys(case):
+        if name in dataset:
+            columns[name] = dataset[name].values
+    loops = springs_of(columns, case)
     if not loops:
         check_springs(case)
-        raise InputError("the history holds no force of a spring")
+        raise InputError(
+            "the history holds no force of a spring; those of storeys need &output reactions"
+        )
     return loops
 
 
@@ -120,21 +135,70 @@ def springs_of(columns: Mapping[str, Array], case: CaseLike) -> list[Loop]:
     case = case_of(case)
     if not isinstance(columns, Mapping):
         raise InputError(f"columns = {show(columns)}: must be columns of a history by their names")
-    columns = {name: to_array(f"columns: {name}", values, is_finite=False)
-               for name, values in columns.items() if name in _COLUMNS}  # fmt: skip
     loops = []
-    if "frame_force_over_m_s_g" in columns:
-        force = columns["frame_force_over_m_s_g"]
-        loops.append(Loop("frame", columns["u_s"], force, r"$F_s/(m_s g)$"))
-    if "cable_force_over_m_w_g" in columns:
-        force = columns["cable_force_over_m_w_g"]
-        loops.append(Loop("cable", _elongation(columns["theta"], case), force, r"$P/(m_w g)$"))
-    for corner, side in _FUSES.items():
-        name = f"fuse_{corner}_force_over_m_w_g"
+    for spring, (name, label, displacement) in _springs(case).items():
         if name in columns:
-            uplift = _uplift(columns["theta"], case, side)
-            loops.append(Loop(f"{corner} fuse", uplift, columns[name], r"$F/(m_w g)$"))
+            ratio, newtons = f"columns: {name}", name.rsplit("_over_", 1)[0]
+            moved = displacement(_Columns(columns))
+            force = to_array(ratio, columns[name], is_finite=False)
+            in_newtons = None
+            if newtons in columns:
+                in_newtons = to_array(f"columns: {newtons}", columns[newtons], is_finite=False)
+            loops.append(Loop(spring, moved, force, label, in_newtons))
     return loops
+
+
+class _Columns:
+    """Columns of a history, checked at their use."""
+
+    def __init__(self, columns: Mapping[str, Array]) -> None:
+        self._columns = columns
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._columns:
+            raise InputError(f"columns: has no {name}: must be columns of a history by their names")
+        return to_array(f"columns: {name}", self._columns[name], is_finite=False)
+
+
+_Spring = tuple[str, str, Callable[[_Columns], Array]]
+
+
+def _springs(case: Case) -> dict[str, _Spring]:
+    """Return force column, label and displacement of each spring that a case may have."""
+    found: dict[str, _Spring] = {
+        "frame": ("frame_force_over_m_s_g", r"$F_s/(m_s g)$", lambda columns: columns["u_s"])
+    }
+    for i, height in enumerate(_heights_of_yielding(case), 1):
+        found[f"storey {i}"] = (
+            f"storey_{i}_shear_over_m_w_g",
+            r"$V/(m_w g)$",
+            partial(_sway, height=height, name=f"storey_{i}_drift"),
+        )
+    found["cable"] = (
+        "cable_force_over_m_w_g",
+        r"$P/(m_w g)$",
+        lambda columns: _elongation(columns["theta"], case),
+    )
+    for corner, side in _FUSES.items():
+        found[f"{corner} fuse"] = (
+            f"fuse_{corner}_force_over_m_w_g",
+            r"$F/(m_w g)$",
+            partial(_uplift, case=case, side=side),
+        )
+    return found
+
+
+def _heights_of_yielding(case: Case) -> list[float]:
+    """Return the heights of storeys that yield one by one."""
+    if case.storeys is None or case.yielding is None or "storey_u_y" not in case.yielding:
+        return []
+    return heights_of_storeys(case, len(case.storeys.m_over_m_w))
+
+
+def _names_of_storeys(case: Case) -> list[str]:
+    """Return the columns of yielding storeys."""
+    names = ("storey_{}_drift", "storey_{}_shear_over_m_w_g", "storey_{}_shear")
+    return [name.format(i + 1) for i in range(len(_heights_of_yielding(case))) for name in names]
 
 
 def check_springs(case: CaseLike) -> None:
@@ -148,18 +212,11 @@ def check_springs(case: CaseLike) -> None:
     Raises
     ------
     InputError
-        When it has no such spring; storeys that yield individually report no force.
+        When it has no such spring.
     """
     case = case_of(case)
-    one_by_one = case.yielding is not None and "storey_u_y" in case.yielding
-    springs = {"cable", "fuse"} if one_by_one else {"yielding", "cable", "fuse"}
-    if not springs & case.groups.keys():
+    if not {"yielding", "cable", "fuse"} & case.groups.keys():
         source = case.source or "the case"
-        if one_by_one:
-            raise InputError(
-                f"{source}: loops need a spring: storeys that yield one by one report no force; "
-                "&cable or &fuse would have one"
-            )
         raise InputError(f"{source}: loops need a spring: &yielding, &cable or &fuse")
 
 
@@ -174,7 +231,7 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
     Returns
     -------
     dict
-        Loops by kind: 'frame', 'cable', 'fuse'.
+        Loops by kind: 'frame', 'storey', 'cable', 'fuse'.
 
     Raises
     ------
@@ -186,13 +243,18 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
         raise InputError(f"loops = {show(loops)}: must be the result of find_loops")
     kinds: dict[str, list[Loop]] = {}
     for loop in found:
-        kinds.setdefault(loop.spring.split()[-1], []).append(loop)
+        kinds.setdefault(loop.kind, []).append(loop)
     return kinds
 
 
-def _uplift(theta: Array, case: Case, side: float) -> Array:
+def _sway(columns: _Columns, height: float, name: str) -> Array:
+    """Return the relative displacement of the floors of a storey [m]."""
+    return height * columns[name]
+
+
+def _uplift(columns: _Columns, case: Case, side: float) -> Array:
     """Return the uplift 4b sin(theta/2) of the corner that lifts for this sign of theta [m]."""
-    return 4 * float(case.wall.b) * np.sin(np.maximum(0.0, side * theta) / 2)
+    return 4 * case.wall.b * np.sin(np.maximum(0.0, side * columns["theta"]) / 2)
 
 
 def _elongation(theta: Array, case: Case) -> Array:
@@ -208,9 +270,7 @@ def _elongation(theta: Array, case: Case) -> Array:
 
 
 @checked
-def draw(
-    dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None = None
-) -> npt.NDArray[np.object_]:
+def draw(dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None = None) -> Panels:
     """Draw the loops, a panel for each kind of spring.
 
     Parameters
@@ -220,12 +280,12 @@ def draw(
     case : Case or path
         The case that was simulated.
     axes : matplotlib axes or sequence of axes, optional
-        One for each kind of spring (frame, cable, fuses); otherwise a new figure.
+        One for each kind of spring (frame or storeys, cable, fuses); otherwise a new figure.
 
     Returns
     -------
     numpy.ndarray, shape (kinds,)
-        The axes.
+        The axes. Forces are in kN where masses are known, otherwise over a weight.
 
     Raises
     ------
@@ -239,15 +299,20 @@ def draw(
     panels = make_panels(axes, len(kinds), across=True)
     for ax, (kind, found) in zip(panels, kinds.items(), strict=True):
         for i, loop in enumerate(found):
-            label = loop.spring if len(found) > 1 else None
+            label = loop.spring.replace(kind, "").strip() if len(found) > 1 else None
             # side by side at equal width: one loop drawn inside another would be unreadable
-            line_style = series(i, len(found)) | {"linewidth": 0.9, "label": label}
-            ax.plot(1e3 * loop.displacement, loop.force, **line_style)
+            line = storey(i, len(found)) if kind == "storey" else series(i, len(found))
+            force = loop.force if loop.newtons is None else 1e-3 * loop.newtons
+            ax.plot(1e3 * loop.displacement, force, **line | {"linewidth": 0.9, "label": label})
         ax.axhline(0.0, **LEVEL)
-        ax.set_xlabel(_DISPLACEMENTS[kind])
-        ax.set_ylabel(found[0].label)
+        title, displacement = _PANELS[kind]
+        ax.set_xlabel(displacement)
+        ax.set_ylabel(found[0].label if found[0].newtons is None else "force (kN)")
+        ax.set_title(title)
         if len(found) > 1:
-            legend_above(ax, len(found))
-        else:
-            ax.set_title(kind)
+            columns = min(len(found), 5)
+            ax.legend(
+                title=kind, ncols=columns, loc="upper center", bbox_to_anchor=(0.5, -0.18),
+                handlelength=1.2, columnspacing=0.8, handletextpad=0.4,
+            )  # fmt: skip
     return panels

@@ -1,12 +1,13 @@
 """Figures of datasets and results: each function takes and returns axes; none simulates.
 
-`history`, `profile` and `envelope` draw results of `rwmf.simulate`, `spectrum` those of
-`rwmf.spectrum`, `work_precision` those of `rwmf.cost`. The other functions draw the studies of the
-same name.
+`history`, `profile`, `envelope` and `ground_motion` draw results of `rwmf.simulate`, `spectrum`
+those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`. The other functions draw the
+studies of the same name.
 """
 
 from rwmf.plotting.cost_figure import work_precision
 from rwmf.plotting.envelope import envelope, envelope_quantities
+from rwmf.plotting.ground import ground_motion
 from rwmf.plotting.overturning_map import draw_overturning
 from rwmf.plotting.profile import profile
 from rwmf.plotting.response import PANELS, history, spectrum
@@ -31,6 +32,7 @@ __all__ = [
     "draw_wall_effect",
     "envelope",
     "envelope_quantities",
+    "ground_motion",
     "history",
     "make_panels",
     "profile",

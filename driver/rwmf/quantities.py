@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from typing import Any
 
 from rwmf import _library
@@ -16,6 +16,7 @@ __all__ = [
     "Quantity",
     "ending_of",
     "find",
+    "find_numbered",
     "keys_of",
     "names_by_key",
 ]
@@ -105,6 +106,20 @@ class Quantity:
         return next((name for name in names if name.lower() == word.lower()), (*names, self.key)[0])
 
     @property
+    def level(self) -> str:
+        """Dimension of a numbered quantity: 'storey', 'floor' or 'mode'; '' for the others."""
+        if "{i}" not in self.key:
+            return ""
+        numbered = re.search(r"(\w+) \{i\}", self.meaning)
+        return numbered[1] if numbered else "mode"
+
+    @property
+    def over_levels(self) -> Quantity:
+        """The quantity over all storeys or floors: ``storeys_drift`` for ``storey_{i}_drift``."""
+        meaning = re.sub(r"(\w+) \{i\}", r"each \1", self.meaning)
+        return replace(self, name=self.name.replace("_{i}", "s"), meaning=meaning)
+
+    @property
     def attributes(self) -> dict[str, str]:
         """Attributes of its variable."""
         return {"units": self.unit, "long_name": self.meaning}
@@ -181,11 +196,31 @@ def find(key: str) -> Quantity:
     Quantity
         Its row of the table, with that number.
     """
+    quantity, number = find_numbered(key)
+    if not number:
+        return quantity
+    return Quantity(*(text.replace("{i}", str(number)) for text in astuple(quantity)))
+
+
+def find_numbered(key: str) -> tuple[Quantity, int]:
+    """Look up a column of a history or a key of a summary in the table of quantities.
+
+    Parameters
+    ----------
+    key : str
+        Key as the kernel writes it.
+
+    Returns
+    -------
+    Quantity
+        Its row of the table.
+    int
+        Number of its floor or storey; 0 for none.
+    """
     if key in QUANTITIES:
-        return QUANTITIES[key]
+        return QUANTITIES[key], 0
     number = next(part for part in key.split("_") if part.isdigit())
-    numbered = QUANTITIES[key.replace(f"_{number}_", "_{i}_")]
-    return Quantity(*(text.replace("{i}", number) for text in astuple(numbered)))
+    return QUANTITIES[key.replace(f"_{number}_", "_{i}_")], int(number)
 
 
 def ending_of(summary: Mapping[str, Any]) -> str:

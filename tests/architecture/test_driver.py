@@ -99,6 +99,7 @@ _CASE = ROOT / "inputs" / "fig12_one_cosine.nml"
         (["--help"], ("numpy", "rwmf._kernel")),
         (["study", "wall", "--help"], ("numpy", "rwmf._kernel")),
         (["check", str(_CASE)], ("rwmf._reference",)),
+        (["run", str(_CASE)], ("rwmf._reference",)),
         (None, ("numpy", "rwmf._kernel", "argparse")),
     ],
 )

@@ -19,7 +19,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-import xarray as xr
 from combinations import (
     Changes,
     Combination,
@@ -27,6 +26,7 @@ from combinations import (
     further_combination,
     spectrum_combination,
 )
+from rwmf.quantities import find
 
 NUMBERS = int(os.environ.get("RWMF_COMBINATIONS", "60"))
 FIRST = int(os.environ.get("RWMF_COMBINATIONS_FIRST", "0"))
@@ -88,12 +88,14 @@ def _velocity_factor(made: Combination, folder: Path) -> float:
     return float(rwmf.simulate(made.build(folder, solver={"t_end": 1e-3})).get("e", 0.0))
 
 
-def _run(made: Combination, folder: Path, method: str = "dop853", **changes: Changes) -> xr.Dataset:
+def _run(
+    made: Combination, folder: Path, method: str = "dop853", **changes: Changes
+) -> rwmf.Response:
     changes["solver"] = {"method": method, "rtol": RTOL} | changes.get("solver", {})
     return rwmf.simulate(made.build(folder, **changes))
 
 
-def _peak(run: xr.Dataset) -> float:
+def _peak(run: rwmf.Response) -> float:
     return float(run["u_s_max" if "u_s_max" in run else "theta_max_over_alpha"])
 
 
@@ -103,15 +105,16 @@ _DEMANDS = re.compile(
 )
 
 
-def _numbers(run: xr.Dataset) -> dict[str, float]:
+def _numbers(run: rwmf.Response) -> dict[str, float]:
     """Return the peak, and the demands if the scene has them."""
-    found = {str(name): float(run[name]) for name in run if _DEMANDS.match(str(name))}
+    names = [find(key).name for key in run.flat()]
+    found = {name: float(run[name]) for name in names if _DEMANDS.match(name)}
     if found.get("pivot_normal_min_over_m_w_g", 1.0) < PRESSED:
         found.pop("friction_demand_max", None)
     return {"peak": _peak(run)} | found
 
 
-def _apart(*runs: xr.Dataset) -> tuple[float, str]:
+def _apart(*runs: rwmf.Response) -> tuple[float, str]:
     """Largest difference of a number over the largest one of its kind [-], and its name."""
     numbers = [_numbers(run) for run in runs]
     if len({frozenset(found) for found in numbers}) > 1:
@@ -177,7 +180,7 @@ def find_hinge(made: Combination, folder: Path) -> str | None:
     return _judge(made, folder, runs)
 
 
-def _judge(made: Combination, folder: Path, runs: list[xr.Dataset]) -> str | None:
+def _judge(made: Combination, folder: Path, runs: list[rwmf.Response]) -> str | None:
     """Compare runs: a step may err by the tolerance, and only the scene may amplify that."""
     apart, name = _apart(*runs)
     if apart <= FLOOR:

@@ -1,4 +1,4 @@
-"""The reference pages that a command makes: from the kernel's tables, its facade, the parser.
+"""The files that a command makes: from the kernel's tables, its facade, the parser.
 
 ``tools/docs --made`` writes them; a test compares them with the present output.
 """
@@ -13,7 +13,7 @@ from functools import cache
 
 from rwmf.cli.parser import make_parser
 
-from pages import key_page, output_page
+from pages import group_types, key_page, output_page
 from pages.blocks import DOCS, ROOT
 
 _COMMANDS = """\
@@ -147,10 +147,11 @@ PAGES: dict[str, Callable[[], str]] = {
     "reference/outputs.md": output_page.make,
     "reference/commands.md": command_page,
     "reference/fortran.md": facade_page,
+    "../driver/rwmf/case/groups.py": group_types.make,
 }
 
 
 def write_all() -> None:
-    """Write every page that a command makes."""
+    """Write every file that a command makes."""
     for name, make in PAGES.items():
         (DOCS / name).write_text(make(), encoding="utf-8")

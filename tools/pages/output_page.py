@@ -20,8 +20,10 @@ one row give the same numbers. You may request a quantity by name or key, in cap
 letters; a sweep keeps the name that you used.
 
 Response quantities are variables. Quantities that describe the computation have no name: they are
-attributes of the dataset, and variables over a grid. `rwmf.sweep` accepts every named quantity that
-a spectrum can report.
+attributes of the dataset, and variables over a grid. In the dataset of a run, a name with `{i}` is
+one variable over `storey` or `floor`: `storeys_drift_max` holds every `storey_{i}_drift_max`. The
+name of one storey still finds its value ([storeys](../howto/buildings.md)). `rwmf.sweep` accepts
+every named quantity that a spectrum can report.
 
 With `&storeys`, and for a wall without a frame, an axis of a grid (`T_s_s`, `gamma`, `b_m`) scales
 several keys of the case. The `long_name` of the coordinate and the head of a CSV file say which

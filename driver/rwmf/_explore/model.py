@@ -463,9 +463,10 @@ def _loops_of(columns: dict[str, Array], case: Case) -> list[dict[str, str]]:
             "spring": loop.spring,
             "displacement": _pack(loop.displacement),
             "force": _pack(loop.force),
-            "label": _FORCES[loop.spring.split()[-1]],
+            "label": _FORCES[loop.kind],
         }
         for loop in loops.springs_of(columns, case)
+        if loop.kind in _FORCES
     ]
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Collection, Mapping
+from html import escape
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -14,7 +15,9 @@ from rwmf._files import files
 from rwmf._files.names import problem_of_name
 from rwmf._numbers import show
 from rwmf.case.changes import numbers_of
+from rwmf.case.frame_alone import changes_without_wall
 from rwmf.case.group import Group
+from rwmf.case.groups import TYPES, Groups
 from rwmf.case.motion import Motion
 from rwmf.case.namelist import compose, read_text
 from rwmf.errors import InputError, did_you_mean, without_lines
@@ -22,7 +25,7 @@ from rwmf.errors import InputError, did_you_mean, without_lines
 __all__ = ["Case", "CaseLike"]
 
 
-class Case:
+class Case(Groups):
     """Scene, ground motion, solver and output of a namelist.
 
     A case never changes: `replace` and `without` return new ones. The kernel validates every case
@@ -131,7 +134,7 @@ class Case:
             for name, *row in self._kernel.describe():
                 group, key = name.split(".", 1)
                 rows.setdefault(group, []).append([key, *row])
-            groups = {group: Group(group, entries) for group, entries in rows.items()}
+            groups = {name: TYPES.get(name, Group)(name, entries) for name, entries in rows.items()}
             super().__setattr__("_kept_groups", groups)
             return groups
         return self._kept_groups
@@ -215,15 +218,22 @@ class Case:
         """All groups of the case by name, in the kernel's order."""
         return dict(self._groups)
 
-    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 (groups need no check by the caller)
-        """Return a group; None when the case does not have it."""
-        if name.startswith("_"):
-            raise AttributeError(name)
-        if name.lower() in self._groups:
-            return self._groups[name.lower()]
-        if name.lower() in {row[0] for row in _library.schema()}:
-            return None
-        raise AttributeError(f"there is no namelist group &{name}")
+    if not TYPE_CHECKING:
+        # type checkers use the declared groups
+
+        def __getattr__(self, name: str) -> Group | None:
+            """Return a group; None when the case does not have it."""
+            if name.startswith("_"):
+                raise AttributeError(name)
+            if name.lower() in self._groups:
+                return self._groups[name.lower()]
+            if name.lower() in {row[0] for row in _library.schema()}:
+                return None
+            raise AttributeError(f"there is no namelist group &{name}")
+
+    def __dir__(self) -> list[str]:
+        """List the attributes, with the groups that the case has."""
+        return [*super().__dir__(), *self._groups]
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         """Refuse: a case never changes."""
@@ -301,6 +311,25 @@ class Case:
                 shown = name.lower() if isinstance(name, str) else show(name)
                 raise InputError(f"this case has no group &{shown}; it has {present}")
         return self.replace(**dict.fromkeys(groups))
+
+    def without_wall(self) -> Case:
+        """Return the case of the frame alone.
+
+        Returns
+        -------
+        Case
+            Case without wall, cable and impacts; heights derived from the wall are kept. Storeys
+            that the wall kept on a straight line vibrate in their first mode, or in all modes where
+            storeys yield individually.
+
+        Raises
+        ------
+        InputError
+            When the case has no frame.
+        """
+        if self.frame is None:
+            raise InputError("the case has no &frame: nothing is left without the wall")
+        return self.replace(**changes_without_wall(self))
 
     def to_namelist(self, path: str | os.PathLike[str] | None = None) -> str:
         """Return namelist text with the same results, and write it to a file if given.
@@ -432,6 +461,11 @@ class Case:
         lines = [f"Case({self.label or 'in memory'})"]
         lines += [f"  {name:8s} {group!r}" for name, group in self._groups.items()]
         return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """Show a table of the groups in a notebook; defaults are grey."""
+        rows = "".join(group._html_rows() for group in self._groups.values())
+        return f"<table><caption>Case({escape(self.label or 'in memory')})</caption>{rows}</table>"
 
 
 def _restore(text: str, source: str | None, motions: dict[str, Motion]) -> Case:

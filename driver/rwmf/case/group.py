@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NoReturn
+from html import escape
+from keyword import iskeyword
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from rwmf import _library
 from rwmf.case.namelist import Value, format_value, parse_value
 
 __all__ = ["Group"]
 
 
-class Group(Mapping[str, Any]):
+class Group(Mapping[str, Value]):
     """The values of one namelist group, by attribute or by key; keys match in any case.
+
+    The subclasses in `rwmf.case.groups` declare the keys of each group with their types.
 
     Attributes
     ----------
@@ -89,25 +94,32 @@ class Group(Mapping[str, Any]):
         """
         return {key: self._raw.get(key, self._values[key]) for key in self if key in self._given}
 
-    def __getitem__(self, key: str) -> Any:  # noqa: ANN401 (the kernel's table knows the type)
+    def __getitem__(self, key: str) -> Value:
         """Return the value of a key."""
         for name, value in self._values.items():
             if name.lower() == key.lower():
                 return value
         raise KeyError(key)
 
-    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 (the kernel's table knows the type)
-        """Return the value of a key."""
-        # copy and pickle look up private names before they exist
-        if name.startswith("_"):
-            raise AttributeError(name)
-        try:
-            return self[name]
-        except KeyError:
-            known = ", ".join(self._values)
-            raise AttributeError(
-                f"&{self._name} of this case has no {name}; it has {known}"
-            ) from None
+    if not TYPE_CHECKING:
+        # type checkers use the declared keys
+
+        def __getattr__(self, name: str) -> Value:
+            """Return the value of a key."""
+            # copy and pickle look up private names before they exist
+            if name.startswith("_"):
+                raise AttributeError(name)
+            try:
+                return self[name]
+            except KeyError:
+                known = ", ".join(self._values)
+                raise AttributeError(
+                    f"&{self._name} of this case has no {name}; it has {known}"
+                ) from None
+
+    def __dir__(self) -> list[str]:
+        """List the attributes, with the keys that have a value."""
+        return [*super().__dir__(), *(key for key in self if not iskeyword(key))]
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         """Refuse: a case never changes."""
@@ -129,6 +141,26 @@ class Group(Mapping[str, Any]):
         given = ", ".join(self._show(key) for key in self if key in self._given)
         others = ", ".join(self._show(key) for key in self if key not in self._given)
         return given + ("  " if given and others else "") + (f"({others})" if others else "")
+
+    def _repr_html_(self) -> str:
+        """Show a table in a notebook: values, units and meanings; defaults are grey."""
+        return f"<table>{self._html_rows()}</table>"
+
+    def _html_rows(self) -> str:
+        """Return the rows of the table: group, key, value, meaning; given keys first."""
+        names = sorted(self, key=lambda key: key not in self._given)
+        meanings = {row.key: row.meaning for row in _library.schema() if row.group == self._name}
+        rows = []
+        for key in names:
+            grey = "" if key in self._given else ' style="color:gray"'
+            value = self._show(key).removeprefix(f"{key} = ")
+            cells = (f"&{self._name}" if key == names[0] else "", key, value, meanings.get(key, ""))
+            rows.append(
+                f"<tr{grey}>"
+                + "".join(f'<td style="text-align:left">{escape(cell)}</td>' for cell in cells)
+                + "</tr>"
+            )
+        return "".join(rows)
 
     def _show(self, key: str) -> str:
         unit = self._units[key]

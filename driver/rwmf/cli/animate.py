@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
         shown &= response["time"].values <= options.until
     response = response.isel(time=shown)
     frames = response.sizes["time"]
-    print(f"{path}: {frames} frames to draw, then to encode", flush=True)
+    print(f"{path}: {frames} frames to draw", flush=True)
     with progress("frame") as report:
         factor = animate(case, response, path, options.fps, report)
     print(f"written: {path}, {response.sizes['time']} frames, {in_words(case, factor)}")

@@ -79,12 +79,15 @@ class _ShowVersion(argparse.Action):
 def _add_run(commands: Subcommands) -> None:
     parser = commands.add(
         "run",
-        "Simulate one case and print its maxima, counts and cost (&spectrum is ignored).",
+        "Simulate one case and print its main results, maxima and counts (&spectrum is ignored).",
         "inputs/fig06_mild_frame_one_cosine.nml --plot history.png",
         "run.run",
     )
     add_case(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument(
+        "--all", action="store_true", help="print every key instead of headline and groups"
+    )
     add_plot(parser, "the history, and the demands of storeys over the height")
     parser.add_argument(
         "--loops",
@@ -254,7 +257,7 @@ def _add_animate(commands: Subcommands) -> None:
     add_case(parser)
     positive = number(above=0)
     parser.add_argument(
-        "--out", type=written_file, metavar="FILE", help="gif or mp4; CASE.gif when absent"
+        "--out", type=written_file, metavar="FILE", help="gif, webp or mp4; CASE.gif when absent"
     )
     parser.add_argument("--fps", type=whole(1, 100), default=20, help="frames a second of the film")
     parser.add_argument(

@@ -12,6 +12,7 @@ import numpy as np
 from rwmf import _library, loops
 from rwmf import _simulation as simulation
 from rwmf._files import files
+from rwmf._headline import grouped, headline_of_case, value_text
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.plotting import image_files as figures
@@ -63,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(summary)
     else:
-        _print_table(summary)
+        _print_table(case, summary, is_all=options.all)
     # a written file replaces an older one
     new = [path for path in found if _place_of(path) not in (None, before[path])]
     print_written([*new, options.plot, options.loops], is_json=options.json)
@@ -80,7 +81,7 @@ def _place_of(path: Path) -> tuple[int, int] | None:
 
 def _plot_history(case: Case, result: _library.Run, path: str) -> None:
     """Draw the history with the demands of the frame, even when the case does not request them."""
-    dataset = simulation.to_dataset(result)
+    dataset = simulation.to_dataset(result, case)
     has_demands = case.output is not None and case.output.reactions
     lacks_demands = case.frame is not None and not has_demands
     if "time" not in dataset.coords or lacks_demands:
@@ -94,24 +95,18 @@ def _plot_history(case: Case, result: _library.Run, path: str) -> None:
 
 def _plot_loops(case: Case, result: _library.Run, path: str) -> None:
     """Sample the corners of the loops finely, whatever the interval of the case."""
-    dataset = simulation.to_dataset(result)
+    dataset = simulation.to_dataset(result, case)
     fine = max(case.solver.t_end / _LOOP_POINTS, np.finfo(float).tiny)
     if "time" not in dataset.coords or case.output.dt > fine:
-        dataset = simulation.simulate(case, fine)
+        # the shears of storeys are among the reactions
+        dataset = simulation.simulate(case.replace(output={"dt": fine, "reactions": True}))
     figures.save_loops(dataset, case, path)
 
 
-def _print_table(summary: dict[str, Any]) -> None:
-    width = max(len(key) for key in summary)
-    for key, value in summary.items():
-        if isinstance(value, list):
-            # warnings are on the error output
-            text = ", ".join(value) if key == "effects" else str(len(value))
-        elif isinstance(value, bool):
-            text = "yes" if value else "no"
-        elif isinstance(value, float):
-            # zero without a sign
-            text = f"{value + 0.0:.10g}"
-        else:
-            text = str(value)
-        print(f"{key:{width}s}  {text}")
+def _print_table(case: Case, summary: dict[str, Any], *, is_all: bool) -> None:
+    if is_all:
+        width = max(len(key) for key in summary)
+        lines = [f"{key:{width}s}  {value_text(key, value)}" for key, value in summary.items()]
+    else:
+        lines = [*headline_of_case(summary, case), *grouped(summary)]
+    print("\n".join(lines))

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 from pathlib import Path
-from subprocess import CalledProcessError
-from typing import TYPE_CHECKING
+from subprocess import PIPE, Popen
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +19,6 @@ from rwmf.plotting.style import COLOURS, GREY, INK, PALE, new_figure
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.animation import AbstractMovieWriter
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from PIL.Image import Image
@@ -27,7 +27,12 @@ __all__ = ["FORMATS", "animate", "corners", "ground_displacement", "in_words", "
 
 Array = npt.NDArray[np.float64]
 
-FORMATS = ("gif", "mp4")
+FORMATS = ("gif", "webp", "mp4")
+_DOTS_PER_INCH = 100
+# colours of a palette: few, and those between them at the edges of lines
+_COLOURS = 128
+# arguments of the writers of Pillow: WebP by its fastest method
+_OPTIONS: dict[str, dict[str, Any]] = {"gif": {}, "webp": {"quality": 80, "method": 0}}
 # smallest visible rotation [rad]
 _VISIBLE = 0.12
 # duration of the mark of an impact [s]
@@ -57,8 +62,7 @@ def animate(
     frames_per_second : int
         Pictures per second.
     progress : callable, optional
-        Called with the numbers of finished and of all samples; the pictures of a GIF count twice,
-        because they are drawn and then encoded.
+        Called with the numbers of finished and of all samples.
 
     Returns
     -------
@@ -72,6 +76,8 @@ def animate(
     OutputError
         When the file cannot be written.
     """
+    import PIL.Image
+
     kind = _kind_of(path)
     building = find_building(case, dataset)
     angles = [] if building is None else [building.angles.ravel()]
@@ -79,83 +85,117 @@ def animate(
     factor = magnification(np.concatenate(angles))
     last = round(_LAST * frames_per_second) if _end_of(dataset) else 1
     samples = dataset.sizes["time"]
-    count = _Count(samples if kind == "mp4" else 2 * samples - 1 + last, progress)
-    writer = _writer(kind, frames_per_second, count)
     with files.replacing(path, path.suffix) as stream, new_figure(6.0) as figure:
         # a new layout for every picture would make the film tremble
         figure.set_layout_engine("none")
-        draw = _stage(figure, case, dataset, building, factor)
-        try:
-            with writer.saving(figure, stream.name, dpi=100):
-                for i in range(samples):
-                    draw(i)
-                    for _ in range(last if i == samples - 1 else 1):
-                        writer.grab_frame()
-                    count.add()
-        except CalledProcessError as error:
-            # the external program may find the disk full
-            raise OutputError(f"{path}: cannot be written: {error}") from error
+        figure.set_dpi(_DOTS_PER_INCH)
+        take = _camera(figure, _stage(figure, case, dataset, building, factor))
+
+        def pictures() -> Iterator[Image]:
+            for i in range(samples):
+                picture = take(i)
+                for _ in range(last if i == samples - 1 else 1):
+                    yield picture
+                if progress is not None:
+                    progress(i + 1, samples)
+
+        if kind == "mp4":
+            _encode_mp4(pictures(), path, stream.name, frames_per_second)
+        else:
+            # one palette for all pictures: moving objects have the colours of the first and last
+            colours = _palette(take(i) for i in np.linspace(0, samples - 1, 4).astype(int))
+            found = (
+                item.quantize(palette=colours, dither=PIL.Image.Dither.NONE) for item in pictures()
+            )
+            next(found).save(
+                stream.name, format=kind, save_all=True, append_images=found,
+                duration=int(1000 / frames_per_second), loop=0, **_OPTIONS[kind],
+            )  # fmt: skip
     return factor
 
 
-class _Count:
-    """Progress of a film.
+def _camera(figure: Figure, draw: Callable[[int], None]) -> Callable[[int], Image]:
+    """Return a function that takes the picture of a sample.
 
-    Parameters
-    ----------
-    total : int
-        Number of all parts.
-    report : callable, optional
-        Called with the numbers of finished and of all parts.
+    All that a film moves is in the first axes, and the cursor in the last line of the second; the
+    rest is drawn once.
     """
+    from PIL import Image
 
-    def __init__(self, total: int, report: Callable[[int, int], None] | None) -> None:
-        self._done, self._total, self._report = 0, total, report
+    scene, curve = figure.axes
+    moving = sorted([*scene.lines, *scene.patches, *scene.texts], key=lambda item: item.zorder)
+    moving.append(curve.lines[-1])
+    for item in moving:
+        item.set_animated(True)
+    canvas: Any = figure.canvas
+    canvas.draw()
+    still = canvas.copy_from_bbox(figure.bbox)
 
-    def add(self) -> None:
-        """Count one finished part."""
-        self._done += 1
-        if self._report is not None:
-            self._report(self._done, self._total)
+    def take(i: int) -> Image.Image:
+        canvas.restore_region(still)
+        draw(i)
+        for item in moving:
+            figure.draw_artist(item)
+        return Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
+
+    return take
+
+
+def _palette(pictures: Iterable[Image]) -> Image:
+    """Return a picture with the palette of several."""
+    from PIL import Image
+
+    points = np.concatenate([np.asarray(picture).reshape(-1, 3) for picture in pictures])
+    codes, counts = np.unique(points @ np.array([65536, 256, 1]), return_counts=True)
+    kept: dict[tuple[int, ...], list[int]] = {}
+    for code in codes[np.argsort(-counts)].tolist():
+        colour = [code >> 16, code >> 8 & 255, code & 255]
+        # Pillow does not tell closer colours apart: the frequent one stays as it is
+        kept.setdefault(tuple(part >> 3 for part in colour), colour)
+    found = Image.new("P", (1, 1))
+    found.putpalette([part for colour in list(kept.values())[:_COLOURS] for part in colour])
+    return found
 
 
 def _kind_of(path: Path) -> str:
     """Return the format of a film after checking that it can be written."""
     from matplotlib.animation import FFMpegWriter
+    from PIL import features
 
     kind = path.suffix.lstrip(".").lower()
     if kind not in FORMATS:
         raise InputError(f"{path}: {kind!r} is not a format of films: {', '.join(FORMATS)}")
     if kind == "mp4" and not FFMpegWriter.isAvailable():
-        raise InputError(f"{path}: mp4 needs the program ffmpeg; gif needs nothing")
+        raise InputError(f"{path}: mp4 needs the program ffmpeg; gif and webp need nothing")
+    if kind == "webp" and not features.check("webp"):
+        raise InputError(
+            f"{path}: webp needs the library of that name in Pillow; gif needs nothing"
+        )
     return kind
 
 
-def _writer(kind: str, frames_per_second: int, count: _Count) -> AbstractMovieWriter:
-    from matplotlib.animation import FFMpegWriter, PillowWriter
+def _encode_mp4(pictures: Iterator[Image], path: Path, name: str, frames_per_second: int) -> None:
+    """Send the pictures to ffmpeg."""
+    from matplotlib.animation import FFMpegWriter
 
-    class GifWriter(PillowWriter):
-        """Writer that counts the pictures during encoding, which takes as long as drawing."""
-
-        _frames: list[Image]
-
-        def finish(self) -> None:
-            self._frames[0].save(
-                self.outfile,
-                format="gif",
-                save_all=True,
-                append_images=self._encoded(),
-                duration=int(1000 / self.fps),
-                loop=0,
-            )
-
-        def _encoded(self) -> Iterator[Image]:
-            for picture in self._frames[1:]:
-                count.add()
-                yield picture
-            count.add()
-
-    return (FFMpegWriter if kind == "mp4" else GifWriter)(fps=frames_per_second)
+    first = next(pictures)
+    size = f"{first.width}x{first.height}"
+    words = [
+        FFMpegWriter.bin_path(), "-loglevel", "error", "-y",
+        "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", str(frames_per_second), "-i", "-",
+        "-pix_fmt", "yuv420p", "-f", "mp4", name,
+    ]  # fmt: skip
+    with Popen(words, stdin=PIPE, stderr=PIPE) as process:
+        try:
+            for picture in chain([first], pictures):
+                process.stdin.write(picture.tobytes())  # type: ignore[union-attr]
+            _, errors = process.communicate()
+        except BrokenPipeError:
+            # the program may find the disk full
+            _, errors = process.communicate()
+    if process.returncode:
+        text = " ".join(errors.decode(errors="replace").split())
+        raise OutputError(f"{path}: cannot be written: {text}")
 
 
 def magnification(theta: Array) -> float:

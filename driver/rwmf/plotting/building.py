@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from rwmf.case import Case
-from rwmf.plotting.levels import height_of_frame, levels_of_frame, levels_of_storeys
+from rwmf.case.heights import height_of_frame
+from rwmf.plotting.levels import levels_of_frame, levels_of_storeys
 from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, INK
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["Building", "BuildingLines", "find_building"]

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
-from rwmf.plotting.style import COLOURS, MARKERS, legend_above, make_panels
+from rwmf.plotting.style import COLOURS, MARKERS, Panels, legend_above, make_panels
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["envelope", "envelope_quantities", "has_envelopes"]
@@ -68,7 +68,7 @@ def envelope(
     case: CaseLike,
     axes: Axes | Sequence[Axes] | np.ndarray | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
-) -> np.ndarray:
+) -> Panels:
     """Draw the largest shear and moment in the wall, and the link forces, over the height.
 
     Parameters
@@ -96,7 +96,7 @@ def envelope(
         When the dataset lacks an envelope, or when axes and panels differ in number.
     """
     case = case_of(case)
-    dataset_of(dataset, "rwmf.simulate or rwmf.sweep")
+    dataset = dataset_of(dataset, "rwmf.simulate or rwmf.sweep")
     shown = [panel for panel in _PANELS if _sections(case, panel[0])]
     panels = make_panels(axes, len(shown), across=True)
     top, heights = _height(case), [z for _, z in _floors(case)] or [_height(case)]
@@ -172,8 +172,8 @@ def _unit_of(dataset: xr.Dataset, name: str) -> tuple[str, float]:
         if name + ending in dataset:
             return ending, factor
     raise InputError(
-        f"dataset: has no {name}: simulate a wall with &output reactions, or ask a sweep for "
-        "rwmf.plot.envelope_quantities(case)"
+        f"dataset: has no {name}: must be the dataset of rwmf.simulate with &output reactions, or "
+        "of rwmf.sweep with rwmf.plot.envelope_quantities(case)"
     )
 
 

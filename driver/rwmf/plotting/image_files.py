@@ -6,8 +6,6 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import xarray as xr
-
 from rwmf import loops
 from rwmf._extras import how_to_install
 from rwmf._files import files
@@ -20,6 +18,7 @@ from rwmf.plotting.style import make_panels, new_figure
 from rwmf.quantities import names_by_key
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure, FigureBase
     from matplotlib.transforms import BboxBase
 

@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from rwmf.case import Case
+from rwmf.case.heights import height_of_frame
 from rwmf.plotting.style import LIMIT, YIELD
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["Levels", "draw_levels", "height_of_frame", "levels_of_frame", "levels_of_storeys"]
+__all__ = ["Levels", "draw_levels", "levels_of_frame", "levels_of_storeys"]
 
 Array = npt.NDArray[np.float64]
 
@@ -87,24 +88,6 @@ def levels_of_frame(dataset: xr.Dataset, case: Case) -> Levels:
     if case.yielding is not None:
         first = np.array([float(dataset["u_s_max"]) * _first_share(dataset)])
     return _with_limits(first, case, 1, height_of_frame(case) or np.nan)
-
-
-def height_of_frame(case: Case) -> float | None:
-    """Return the height of a frame with one degree of freedom.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    float or None
-        Height [m]; None when the case gives none.
-    """
-    if case.p_delta is not None and "h_f" in case.p_delta.given:
-        return float(case.p_delta.h_f)
-    return None if case.wall is None else 2 * float(case.wall.h)
 
 
 def _first_share(dataset: xr.Dataset) -> float:

@@ -6,13 +6,13 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from rwmf._arguments import checked, dataset_of
 from rwmf.plotting.style import COLOURS, DOTS, GREY, INK, PAPER, legend_beside, tint
 from rwmf.studies.overturning import SURVIVES
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["draw_overturning"]

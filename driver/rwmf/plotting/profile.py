@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.plotting.levels import levels_of_storeys
 from rwmf.plotting.response import members
-from rwmf.plotting.style import COLOURS, LIMIT, MARKERS, YIELD, legend_above, make_panels
+from rwmf.plotting.style import COLOURS, LIMIT, MARKERS, YIELD, Panels, legend_above, make_panels
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["DEMANDS", "demands_of", "profile"]
@@ -40,7 +40,7 @@ def profile(
     *,
     case: CaseLike | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
-) -> np.ndarray:
+) -> Panels:
     """Draw the peak demands of storeys and floors over the height.
 
     Parameters
@@ -66,9 +66,13 @@ def profile(
         When the dataset has no demands of storeys, or when the numbers of axes and panels differ.
     """
     case = None if case is None else case_of(case)
-    names = demands_of(dataset_of(dataset, "rwmf.simulate"))
+    dataset = dataset_of(dataset, "rwmf.simulate")
+    names = demands_of(dataset)
     if not names:
-        raise InputError("no demands of storeys: simulate storeys with &output reactions")
+        raise InputError(
+            "dataset: no demands of storeys: must be the dataset of rwmf.simulate for a case with "
+            "&storeys and &output reactions = .true."
+        )
     panels = make_panels(axes, len(names), across=True)
     for ax, name in zip(panels, names, strict=True):
         values = _values(dataset, name)

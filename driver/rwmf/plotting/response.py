@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
+import textwrap
 from collections.abc import Sequence
 from itertools import count, product, takewhile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf.case import Case, CaseLike
@@ -18,15 +19,17 @@ from rwmf.plotting.style import (
     COLOURS,
     GREY,
     LIMIT,
+    Panels,
     legend_beside,
     make_panels,
     period_label,
     series,
     storey,
 )
-from rwmf.quantities import AXES
+from rwmf.quantities import AXES, QUANTITIES
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = ["PANELS", "history", "members", "panels_of", "spectrum"]
@@ -46,27 +49,27 @@ PANELS = (
     "fuse_left_force_over_m_w_g",
     "fuse_right_force_over_m_w_g",
 )
-_SYMBOLS = {
-    "theta": r"$\theta$",
-    "theta_dot": r"$\dot\theta$",
-    "theta_ddot": r"$\ddot\theta$",
-    "u_s": r"$u_s$",
-    "u_s_dot": r"$\dot u_s$",
-    "u_s_max": r"$u_{s,\max}$",
-    "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
-    "theta_dot_max": r"$\dot\theta_{\max}$",
-    "u_g_ddot": r"$\ddot u_g$",
-    "v_g_ddot": r"$\ddot v_g$",
-    "floor_{i}": "$u_i$",
-    "storey_{i}_drift": "storey drift",
-    "floor_{i}_acceleration_g": "acceleration (g)",
-    "cable_force_over_m_w_g": r"$P/(m_w g)$",
-    "cable_force": r"$P$",
-    "frame_force_over_m_s_g": r"$F_s/(m_s g)$",
-    "fuse_left_force_over_m_w_g": r"$F_l/(m_w g)$",
-    "fuse_right_force_over_m_w_g": r"$F_r/(m_w g)$",
+# labels of panels; other variables have the meaning in their attributes
+_WORDS = {
+    "theta": r"wall rotation $\theta$",
+    "theta_dot": r"angular velocity $\dot\theta$",
+    "u_s": "frame displacement $u_s$",
+    "u_g_ddot": r"ground acceleration $\ddot u_g$",
+    "v_g_ddot": r"vertical acceleration $\ddot v_g$",
+    "floor_{i}": "floor displacement $u_i$",
+    "storey_{i}_drift": "interstorey drift (%)",
+    "floor_{i}_acceleration_g": "floor acceleration (g)",
+    "cable_force_over_m_w_g": "tendon force $P/(m_wg)$",
+    "frame_force_over_m_s_g": "frame force $F_s/(m_sg)$",
+    "fuse_left_force_over_m_w_g": "left fuse $F_l/(m_wg)$",
+    "fuse_right_force_over_m_w_g": "right fuse $F_r/(m_wg)$",
 }
+# letters in a line of the label of a panel, and of a figure with one panel
+_LETTERS, _LETTERS_ALONE = 20, 45
 _FLOORS, _DRIFTS = "floor_{i}", "storey_{i}_drift"
+# names of one storey or floor by those of all
+_NUMBERED = {item.over_levels.name: item.name for item in QUANTITIES.values()
+             if item.level and "history" in item.outputs.split()}  # fmt: skip
 # lines per column of a legend as high as its panel
 _ROWS = 6
 _UNITS = {"rad/s2": "rad/s²", "m/s2": "m/s²", "1": ""}
@@ -83,7 +86,7 @@ def history(
     *,
     case: CaseLike | None = None,
     **line: Any,  # noqa: ANN401 (as matplotlib)
-) -> np.ndarray:
+) -> Panels:
     """Draw variables against time, one panel each; ticks at the bottom mark impacts.
 
     Parameters
@@ -114,14 +117,19 @@ def history(
         variables differ.
     """
     case = None if case is None else case_of(case)
-    if "time" not in dataset_of(dataset, "rwmf.simulate").coords:
-        raise InputError("no history to plot: simulate with an interval, simulate(case, dt=0.01)")
+    dataset = dataset_of(dataset, "rwmf.simulate")
+    if "time" not in dataset.coords:
+        raise InputError(
+            "dataset: no history to plot: must be the dataset of rwmf.simulate with an interval, "
+            "simulate(case, dt=0.01)"
+        )
     names = list(variables or panels_of(dataset))
     panels = make_panels(axes, len(names))
     for ax, name in zip(panels, names, strict=True):
         _draw_panel(ax, dataset, name, case, line)
     _mark_end(panels, dataset)
-    panels[-1].set_xlabel("$t$ (s)")
+    _explain_impacts(panels[-1], dataset)
+    panels[-1].set_xlabel("time $t$ (s)")
     return panels
 
 
@@ -146,11 +154,10 @@ def _draw_panel(
     ax: Axes, dataset: xr.Dataset, name: str, case: Case | None, line: dict[str, Any]
 ) -> None:
     """Draw the lines of one panel, their labels, and the levels behind them."""
-    found = members(dataset, name)
+    name = _NUMBERED.get(name, name)
+    found = [member for member in members(dataset, name) if "time" in dataset[member].dims]
     if not found:
         raise InputError(f"{name}: is not in the history")
-    if name == _FLOORS:
-        found.append("u_s")
     factor = 100.0 if name == _DRIFTS else 1.0
     for i, member in enumerate(found):
         # from the ground upwards; a panel of one variable needs no label
@@ -165,7 +172,7 @@ def _draw_panel(
     if len(found) > 1:
         what, columns = name.split("_")[0], -(-len(found) // _ROWS)
         legend_beside(ax, what, columns, is_tight=True)
-    ax.set_ylabel("storey drift (%)" if name == _DRIFTS else _axis_label(dataset[found[0]], name))
+    ax.set_ylabel(_axis_label(dataset[found[0]], name))
     ax.margins(x=0)
     _mark_impacts(ax, dataset)
 
@@ -241,6 +248,12 @@ def spectrum(
         When the dataset or `bare` has no such quantity.
     """
     dataset_of(dataset, "rwmf.spectrum", "T_s", "status")
+    others = [str(name) for name in dataset["status"].dims if name not in AXES]
+    if others:
+        raise InputError(
+            f"dataset: has the dimension {others[0]}: must be the dataset of rwmf.spectrum, or of "
+            f"one motion, dataset.isel({others[0]}=0)"
+        )
     if bare is not None:
         dataset_of(bare, "rwmf.spectrum", "T_s", "status")
     if quantities is not None and len(quantities) != 1:
@@ -257,10 +270,11 @@ def spectrum(
     curves = _curves(dataset)
     for i, (label, curve) in enumerate(curves):
         line_style = {**series(i, len(curves)), "label": label or None} | line
-        has_fallen = np.isin(curve["status"].values, _FALLEN)
+        status = _names_of_status(curve["status"])
+        has_fallen = np.isin(status, _FALLEN)
         periods, values = curve["T_s"].values, curve[quantity].values
         # the rotation of an overturned wall is meaningless: crosses at the upper edge
-        on_side = (curve["status"].values == _FALLEN[0]) & (quantity == _ROTATION)
+        on_side = (status == _FALLEN[0]) & (quantity == _ROTATION)
         (drawn,) = axes.plot(periods, np.where(on_side, np.nan, values), **line_style)
         cross: dict[str, Any] = {
             "color": drawn.get_color(),
@@ -275,13 +289,19 @@ def spectrum(
     if bare is not None:
         axes.plot(bare["T_s"], bare[quantity], label="frame alone", **ALONE)
     axes.set_xlabel(period_label(dataset["T_s"]))
-    axes.set_ylabel(_axis_label(dataset[quantity]))
+    axes.set_ylabel(_axis_label(dataset[quantity], quantity, _LETTERS_ALONE))
     if not (dataset[quantity] < 0).any():
         axes.set_ylim(bottom=0)
     axes.margins(x=0)
     if legend and (len(curves) > 1 or bare is not None):
         legend_beside(axes, _legend_title(dataset))
     return axes
+
+
+def _names_of_status(status: xr.DataArray) -> np.ndarray:
+    """Return the names of statuses; those of a sweep are numbers."""
+    names = np.array(str(status.attrs.get("flag_meanings", "")).split())
+    return names[status.values] if names.size else status.values
 
 
 def _curves(dataset: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
@@ -324,8 +344,27 @@ def _mark_impacts(ax: Axes, dataset: xr.Dataset) -> None:
     )
 
 
-def _axis_label(variable: xr.DataArray, name: str | None = None) -> str:
-    name = name or str(variable.name)
+def _explain_impacts(ax: Axes, dataset: xr.Dataset) -> None:
+    """Add a legend for the ticks of impacts, below the axes and beside other legends."""
+    from matplotlib.legend import Legend
+    from matplotlib.lines import Line2D
+
+    if "event" not in dataset.coords or not (dataset["event"] == "impact").any():
+        return
+    tick = Line2D([], [], color=GREY, marker="|", linestyle="none", markersize=5)
+    legend = Legend(
+        ax, [tick], ["impact"], loc="upper right", bbox_to_anchor=(1.0, -0.2),
+        borderpad=0.0, handletextpad=0.0, frameon=False,
+    )  # fmt: skip
+    ax.add_artist(legend).set_clip_on(False)
+
+
+def _axis_label(variable: xr.DataArray, name: str, letters: int = _LETTERS) -> str:
+    """Return the words for a variable, with its unit, in short lines."""
     unit = variable.attrs.get("units", "")
     unit = _UNITS.get(unit, unit)
-    return _SYMBOLS.get(name, name.replace("_", " ")) + (f" ({unit})" if unit else "")
+    words = _WORDS.get(name) or variable.attrs.get("long_name", name.replace("_", " "))
+    text = f"{words} ({unit})" if unit else str(words)
+    # a formula has no space at which a line could end
+    length = len(re.sub(r"[\\${}_]|dot|theta", "", text))
+    return text if length <= letters else textwrap.fill(text, letters, break_long_words=False)

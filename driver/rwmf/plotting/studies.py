@@ -11,7 +11,6 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from rwmf._arguments import checked, dataset_of
 from rwmf.plotting.style import (
@@ -27,6 +26,7 @@ from rwmf.studies.fragility import exceedance
 from rwmf.studies.friction import CABLE, DEMAND
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 __all__ = [
@@ -166,7 +166,7 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
     sequence of matplotlib.axes.Axes
         The axes.
     """
-    dataset_of(dataset, "rwmf.studies.friction_spectra", DEMAND)
+    dataset_of(dataset, "rwmf.studies.friction_spectra", "T_s", DEMAND)
     panels = make_panels(axes, 2)
     second = CABLE if CABLE in dataset else "base_shear_max_over_weight"
     for ax, name in zip(panels, (DEMAND, second), strict=True):

@@ -39,6 +39,7 @@ __all__ = [
     "PAPER",
     "WIDTH",
     "YIELD",
+    "Panels",
     "label_plainly",
     "legend_above",
     "legend_below",
@@ -52,6 +53,8 @@ __all__ = [
     "tint",
 ]
 
+# axes of the panels of a figure
+Panels = np.ndarray[tuple[int], np.dtype[np.object_]]
 # width of every figure [inch]
 WIDTH = 7.4
 # colours of Okabe and Ito, distinct for all types of colour vision; yellow is too light for a line
@@ -226,7 +229,7 @@ def tint(colour: str, strength: float) -> tuple[float, float, float]:
 @checked
 def make_panels(
     axes: Axes | Sequence[Axes] | np.ndarray | None, n: int, across: bool = False
-) -> np.ndarray:
+) -> Panels:
     """Return the given axes, or those of a new figure, as an array.
 
     Parameters

@@ -8,13 +8,13 @@ from typing import Unpack
 import numpy as np
 import xarray as xr
 
-from rwmf import _library
 from rwmf._arguments import case_of, checked
 from rwmf._sweep.axes import keys_of_axis, name_axes
 from rwmf._sweep.computation import SweepOptions, sweep
 from rwmf._sweep.kept_quantities import QUANTITIES, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case, CaseLike
+from rwmf.case.frame_alone import groups_of_wall
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 
@@ -25,7 +25,7 @@ _RESPONSES = ("u_s_max", "storey_drift_max", "floor_acceleration_max_g")
 
 
 def without_wall(case: CaseLike) -> Case:
-    """Return the case of the frame alone, a linear oscillator.
+    """Return the case of the frame alone.
 
     Parameters
     ----------
@@ -35,51 +35,14 @@ def without_wall(case: CaseLike) -> Case:
     Returns
     -------
     Case
-        Case without wall, cable and impacts; heights derived from the wall are kept. Storeys that
-        the wall kept on a straight line vibrate in their first mode, or in all modes where storeys
-        yield individually.
+        As `Case.without_wall`.
 
     Raises
     ------
     InputError
         When the case has no frame.
     """
-    case = case_of(case)
-    if case.frame is None:
-        raise InputError("the case has no &frame: nothing is left without the wall")
-    gone = {name: None for name in case.groups if name in _groups_of_wall()}
-    spectrum = {"spectrum": {"gamma": None, "b": None}} if "spectrum" in case.groups else {}
-    output = {"output": {"friction_limit": None}} if "output" in case.groups else {}
-    return case.replace(
-        **gone,
-        **spectrum,
-        **output,
-        **_free_floors(case),
-        **_heights_of_wall(case, gone),
-        frame={"gamma": None},
-    )
-
-
-def _free_floors(case: Case) -> dict[str, dict[str, str | None]]:
-    """Choose the modes of storeys without a wall that every floor is linked to."""
-    if case.storeys is not None and case.storeys.coupling == "springs":
-        return {"storeys": {"coupling": "full", "k_link_over_m_w": None, "k_link": None}}
-    if case.storeys is None or case.storeys.coupling != "every_floor":
-        return {}
-    one_by_one = case.yielding is not None and "storey_u_y" in case.yielding
-    return {"storeys": {"coupling": "full" if one_by_one else "reduced"}}
-
-
-def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[str, float]]:
-    """Return the keys that default to 2h; storeys have individual heights."""
-    if case.wall is None or "storeys" in case.groups:
-        return {}
-    return {
-        row.group: {row.key: 2 * case.wall.h}
-        for row in _library.schema()
-        if row.default == "2h" and row.group in case.groups and row.group not in gone
-        if row.key not in case.groups[row.group].given
-    }
+    return case_of(case).without_wall()
 
 
 @checked
@@ -128,7 +91,7 @@ def wall_effect(
             "rotation of a free-standing wall use rwmf spectrum or rwmf study spectra"
         )
     names = tuple(find_quantities(tuple(quantities or _usual_responses(case))))
-    of_wall = [name for name in names if QUANTITIES[name].group in _groups_of_wall()]
+    of_wall = [name for name in names if QUANTITIES[name].group in groups_of_wall()]
     if of_wall:
         raise InputError(f"wall effect: {of_wall[0]}: the frame alone has no such response")
     both = sweep(case, grid, records, quantities=names, **how)
@@ -156,14 +119,9 @@ def _usual_responses(case: Case) -> tuple[str, ...]:
 
 def _shared_axes(grid: Mapping[str, object]) -> dict[str, object]:
     """Return the axes that affect the frame alone: ground motion, period, damping, and so on."""
-    of_wall = _groups_of_wall()
+    of_wall = groups_of_wall()
     return {
         name: values
         for name, values in name_axes(grid).items()
         if name != "gamma" and not any(group in of_wall for group, _ in keys_of_axis(name))
     }
-
-
-def _groups_of_wall() -> set[str]:
-    """Return the wall and the groups that require it."""
-    return {name for name, needs in _library.needs_of_groups().items() if {name, *needs} & {"wall"}}

@@ -92,7 +92,7 @@ def test_arrays_outlive_their_run(case_file: Path) -> None:
     case = rwmf.Case.from_namelist(case_file)
     with simulation.start(simulation.with_history(case, 0.01)) as run:
         columns, values = run.history()
-        dataset = simulation.to_dataset(run)
+        dataset = simulation.to_dataset(run, case)
         # not copied: the dataset shows the memory of the run
         assert np.shares_memory(dataset["u_s"].values, values)
     with pytest.raises(RuntimeError, match="released"):

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import rwmf
+import xarray as xr
 from rwmf._library import schema
 from scenes import coupled
 
@@ -55,7 +56,7 @@ WRONG: dict[str, Any] = {
     "mapping": {"a": 1},
     "set": {1.0, 2.0},
 }
-_CLASSES = ("Case", "Cost", "Motion", "RecordFile")
+_CLASSES = ("Case", "Cost", "Motion", "RecordFile", "Response")
 # results of other functions, and functions without arguments
 _NOT_CALLED = {"loops.Loop", "records.Record", "records.RecordPair", "records.Selection",
                "plot.style", "records.list_records"}  # fmt: skip
@@ -91,6 +92,8 @@ def _found() -> dict[str, Any]:
         "wall": rwmf.studies.wall_effect(case, grid),
         "friction": rwmf.studies.friction_spectra(case, grid),
         "equal": rwmf.studies.equal_response(case, [0.5], 0.01, tolerance=0.5),
+        "sweep": rwmf.sweep(case, grid, records),
+        "no variables": xr.Dataset(),
         "map": rwmf.studies.overturning_map(case, [5.0, 6.0], [1.0, 9.0], tolerance=1.0),
         "loops": rwmf.loops.find_loops(rwmf.simulate(case), case),
     }
@@ -133,12 +136,16 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "plot.draw_wall_effect": {"dataset": found["wall"], "ax": ax},
         "plot.envelope": {"dataset": found["forces"], "case": case, "axes": None},
         "plot.envelope_quantities": {"case": case},
+        "plot.ground_motion": {"dataset": found["run"], "axes": both, "T_s": [0.5],
+                               "damping": 0.05},
         "plot.history": {"dataset": found["run"], "axes": ax, "variables": ["u_s"], "case": case},
         "plot.make_panels": {"axes": ax, "n": 1, "across": False},
         "plot.profile": {"dataset": found["run"], "axes": ax, "case": case},
         "plot.spectrum": {"dataset": found["spectrum"], "ax": ax, "bare": None,
                           "quantities": None, "legend": False},
         "plot.work_precision": {"cost": None, "ax": ax, "legend": True},
+        "quantile": {"dataset": found["analysis"], "quantity": "u_s_max", "q": 0.5,
+                     "dim": "record"},
         "records.export": {"name": "none", "path": str(folder / "r.txt"), "force": False},
         "records.find": {"name": "none"},
         "records.info": {"path": str(samples), "unit": "m/s2", "dt": 0.1, "g": 9.81},
@@ -308,6 +315,24 @@ def test_messages_name_argument_value_and_what_is_allowed() -> None:
     ):
         message = _refused(call)
         assert all(word in message for word in words), message
+
+
+# datasets that a function draws beside the one that the table of calls gives it
+_DRAWN = {("plot.history", "forces"), ("loops.draw", "forces"), ("loops.find_loops", "forces"),
+          ("plot.ground_motion", "forces"), ("plot.spectrum", "friction")}  # fmt: skip
+
+
+def test_figures_refuse_datasets_of_other_functions(tmp_path: Path) -> None:
+    """Each message names the function whose dataset is needed."""
+    datasets = {name: item for name, item in _found().items() if isinstance(item, xr.Dataset)}
+    for name, right in _calls(tmp_path).items():
+        if "dataset" not in right or name == "quantile":
+            continue
+        for word, item in datasets.items():
+            message = _refused(_public()[name], **(right | {"dataset": item}))
+            if message or not (item is right["dataset"] or (name, word) in _DRAWN):
+                assert "dataset" in message, (name, word)
+                assert "must be the dataset of rwmf." in message, (name, word)
 
 
 def test_right_values_stay_right() -> None:

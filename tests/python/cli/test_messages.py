@@ -142,7 +142,7 @@ def test_films_say_how_long_they_take(
     monkeypatch.chdir(tmp_path)
     coupled(solver={"t_end": 0.5}).to_namelist("case.nml")
     assert cli.main(["animate", "case.nml", "--fps", "4"]) == 0
-    assert capsys.readouterr().out.startswith("case.gif: 3 frames to draw, then to encode\n")
+    assert capsys.readouterr().out.startswith("case.gif: 3 frames to draw\n")
 
 
 def test_optional_packages_are_those_of_the_project() -> None:

@@ -339,7 +339,7 @@ def test_times_are_those_of_the_maxima(coupling: str) -> None:
     )
     run = rwmf.simulate(case, dt=1e-3)
     for key, column in _TIMES.items():
-        columns = sorted({column.format(i) for i in range(1, len(m) + 1)} & set(run))
+        columns = {column.format(i) for i in range(1, len(m) + 1)}
         rows = np.max([np.abs(run[name].values) for name in columns], axis=0)
         time = float(run[f"t_{key.removesuffix('_g').removesuffix('_over_weight')}"])
         highest = float(run[key]) * (sum(height) if column == "u_s" else 1.0)

@@ -16,6 +16,7 @@ import shipped_spectra
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
+from matplotlib.legend import Legend
 from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, make_panels, new_figure, series, tint
 
@@ -34,18 +35,26 @@ def test_coinciding_lines_differ_twice() -> None:
 def test_a_history_shows_the_ground_and_every_storey() -> None:
     case = rwmf.Case.from_namelist(ROOT / "inputs" / "storeys_full.nml")
     run = rwmf.simulate(case, dt=0.05)
-    assert members(run, "floor_{i}") == [f"floor_{i}" for i in range(1, 5)]
+    assert members(run, "floor_{i}") == [f"floor_{i}" for i in range(1, 6)]
     assert members(run, "storey_{i}_drift") == [f"storey_{i}_drift" for i in range(1, 6)]
-    assert members(run, "floor") == []
+    assert members(run, "nowhere_{i}") == []
     panels = rwmf.plot.history(run)
     labels = [ax.get_ylabel() for ax in panels]
-    assert labels[0] == r"$\ddot u_g$ (m/s²)"
-    assert "$u_i$ (m)" in labels
-    drifts = panels[labels.index("storey drift (%)")].get_legend()
+    assert labels[0] == "ground acceleration\n" r"$\ddot u_g$ (m/s²)"
+    assert panels[-1].get_xlabel() == "time $t$ (s)"
+    legends = [item for item in panels[-1].get_children() if isinstance(item, Legend)]
+    assert ["impact"] in [[text.get_text() for text in item.get_texts()] for item in legends]
+    assert "floor displacement\n$u_i$ (m)" in labels
+    drifts = panels[labels.index("interstorey drift\n(%)")].get_legend()
     assert drifts.get_title().get_text() == "storey"
     assert [text.get_text() for text in drifts.get_texts()] == ["1", "2", "3", "4", "5"]
-    with pytest.raises(ValueError, match="nowhere: is not in the history"):
-        rwmf.plot.history(run, variables=["nowhere"])
+    for name, same in (("storeys_drift", "storey_{i}_drift"), ("floors", "floor_{i}")):
+        (ax,), (other,) = (rwmf.plot.history(run, variables=[word]) for word in (name, same))
+        assert [line.get_label() for line in ax.lines] == [line.get_label() for line in other.lines]
+        assert ax.get_ylabel() == other.get_ylabel()
+    for name in ("nowhere", "u_s_max", "floor", "storeys_drift_max"):
+        with pytest.raises(ValueError, match=f"{name}: is not in the history"):
+            rwmf.plot.history(run, variables=[name])
 
 
 def _areas(ax: Axes) -> dict[tuple[float, ...], float]:

@@ -52,7 +52,7 @@ def test_datasets_are_those_of_xarray(monkeypatch: pytest.MonkeyPatch) -> None:
         assert found.sizes == expected.sizes
         assert all(found[name].dtype == expected[name].dtype for name in expected.variables)
         with monkeypatch.context() as patch:
-            patch.setattr(_labels, "_quick_way", lambda: None)
+            patch.setattr(_labels, "_quick_way", lambda _: None)
             assert _labels.dataset(variables, coords, found.attrs).identical(expected)
     sweep = made[3]
     assert float(sweep.u_s_max.sel(T_s=0.5, gamma=3.0).squeeze()) > 0

@@ -67,15 +67,41 @@ def test_what_has_no_loops() -> None:
         loops.find_loops(rwmf.simulate(CASE), CASE)
     with pytest.raises(rwmf.InputError, match="need a spring"):
         loops.find_loops(rwmf.simulate(block(), dt=0.1), block())
-    storeys = rwmf.Case(**groups_of("storeys full"))
-    for complain in (
-        loops.check_springs,
-        lambda case: loops.find_loops(rwmf.simulate(case, dt=1.0), case),
-    ):
-        with pytest.raises(rwmf.InputError, match="that yield one by one report no force"):
-            complain(storeys)
-    loops.check_springs(storeys.replace(cable={"eta_0": 0.5, "eta_alpha": 3.0}))
     run = rwmf.simulate(CASE, dt=0.1)
     forces = [name for name in run.data_vars if "force_over" in str(name)]
     with pytest.raises(rwmf.InputError, match="no force of a spring"):
         loops.find_loops(run.drop_vars(forces), CASE)
+
+
+@pytest.mark.parametrize("has_masses", [True, False])
+def test_storeys_have_loops(has_masses: bool) -> None:
+    """Their areas are the work done on the storeys; forces are in kN where masses are known."""
+    case = rwmf.Case(**groups_of("storeys full")).replace(output={"reactions": True})
+    if has_masses:
+        case = case.replace(wall={"m_w": 2.0e4})
+    run = rwmf.simulate(case, dt=1e-3)
+    found = {loop.spring: loop for loop in loops.find_loops(run, case)}
+    n = run.sizes["storey"]
+    assert [name for name in found if name.startswith("storey")] == [
+        f"storey {i}" for i in range(1, n + 1)
+    ]
+    for i in range(1, n + 1):
+        loop = found[f"storey {i}"]
+        height = float(run["storey_height"].sel(storey=i))
+        assert loop.displacement == pytest.approx(height * run[f"storey_{i}_drift"].values)
+        assert loop.force == pytest.approx(run[f"storey_{i}_shear_over_m_w_g"].values)
+        assert (loop.newtons is not None) == has_masses
+        if loop.newtons is not None:
+            assert loop.newtons == pytest.approx(run[f"storey_{i}_shear"].values)
+    pytest.importorskip("matplotlib")
+    panels = loops.draw(run, case)
+    assert panels[0].get_title() == "Storeys"
+    assert len(panels[0].get_legend().get_texts()) == n
+    for ax in panels:
+        assert ax.get_xlabel().endswith("(mm)")
+        assert (ax.get_ylabel() == "force (kN)") == has_masses
+        assert ax.get_title() in ("Storeys", "Tendon", "Fuses")
+    loop = found["storey 1"]
+    force = loop.force if loop.newtons is None else 1e-3 * loop.newtons
+    assert panels[0].lines[0].get_ydata() == pytest.approx(force)
+    assert panels[0].lines[0].get_xdata() == pytest.approx(1e3 * loop.displacement)

@@ -163,7 +163,7 @@ contains
          optional_key('output', 'dt', 'real', 's', '', positive, &
             'interval of the history; absent: no history'), &
          optional_key('output', 'energy', 'logical', '', '.false.', '', &
-            'energy ledger: its parts in the end, with dt in every row'), &
+            'energy ledger: its parts at the end, with dt in every row'), &
          optional_key('output', 'reactions', 'logical', '', '.false.', '', &
             'reactions of the base, demands and member forces: extrema, with dt rows'), &
          usually('[0.05, 3]', optional_key('output', 'friction_limit', 'real', '-', '', positive, &

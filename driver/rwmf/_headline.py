@@ -1,0 +1,264 @@
+"""Scalars of a run as text: a headline of six lines, and a table by groups."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from typing import Any
+
+from rwmf.case import Case
+from rwmf.case.heights import height_of_frame
+from rwmf.quantities import Quantity, find_numbered
+
+__all__ = ["grouped", "headline", "headline_of_case", "value_text"]
+
+_ASK = "not requested (&output reactions = .true.)"
+_WIDTH = 100
+
+
+def headline(summary: Mapping[str, Any], tendon_yield: float | None = None) -> list[str]:
+    """Summarize a run in six lines.
+
+    Parameters
+    ----------
+    summary : mapping
+        Named scalars of the run: the keys of ``rwmf run --json``.
+    tendon_yield : float, optional
+        Force at which the tendon yields over the weight of the wall [-].
+
+    Returns
+    -------
+    list of str
+        Roof displacement, interstorey drift, floor acceleration, tendon force, residual drift,
+        impacts and events.
+    """
+    rows = {
+        "roof displacement": _displacement(summary),
+        "interstorey drift (IDR)": _drift(summary),
+        "floor acceleration (PFA)": _acceleration(summary),
+        "tendon force": _tendon(summary, tendon_yield),
+        "residual drift": _residual(summary),
+        "impacts and events": _events(summary),
+    }
+    return [f"{name:26s}{text}" for name, text in rows.items()]
+
+
+def headline_of_case(summary: Mapping[str, Any], case: Case) -> list[str]:
+    """Summarize a run with the numbers of its case.
+
+    Parameters
+    ----------
+    summary : mapping
+        Named scalars of the run.
+    case : Case
+        The case.
+
+    Returns
+    -------
+    list of str
+        As `headline`, with roof drift and tendon force even when the run reports neither.
+    """
+    known = dict(summary)
+    height = 2 * case.wall.h if case.wall is not None else height_of_frame(case)
+    if height is not None and "u_s_max_m" in summary:
+        known.setdefault("roof_drift_max", summary["u_s_max_m"] / height)
+    if case.cable is None:
+        return headline(known)
+    increment = "cable_force_increment_max"
+    ratio = summary[f"{increment}_over_m_w_g"]
+    known.setdefault("tendon_force_max_over_m_w_g", case.cable.eta_0 + ratio)
+    if "m_w" in case.wall:
+        force = known["tendon_force_max_over_m_w_g"] * case.wall.m_w * case.model.g
+        known.setdefault("tendon_force_max_N", force)
+    return headline(known, case.cable.eta_y if "eta_y" in case.cable else None)
+
+
+def _displacement(summary: Mapping[str, Any]) -> str:
+    if "u_s_max_m" not in summary:
+        return f"no frame; the wall rotates to {summary['theta_max_over_alpha']:.3g} alpha"
+    height = _percent(summary, "roof_drift_max", " ({} of the height)")
+    return f"{1e3 * summary['u_s_max_m']:.4g} mm{height}{_at(summary, 't_u_s_max_s')}"
+
+
+def _drift(summary: Mapping[str, Any]) -> str:
+    if "u_s_max_m" not in summary:
+        return "no frame"
+    if "storey_drift_max" in summary:
+        where = _where(summary, "storey_{i}_drift_max", "storey")
+        time = _at(summary, "t_storey_drift_max_s")
+        return _percent(summary, "storey_drift_max", f"{{}}{where}{time}")
+    if "roof_drift_max" in summary and "modal_mass_over_m_w" not in summary:
+        return _percent(summary, "roof_drift_max", "{} (one storey)")
+    return "the case gives no height" if "floor_acceleration_max_g" in summary else _ASK
+
+
+def _acceleration(summary: Mapping[str, Any]) -> str:
+    if "floor_acceleration_max_g" not in summary:
+        return _ASK if "u_s_max_m" in summary else "no frame"
+    where = _where(summary, "floor_{i}_acceleration_max_g", "floor")
+    time = _at(summary, "t_floor_acceleration_max_s")
+    return f"{summary['floor_acceleration_max_g']:.3g} g{where}{time}"
+
+
+def _tendon(summary: Mapping[str, Any], tendon_yield: float | None) -> str:
+    if "cable_force_increment_max_over_m_w_g" not in summary:
+        return "no tendon"
+    names = ("tendon_force_max", "cable_force_increment_max")
+    name = next(name for name in names if f"{name}_over_m_w_g" in summary)
+    force = summary[f"{name}_over_m_w_g"]
+    text = f"{force:.4g} m_w g"
+    if f"{name}_N" in summary:
+        text = f"{1e-3 * summary[f'{name}_N']:.4g} kN"
+    if name != "tendon_force_max":
+        text += " above the prestress"
+    elif tendon_yield is None:
+        text += ", the tendon is elastic"
+    else:
+        text += f", {force / tendon_yield:.3g} of yield"
+    return text + (", ruptured" if summary.get("cable_ruptured") else "")
+
+
+def _residual(summary: Mapping[str, Any]) -> str:
+    at_rest, unloaded = "roof_residual_drift_at_rest", "roof_residual_drift"
+    if "storey_residual_drift_max" in summary:
+        where = _where(summary, "storey_{i}_residual_drift", "storey")
+        roof = _percent(summary, unloaded, ", {} at the roof")
+        return _percent(summary, "storey_residual_drift_max", f"{{}}{where}{roof}")
+    for key, how in ((unloaded, "at the roof"), (at_rest, "at the roof, at rest")):
+        if key in summary:
+            return _percent(summary, key, f"{{}} {how}")
+    if "residual_displacement_m" in summary:
+        return f"{1e3 * abs(summary['residual_displacement_m']):.3g} mm"
+    if "theta_end_over_alpha" in summary:
+        return f"rotation {abs(summary['theta_end_over_alpha']):.3g} alpha at the end"
+    return "the wall lies" if summary.get("overturned") else "none: frame and wall return"
+
+
+def _events(summary: Mapping[str, Any]) -> str:
+    parts = [
+        f"{summary[key]} {word}" + ("s" if summary[key] != 1 else "")
+        for key, word in (("impacts", "impact"), ("lift_offs", "lift-off"))
+        if key in summary
+    ]
+    if summary.get("collapsed"):
+        parts.append("collapsed" + _at(summary, "t_collapse_s"))
+    for key, words in (("overturned", "overturned"), ("pivot_lifts", "the pivot lifts")):
+        if summary.get(key):
+            parts.append(words)
+    endings = [word for word in ("overturned", "collapsed") if word in summary]
+    if endings and not any(summary[word] for word in endings):
+        parts.append(f"not {' or '.join(endings)}")
+    return ", ".join(parts) or "none"
+
+
+def _percent(summary: Mapping[str, Any], key: str, text: str) -> str:
+    """Return a text with a drift in percent; '' when the run has none."""
+    return text.format(f"{100 * abs(summary[key]):.3g} %") if key in summary else ""
+
+
+def _at(summary: Mapping[str, Any], key: str) -> str:
+    return f" at {summary[key]:.2f} s" if key in summary else ""
+
+
+def _where(summary: Mapping[str, Any], pattern: str, level: str) -> str:
+    """Return the storey or floor with the largest value."""
+    values: dict[int, float] = {}
+    while (key := pattern.format(i=len(values) + 1)) in summary:
+        values[len(values) + 1] = abs(summary[key])
+    return f" ({level} {max(values, key=values.__getitem__)})" if values else ""
+
+
+def grouped(summary: Mapping[str, Any], *, has_names: bool = False) -> list[str]:
+    """List the scalars of a run by the group that they belong to.
+
+    Parameters
+    ----------
+    summary : mapping
+        Named scalars of the run.
+    has_names : bool
+        Show names and units of a dataset instead of keys.
+
+    Returns
+    -------
+    list of str
+        A title for each group, then its scalars. The values of all storeys or floors are on one
+        line, from the ground up. Ratios are absent where the run has the force in N.
+    """
+    rows: dict[str, dict[str, list[str]]] = {}
+    numbers = _numbers(summary)
+    found = {key: find_numbered(key) for key in summary}
+    names = {item.name for item, _ in found.values()}
+    times = {
+        item.name[2:]: summary[key] for key, (item, _) in found.items() if item.found == "time"
+    }
+    for key, (item, number) in found.items():
+        # a force in N replaces its ratio, and a time is beside its peak
+        in_newtons = item.name.removesuffix("_over_m_w_g")
+        if item.found == "time" or (in_newtons != item.name and in_newtons in names):
+            continue
+        label = item.key.replace("{i}", numbers.get(item.key, ""))
+        if has_names and item.name:
+            shown = item.over_levels if number else item
+            label = f"{shown.names('run')[0]} [{item.unit}]"
+        texts = rows.setdefault(_title(item), {}).setdefault(label, [])
+        texts.append(value_text(key, summary[key], 4 if number else 6))
+        peaks = [name for name in times if not number and item.name.startswith(name)]
+        texts += [f"at {times.pop(peak):.4g} s" for peak in peaks]
+    width = max(len(label) for labels in rows.values() for label in labels)
+    lines = []
+    for title, labels in rows.items():
+        lines.append(title)
+        for label, texts in labels.items():
+            lines += textwrap.wrap(
+                " ".join(texts), _WIDTH, initial_indent=f"  {label:{width}s}  ",
+                subsequent_indent=" " * (width + 4),
+            )  # fmt: skip
+    return lines
+
+
+def _numbers(summary: Mapping[str, Any]) -> dict[str, str]:
+    """Return the first and the last number of each quantity of storeys or floors, as ``1..6``."""
+    found: dict[str, list[int]] = {}
+    for item, number in map(find_numbered, summary):
+        if number:
+            found.setdefault(item.key, []).append(number)
+    return {
+        key: "..".join(map(str, sorted({min(numbers), max(numbers)})))
+        for key, numbers in found.items()
+    }
+
+
+def _title(item: Quantity) -> str:
+    """Return the title above a quantity."""
+    if not item.name:
+        return "computation"
+    if item.asked_by == "energy" or item.key.startswith("wall_"):
+        return item.key.split("_")[0]
+    return item.group or "building"
+
+
+def value_text(key: str, value: object, digits: int = 10) -> str:
+    """Return the text of a scalar.
+
+    Parameters
+    ----------
+    key : str
+        Its key.
+    value : object
+        The value.
+    digits : int
+        Significant digits of a number.
+
+    Returns
+    -------
+    str
+        Its text; for the list of warnings, which are printed elsewhere, their number.
+    """
+    if key == "warnings":
+        return str(len(value.splitlines() if isinstance(value, str) else value))  # type: ignore[arg-type]
+    if isinstance(value, list):
+        return ", ".join(value)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    # zero without a sign
+    return f"{value + 0.0:.{digits}g}" if isinstance(value, float) else str(value)

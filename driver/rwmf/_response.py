@@ -1,0 +1,155 @@
+"""Dataset of one run: storeys and floors as dimensions, a headline when printed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Hashable, Iterable
+from functools import cache
+from html import escape
+from typing import Any, Self, cast, overload
+
+import numpy as np
+import xarray as xr
+
+from rwmf._headline import grouped, headline
+from rwmf.quantities import QUANTITIES, Quantity
+
+__all__ = ["LEVELS", "Response", "as_response"]
+
+# dimensions of quantities with a number
+LEVELS = ("storey", "floor", "mode")
+
+
+class Response(xr.Dataset):  # type: ignore[no-untyped-call]
+    """Response of a case: the dataset of `rwmf.simulate`.
+
+    A quantity of every storey or floor is one variable: ``storeys_drift_max`` over the dimension
+    ``storey``, ``floors_acceleration_max_g`` over ``floor``. Coordinates are the numbers from the
+    ground up, ``storey_height`` (from floor to floor) and ``floor_height`` (above the base) [m]. A
+    name with a number is the value of that storey or floor: ``response["storey_3_drift_max"]``.
+    Floors without a value, for example without a link, are NaN.
+
+    Printing shows the headline, the scalars by group, and the names of the histories.
+    """
+
+    __slots__ = ()
+
+    @overload
+    def __getitem__(self, key: Hashable) -> xr.DataArray: ...
+    @overload
+    def __getitem__(self, key: Iterable[Hashable]) -> Self: ...
+
+    def __getitem__(self, key: Hashable | Iterable[Hashable]) -> Self | xr.DataArray:
+        """Return a variable, or a dataset of several; names may have the number of a storey."""
+        if isinstance(key, list):
+            numbered = {name: self[name] for name in key if self._numbered(name) is not None}
+            return xr.Dataset.__getitem__(self.assign(numbered) if numbered else self, key)
+        found = self._numbered(key)
+        return cast("xr.DataArray", super().__getitem__(key)) if found is None else found
+
+    def __contains__(self, key: object) -> bool:
+        """Tell whether the dataset has a variable; names may have the number of a storey."""
+        return super().__contains__(key) or self._numbered(key) is not None
+
+    def __getattr__(self, name: str) -> xr.DataArray:
+        """Return a variable, which may have the number of a storey, or an attribute."""
+        found = None if name.startswith("_") else self._numbered(name)
+        return cast("xr.DataArray", super().__getattr__(name)) if found is None else found
+
+    def _numbered(self, name: object) -> xr.DataArray | None:
+        """Return the variable of one storey or floor; None for other names."""
+        parts = (
+            re.fullmatch(r"([a-z_]+?)_(\d+)((?:_\w+)?)", name) if isinstance(name, str) else None
+        )
+        if parts is None or name in self._variables:
+            return None
+        over_levels = f"{parts[1]}s{parts[3]}"
+        dims = self._variables[over_levels].dims if over_levels in self._variables else ()
+        for level in LEVELS:
+            if level in dims and level in self._variables:
+                places = np.flatnonzero(self._variables[level].values == int(parts[2]))
+                found = xr.Dataset.__getitem__(self, over_levels)[{level: places}]
+                if not found.size or found.isnull().all():
+                    return None
+                meaning = str(found.attrs.get("long_name", ""))
+                meaning = meaning.replace(f"each {level}", f"{level} {parts[2]}")
+                one = found.squeeze(level).drop_vars([level, f"{level}_height"], errors="ignore")
+                return one.rename(parts[0]).assign_attrs(long_name=meaning)
+        return None
+
+    def flat(self) -> dict[str, Any]:
+        """Return the scalars of the run with the keys of ``rwmf run --json``.
+
+        Returns
+        -------
+        dict
+            Values by key; a quantity of every storey or floor has a key for each.
+        """
+        found: dict[str, Any] = {}
+        for name, (quantity, key) in _names_of_runs().items():
+            if name not in self._variables or key in found:
+                continue
+            values = xr.Dataset.__getitem__(self, name)
+            if values.dims == () and not quantity.level:
+                found[key] = values.item()
+            elif values.dims == (quantity.level,):
+                for number, value in zip(values[quantity.level].values, values.values, strict=True):
+                    if not np.isnan(value):
+                        found[key.replace("{i}", str(number))] = value.item()
+        return found | {key: self.attrs[key] for key in QUANTITIES if key in self.attrs}
+
+    def headline(self) -> str:
+        """Return the main results: six lines with displacement, drifts, forces and events.
+
+        Returns
+        -------
+        str
+            The lines.
+        """
+        return "\n".join(headline(self.flat(), self.attrs.get("tendon_yield_over_m_w_g")))
+
+    def __repr__(self) -> str:
+        """Show the headline, the scalars by group, and the names of the histories."""
+        sizes = ", ".join(f"{name} {size}" for name, size in self.sizes.items())
+        scalars = self.flat()
+        known = {name for name, (_, key) in _names_of_runs().items()}
+        others = [
+            f"{name} [{values.attrs.get('units', '1')}]"
+            for name, values in self.data_vars.items()
+            if name not in known or "time" in values.dims
+        ]
+        lines = [f"<rwmf.Response> {sizes}", self.headline(), *grouped(scalars, has_names=True)]
+        return "\n".join([*lines, *([f"over time: {', '.join(others)}"] if others else [])])
+
+    def _repr_html_(self) -> str:
+        """Show the headline and the table of xarray in a notebook."""
+        return f"<pre>{escape(self.headline())}</pre>{super()._repr_html_()}"
+
+
+@cache
+def _names_of_runs() -> dict[str, tuple[Quantity, str]]:
+    """Return quantity and key for each name of a scalar in a dataset."""
+    return {
+        name: (item, key)
+        for key, item in QUANTITIES.items()
+        if "run" in item.outputs.split()
+        for name in (item.over_levels if item.level else item).names("run")
+    }
+
+
+def as_response(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with names of single storeys and floors, for example one read from a file.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `rwmf.simulate`, or another one.
+
+    Returns
+    -------
+    xarray.Dataset
+        A `Response` for a dataset over storeys or floors, otherwise the dataset.
+    """
+    if isinstance(dataset, Response) or not set(LEVELS) & set(dataset.dims):
+        return dataset
+    return Response(dataset.data_vars, dataset.coords, dataset.attrs)

@@ -1,0 +1,673 @@
+"""Groups of a case with the types of their keys.
+
+`tools/docs --made` generates this module from the kernel's table of keys.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from rwmf.case.group import Group
+
+__all__ = ["TYPES", "Groups"]
+
+
+class Wall(Group):
+    """Group ``&wall``.
+
+    Attributes
+    ----------
+    h : float
+        Half height of the wall [m].
+    b : float
+        Half width of the wall [m].
+    m_w : float
+        Mass of the wall; given: forces are reported in N as well [kg].
+    density : float
+        Or its density and thickness: m_w = 4 h b thickness density [kg/m3].
+    thickness : float
+        Across the plane of the motion [m].
+    shear_key : bool
+        A key keeps the base from sliding: its force is reported, not the friction demand.
+    base : str
+        On two corners with impacts, or hinged in the middle.
+    """
+
+    __slots__ = ()
+    h: float
+    b: float
+    m_w: float
+    density: float
+    thickness: float
+    shear_key: bool
+    base: Literal["rocking", "pinned"]
+
+
+class Frame(Group):
+    """Group ``&frame``.
+
+    Attributes
+    ----------
+    T_s : float
+        Undamped period; required without &spectrum [s].
+    gamma : float
+        Mass ratio m_s/m_w; required with &wall, refused without.
+    m_s : float
+        Or the mass of the frame, with and without &wall [kg].
+    k_s : float
+        Stiffness of the frame: T_s = 2 pi sqrt(m_s/k_s) [N/m].
+    xi_s : float
+        Viscous damping ratio.
+    """
+
+    __slots__ = ()
+    T_s: float
+    gamma: float
+    m_s: float
+    k_s: float
+    xi_s: float
+
+
+class Storeys(Group):
+    """Group ``&storeys``.
+
+    Attributes
+    ----------
+    m_over_m_w : tuple[float, ...]
+        Mass of each floor over m_w (no wall: over any mass), from the ground up.
+    k_over_m_w : tuple[float, ...]
+        Stiffness of the storey below each floor over the same mass [1/s2].
+    m : tuple[float, ...]
+        Or the masses [kg].
+    k : tuple[float, ...]
+        Or the stiffnesses [N/m].
+    height : tuple[float, ...]
+        Height of each storey; with &wall their sum is 2h [m].
+    n : int
+        Number of storeys; masses, heights, stiffnesses: one number for all or one each.
+    distribution : str
+        Of stiffnesses from the lowest storey up; straight_mode: a straight first mode.
+    T_1 : float
+        Period of the first mode of the frame by itself: it scales all stiffnesses [s].
+    coupling : str
+        Roof linked: first mode or all modes; every floor linked: a straight line.
+    """
+
+    __slots__ = ()
+    m_over_m_w: tuple[float, ...]
+    k_over_m_w: tuple[float, ...]
+    m: tuple[float, ...]
+    k: tuple[float, ...]
+    height: tuple[float, ...]
+    n: int
+    distribution: Literal["uniform", "linear", "straight_mode"]
+    T_1: float
+    coupling: Literal["reduced", "every_floor", "full"]
+
+
+class Link(Group):
+    """Group ``&link``.
+
+    Attributes
+    ----------
+    L : float
+        Length of the link, Eqs (2), (3); absent: infinitely long [m].
+    """
+
+    __slots__ = ()
+    L: float
+
+
+class Damper(Group):
+    """Group ``&damper``.
+
+    Attributes
+    ----------
+    c_over_m_w : float
+        Viscous damper under each corner of the base: its constant over m_w [1/s].
+    c : float
+        Or its constant [N s/m].
+    """
+
+    __slots__ = ()
+    c_over_m_w: float
+    c: float
+
+
+class Inerter(Group):
+    """Group ``&inerter``.
+
+    Attributes
+    ----------
+    inertance_over_m_w : float
+        Inerter under each corner of the base: its inertance over m_w.
+    inertance : float
+        Or its inertance [kg].
+    """
+
+    __slots__ = ()
+    inertance_over_m_w: float
+    inertance: float
+
+
+class Fuse(Group):
+    """Group ``&fuse``.
+
+    Attributes
+    ----------
+    eta_y : float
+        Yield force of the fuse under each corner of the base over m_w g.
+    stroke_y : float
+        Stroke at which it yields first [m].
+    F_y : float
+        Or the yield force [N].
+    k : float
+        Or the stiffness until then: stroke_y = F_y/k [N/m].
+    hardening : float
+        Stiffness of the yielding fuse over its elastic one.
+    law : str
+        Bilinear, slipping, or self-centring.
+    breakaway : float
+        Force at which friction lets go over that at which it slips; friction only.
+    flag_height : float
+        Force by which a flag unloads lower, over its yield force; flag only.
+    """
+
+    __slots__ = ()
+    eta_y: float
+    stroke_y: float
+    F_y: float
+    k: float
+    hardening: float
+    law: Literal["elastic_plastic", "friction", "flag"]
+    breakaway: float
+    flag_height: float
+
+
+class Yielding(Group):
+    """Group ``&yielding``.
+
+    Attributes
+    ----------
+    u_y : float
+        Displacement at which the frame yields first, the same for all periods of a spectrum [m].
+    f_y_over_m_s_g : float
+        Or its yield force over the weight of its mass: u_y = f_y_over_m_s_g g/omega_s**2.
+    storey_u_y : tuple[float, ...]
+        Or, &storeys full and every_floor, u_i - u_(i-1) at which storeys yield: one for all or one
+        each [m].
+    F_y : float
+        Or the yield force of a frame without &storeys [N].
+    storey_F_y : tuple[float, ...]
+        Or the forces at which storeys yield: one for all or one each [N].
+    hardening : float
+        Stiffness of the yielding frame over its elastic one; < 0: it softens.
+    ultimate : float
+        Ductility of frame or storey at which it has collapsed, which ends the run.
+    law : str
+        Bilinear, slipping, self-centring, two that lose strength, or a smooth hysteresis.
+    breakaway : float
+        Force at which friction lets go over that at which it slips; friction only.
+    flag_height : float
+        Force by which a flag unloads lower, over its yield force; flag only.
+    exponent : float
+        Sharpness n of the knee; bouc_wen only.
+    beta : float
+        Of Bouc and Wen, with gamma = 1 - beta; bouc_wen only.
+    cap : float
+        Ductility at the largest force; required by peak_oriented, pinched.
+    post_cap : float
+        Ductility from there to zero force; required by peak_oriented, pinched.
+    residual : float
+        Strength that remains over that at first yield; peak_oriented, pinched.
+    lambda_exponent : tuple[float, ...]
+        Exponents c of the wear (E_i/(E_t - sum E_j))**c, as lambda.
+    pinch_force : float
+        Kappa_F: force at the pinching point over that on the straight way; pinched only.
+    pinch_displacement : float
+        Kappa_D: part of the plastic displacement left before that point; pinched only.
+    """
+
+    __slots__ = ()
+    u_y: float
+    f_y_over_m_s_g: float
+    storey_u_y: tuple[float, ...]
+    F_y: float
+    storey_F_y: tuple[float, ...]
+    hardening: float
+    ultimate: float
+    law: Literal[
+        "elastic_plastic",
+        "friction",
+        "flag",
+        "peak_oriented",
+        "pinched",
+        "bouc_wen",
+    ]
+    breakaway: float
+    flag_height: float
+    exponent: float
+    beta: float
+    cap: float
+    post_cap: float
+    residual: float
+    lambda_exponent: tuple[float, ...]
+    pinch_force: float
+    pinch_displacement: float
+
+
+class PDelta(Group):
+    """Group ``&p_delta``.
+
+    Attributes
+    ----------
+    m_g_over_m_s : float
+        Mass whose weight leans on the frame, over the mass of the frame or of each floor.
+    m_g : float
+        Or that mass, with &storeys that of all floors [kg].
+    h_f : float
+        Height of the frame; required without &wall, refused with &storeys [m].
+    drift_limit : float
+        Drift of the frame or of a storey at which it has collapsed, which ends the run.
+    """
+
+    __slots__ = ()
+    m_g_over_m_s: float
+    m_g: float
+    h_f: float
+    drift_limit: float
+
+
+class NlDamper(Group):
+    """Group ``&nl_damper``.
+
+    Attributes
+    ----------
+    eta_1 : float
+        Force at 1 m/s of the damper under each corner over m_w g.
+    F_1 : float
+        Or that force [N].
+    exponent : float
+        Power of the velocity of the stroke that the force follows; 1 is &damper.
+    """
+
+    __slots__ = ()
+    eta_1: float
+    F_1: float
+    exponent: float
+
+
+class Cable(Group):
+    """Group ``&cable``.
+
+    Attributes
+    ----------
+    eta_0 : float
+        P(0)/(m_w g), Eq. (1).
+    eta_alpha : float
+        P(alpha)/(m_w g).
+    law : str
+        Eq. (1), or the exact length of the straight cable.
+    eta_y : float
+        P/(m_w g) at which the tendon yields; absent: it stays elastic.
+    hardening : float
+        Stiffness of the yielding tendon over its elastic one.
+    rupture_strain : float
+        Strain at which it breaks, that of the prestress included; absent: never.
+    length : float
+        Length that is strained, with strands or rupture_strain; absent: 2h [m].
+    strands : int
+        Number of strands: P(0) = strands strand_area initial_stress.
+    strand_area : float
+        Area of each [m2].
+    modulus : float
+        Of elasticity: P(alpha) follows from the elongation at alpha over length [Pa].
+    initial_stress : float
+        Stress at theta = 0 [Pa].
+    yield_stress : float
+        Stress at which it yields; absent: it stays elastic [Pa].
+    """
+
+    __slots__ = ()
+    eta_0: float
+    eta_alpha: float
+    law: Literal["linear", "truss"]
+    eta_y: float
+    hardening: float
+    rupture_strain: float
+    length: float
+    strands: int
+    strand_area: float
+    modulus: float
+    initial_stress: float
+    yield_stress: float
+
+
+class Impact(Group):
+    """Group ``&impact``.
+
+    Attributes
+    ----------
+    rule : str
+        Coupled: momentum balance of wall and frame; e, r imply constant, table_e table.
+    e : float
+        Factor on the angular velocity at impact; constant: exactly one of e and r.
+    r : float
+        E squared.
+    table_theta_dot : tuple[float, ...]
+        Angular velocities before impact, increasing; required for rule table [rad/s].
+    table_e : tuple[float, ...]
+        E at them: linear between, constant beyond; required for rule table.
+    """
+
+    __slots__ = ()
+    rule: Literal["constant", "housner", "coupled", "table"]
+    e: float
+    r: float
+    table_theta_dot: tuple[float, ...]
+    table_e: tuple[float, ...]
+
+
+class Motion(Group):
+    """Group ``&motion``.
+
+    Attributes
+    ----------
+    kind : str
+        One_sine: Eq. (16), one_cosine: Eq. (17), sine: cycles; all: reference/pulses.md.
+    a_max_g : float
+        Largest acceleration over g; exactly one of a_max_g and v_p.
+    v_p : float
+        Velocity amplitude of Eqs (16), (17), reference/pulses.md; no Ricker pulse has it [m/s].
+    omega_p : float
+        Angular frequency; exactly one of omega_p and T_p [rad/s].
+    T_p : float
+        Period of the pulse [s].
+    cycles : float
+        Number of cycles.
+    n_pulses : int
+        N of the pulse C_n.
+    gamma_p : float
+        Gamma, the number of cycles in the envelope; required for this kind.
+    nu : float
+        Phase of the carrier: 0 symmetric, pi/2 antisymmetric velocity [rad].
+    t_0 : float
+        Start of the pulse [s].
+    file : str
+        Path, relative to the case file; required for a record.
+    dt : float
+        Sampling interval; required for one column, refused for two columns and AT2 [s].
+    unit : str
+        Of the accelerations; required but for AT2, where it is refused.
+    scale : float
+        Factor on the accelerations.
+    """
+
+    __slots__ = ()
+    kind: Literal[
+        "none",
+        "one_sine",
+        "one_cosine",
+        "sine",
+        "type_c",
+        "mavroeidis_papageorgiou",
+        "ricker",
+        "ricker_antisymmetric",
+        "record",
+    ]
+    a_max_g: float
+    v_p: float
+    omega_p: float
+    T_p: float
+    cycles: float
+    n_pulses: int
+    gamma_p: float
+    nu: float
+    t_0: float
+    file: str
+    dt: float
+    unit: Literal["g", "m/s2", "cm/s2"]
+    scale: float
+
+
+class Vertical(Group):
+    """Group ``&vertical``.
+
+    Attributes
+    ----------
+    ratio : float
+        Vertical over horizontal ground acceleration; exactly one of ratio and file.
+    file : str
+        Record of the vertical acceleration (positive upward), relative to the case file.
+    dt : float
+        Sampling interval; required for one column, refused for two columns and AT2 [s].
+    unit : str
+        Of the accelerations; required but for AT2, where it is refused.
+    scale : float
+        Factor on the record.
+    """
+
+    __slots__ = ()
+    ratio: float
+    file: str
+    dt: float
+    unit: Literal["g", "m/s2", "cm/s2"]
+    scale: float
+
+
+class Initial(Group):
+    """Group ``&initial``.
+
+    Attributes
+    ----------
+    theta_over_alpha : float
+        Rotation over slenderness; within the overturning angle.
+    theta_dot : float
+        Angular velocity [rad/s].
+    """
+
+    __slots__ = ()
+    theta_over_alpha: float
+    theta_dot: float
+
+
+class Model(Group):
+    """Group ``&model``.
+
+    Attributes
+    ----------
+    formulation : str
+        Eq. (15) as printed, or one that conserves energy.
+    g : float
+        Gravity [m/s2].
+    overturning_angle : float
+        Rotation at which the wall counts as overturned [rad].
+    """
+
+    __slots__ = ()
+    formulation: Literal["published", "symmetric", "exact"]
+    g: float
+    overturning_angle: float
+
+
+class Solver(Group):
+    """Group ``&solver``.
+
+    Attributes
+    ----------
+    method : str
+        Integrator; auto: dop853 for runs, a pair by tolerance for spectra; fast: auto.
+    rtol : float
+        Relative tolerance; below the lower limit round-off governs every method.
+    accuracy : float
+        Relative error of a peak asked instead of rtol.
+    accuracy_of : str
+        Key of the peak that accuracy and verify are about; absent: u_s_max_m (no frame: theta_max).
+    verify : bool
+        Estimate error and sensitivity by further runs.
+    atol : float
+        Absolute tolerance (bare frame: m); absent: from rtol and the response [rad].
+    t_end : float
+        End of the simulation; required but for a record: its last sample [s].
+    max_steps : int
+        Most steps of one simulation.
+    """
+
+    __slots__ = ()
+    method: Literal["auto", "adams", "bdf", "erk54", "dop853", "extrapolation", "fast"]
+    rtol: float
+    accuracy: float
+    accuracy_of: str
+    verify: bool
+    atol: float
+    t_end: float
+    max_steps: int
+
+
+class Output(Group):
+    """Group ``&output``.
+
+    Attributes
+    ----------
+    dt : float
+        Interval of the history; absent: no history [s].
+    energy : bool
+        Energy ledger: its parts at the end, with dt in every row.
+    reactions : bool
+        Reactions of the base, demands and member forces: extrema, with dt rows.
+    friction_limit : float
+        Coefficient of friction: whether and when the friction demand exceeds it.
+    """
+
+    __slots__ = ()
+    dt: float
+    energy: bool
+    reactions: bool
+    friction_limit: float
+
+
+class Spectrum(Group):
+    """Group ``&spectrum``.
+
+    Attributes
+    ----------
+    T_s : tuple[float, ...]
+        Periods one by one (block: 2 pi/p); otherwise T_s_min, T_s_max and n are required [s].
+    T_s_min : float
+        Shortest period [s].
+    T_s_max : float
+        Longest period [s].
+    n : int
+        Number of periods, both ends included.
+    spacing : str
+        Spacing of the periods.
+    gamma : tuple[float, ...]
+        Mass ratios; absent: that of &frame or of &storeys.
+    b : tuple[float, ...]
+        Half widths; absent: that of &wall [m].
+    quantities : tuple[str, ...]
+        Keys of what each ordinate reports; absent: u_s_max_m, of a block theta_max_over_alpha.
+    """
+
+    __slots__ = ()
+    T_s: tuple[float, ...]
+    T_s_min: float
+    T_s_max: float
+    n: int
+    spacing: Literal["linear", "log"]
+    gamma: tuple[float, ...]
+    b: tuple[float, ...]
+    quantities: tuple[str, ...]
+
+
+class Groups:
+    """The groups as attributes.
+
+    An attribute is None where the case lacks the group. The declared types are those of a group
+    that is present; ``"wall" in case.groups`` tests for it.
+
+    Attributes
+    ----------
+    wall : Wall
+        Group ``&wall``.
+    frame : Frame
+        Group ``&frame``.
+    storeys : Storeys
+        Group ``&storeys``.
+    link : Link
+        Group ``&link``.
+    damper : Damper
+        Group ``&damper``.
+    inerter : Inerter
+        Group ``&inerter``.
+    fuse : Fuse
+        Group ``&fuse``.
+    yielding : Yielding
+        Group ``&yielding``.
+    p_delta : PDelta
+        Group ``&p_delta``.
+    nl_damper : NlDamper
+        Group ``&nl_damper``.
+    cable : Cable
+        Group ``&cable``.
+    impact : Impact
+        Group ``&impact``.
+    motion : Motion
+        Group ``&motion``.
+    vertical : Vertical
+        Group ``&vertical``.
+    initial : Initial
+        Group ``&initial``.
+    model : Model
+        Group ``&model``.
+    solver : Solver
+        Group ``&solver``.
+    output : Output
+        Group ``&output``.
+    spectrum : Spectrum
+        Group ``&spectrum``.
+    """
+
+    __slots__ = ()
+    wall: Wall
+    frame: Frame
+    storeys: Storeys
+    link: Link
+    damper: Damper
+    inerter: Inerter
+    fuse: Fuse
+    yielding: Yielding
+    p_delta: PDelta
+    nl_damper: NlDamper
+    cable: Cable
+    impact: Impact
+    motion: Motion
+    vertical: Vertical
+    initial: Initial
+    model: Model
+    solver: Solver
+    output: Output
+    spectrum: Spectrum
+
+
+TYPES: dict[str, type[Group]] = {
+    "wall": Wall,
+    "frame": Frame,
+    "storeys": Storeys,
+    "link": Link,
+    "damper": Damper,
+    "inerter": Inerter,
+    "fuse": Fuse,
+    "yielding": Yielding,
+    "p_delta": PDelta,
+    "nl_damper": NlDamper,
+    "cable": Cable,
+    "impact": Impact,
+    "motion": Motion,
+    "vertical": Vertical,
+    "initial": Initial,
+    "model": Model,
+    "solver": Solver,
+    "output": Output,
+    "spectrum": Spectrum,
+}
