@@ -90,7 +90,11 @@ class Storeys(Group):
     T_1 : float
         Period of the first mode of the frame by itself: it scales all stiffnesses [s].
     coupling : str
-        Roof linked: first mode or all modes; every floor linked: a straight line.
+        Roof linked: first mode or all modes; each floor: a straight line, or by a spring.
+    k_link_over_m_w : tuple[float, ...]
+        Stiffness of each link spring, or one for all, over the same mass [1/s2].
+    k_link : tuple[float, ...]
+        Or the stiffnesses [N/m].
     """
 
     __slots__ = ()
@@ -102,7 +106,9 @@ class Storeys(Group):
     n: int
     distribution: Literal["uniform", "linear", "straight_mode"]
     T_1: float
-    coupling: Literal["reduced", "every_floor", "full"]
+    coupling: Literal["reduced", "every_floor", "full", "springs"]
+    k_link_over_m_w: tuple[float, ...]
+    k_link: tuple[float, ...]
 
 
 class Link(Group):
@@ -194,8 +200,8 @@ class Yielding(Group):
     f_y_over_m_s_g : float
         Or its yield force over the weight of its mass: u_y = f_y_over_m_s_g g/omega_s**2.
     storey_u_y : tuple[float, ...]
-        Or, &storeys full and every_floor, u_i - u_(i-1) at which storeys yield: one for all or one
-        each [m].
+        Or, &storeys unless reduced, u_i - u_(i-1) at which storeys yield: one for all or one each
+        [m].
     F_y : float
         Or the yield force of a frame without &storeys [N].
     storey_F_y : tuple[float, ...]
@@ -295,6 +301,40 @@ class NlDamper(Group):
     eta_1: float
     F_1: float
     exponent: float
+
+
+class Bending(Group):
+    """Group ``&bending``.
+
+    Attributes
+    ----------
+    EI_over_m_w : float
+        Bending stiffness of the wall over m_w [m3/s2].
+    EI : float
+        Or the bending stiffness [N m2].
+    E : float
+        Or the modulus of elasticity, with &wall thickness [Pa].
+    cracking : float
+        Factor on the moment of inertia of the gross section; only with E.
+    modes : int
+        Number of modes.
+    xi : float
+        Damping ratio of the modes.
+    damping : str
+        Xi in each mode, or in the first and in proportion to the stiffness above.
+    nu : float
+        Poisson's ratio; if given, the wall also deforms in shear.
+    """
+
+    __slots__ = ()
+    EI_over_m_w: float
+    EI: float
+    E: float
+    cracking: float
+    modes: int
+    xi: float
+    damping: Literal["modal", "stiffness"]
+    nu: float
 
 
 class Cable(Group):
@@ -608,6 +648,8 @@ class Groups:
         Group ``&p_delta``.
     nl_damper : NlDamper
         Group ``&nl_damper``.
+    bending : Bending
+        Group ``&bending``.
     cable : Cable
         Group ``&cable``.
     impact : Impact
@@ -639,6 +681,7 @@ class Groups:
     yielding: Yielding
     p_delta: PDelta
     nl_damper: NlDamper
+    bending: Bending
     cable: Cable
     impact: Impact
     motion: Motion
@@ -661,6 +704,7 @@ TYPES: dict[str, type[Group]] = {
     "yielding": Yielding,
     "p_delta": PDelta,
     "nl_damper": NlDamper,
+    "bending": Bending,
     "cable": Cable,
     "impact": Impact,
     "motion": Motion,
