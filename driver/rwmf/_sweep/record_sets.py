@@ -229,12 +229,13 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
 
 def _records_below(folder: Path, has_vertical: bool) -> list[Path]:
     endings = (*RECORD_SUFFIXES, *(VERTICAL_SUFFIXES if has_vertical else ()))
-    return sorted(
-        path
-        for path in folder.rglob("*")
-        if path.suffix.lower() in endings
-        and (has_vertical or component_of(path.name)[1] != VERTICAL)
-    )
+    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in endings)
+    if has_vertical:
+        return paths
+    named = {path: (path.parent, *component_of(path.name)) for path in paths}
+    # made_up.at2 alone is no vertical component
+    horizontal = {name[:2] for name in named.values() if name[2] != VERTICAL}
+    return [p for p, name in named.items() if name[2] != VERTICAL or name[:2] not in horizontal]
 
 
 def _components(path: Path, unit: str | None, dt: float | None) -> list[Component]:
