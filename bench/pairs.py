@@ -68,13 +68,13 @@ EFFECTS = [
     Effect(
         "`&bending`",
         {
-            "bending": {"EI_over_m_w": 5000.0, "modes": 2},
+            "bending": {"EI_over_m_w": 5000.0, "modes": 2, "damping": "stiffness"},
             "impact": {"rule": "coupled"},
             "model": {"formulation": "exact"},
             "output": {"reactions": None},
         },
         "bending",
-        no_element="the modes have to be remembered, and an element holds no state",
+        no_element="the modes are states, and an element holds none",
     ),
     Effect("`&fuse`", {"fuse": {"eta_y": 0.3, "stroke_y": 0.01}}, "fuse"),
     Effect("`&yielding`", {"yielding": {"u_y": 0.01, "law": "elastic_plastic"}}, "yielding"),

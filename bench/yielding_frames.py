@@ -23,6 +23,7 @@ import random
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Mapping
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from itertools import pairwise
@@ -163,11 +164,11 @@ def _case(groups: Groups, path: Path, **solver: object) -> rwmf.Case:
     return rwmf.Case(**groups)
 
 
-def _numbers(run: rwmf.Response) -> dict[str, float]:
-    """Return the scalars of a run that its accuracy is about."""
+def _numbers(values: Mapping[str, object]) -> dict[str, float]:
+    """Return the scalars of a run that its accuracy is about, by flat names."""
     return {
         find(key).name: value
-        for key, value in run.flat().items()
+        for key, value in values.items()
         if isinstance(value, float)
         and find(key).name
         and not any(key.startswith(word) for word in NO_NUMBER)
@@ -209,10 +210,10 @@ def survey(
     try:
         path = _write(pairs, folder / f"{number}.txt")
         truth = _numbers(rwmf.simulate(_case(groups, _write(fine, folder / f"{number}f.txt"),
-                                             **tight)))  # fmt: skip
+                                             **tight)).flat())  # fmt: skip
         moved = [
             _numbers(rwmf.simulate(_case(groups, _write(fine, folder / f"{number}m.txt", 1 + d),
-                                         **tight)))
+                                         **tight)).flat())
             for d in (PERTURBATION, -PERTURBATION)
         ]  # fmt: skip
     except (NumericalError, rwmf.errors.InputError) as error:
@@ -251,10 +252,11 @@ def _floor(name: str, truth: dict[str, float]) -> float:
 
 def _run(method: str, groups: Groups, path: Path, rtol: float, keys: list[str]) -> dict[str, float]:
     if method != "row":
-        return _numbers(rwmf.simulate(_case(groups, path, method=method, rtol=rtol)))
+        return _numbers(rwmf.simulate(_case(groups, path, method=method, rtol=rtol)).flat())
     case = _case(groups, path, method="dop853", rtol=rtol)
     rows = rwmf.sweep(case, points={"scale": [1.0, 0.9]}, quantities=keys)
-    return _numbers(rows.isel(point=0))
+    first = rows.isel(point=0)
+    return _numbers({str(key): first[key].item() for key in first.data_vars})
 
 
 def main() -> None:

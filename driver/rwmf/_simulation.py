@@ -130,8 +130,8 @@ def to_dataset(run: _library.Run, case: Case) -> Response:
     of_run = _by_quantity(summary.items())
     sizes = _sizes((*over_time.values(), *of_run.values()))
     if "floor_{i}_m" in over_time:
-        # the roof is a floor as well
-        over_time["floor_{i}_m"][1][sizes["floor"]] = over_time["u_s_m"][1][0]
+        # the roof is a floor as well; on link springs it has a displacement of its own
+        over_time["floor_{i}_m"][1].setdefault(sizes["floor"], over_time["u_s_m"][1][0])
     variables: dict[str, Labelled] = {}
     _label(variables, over_time, "history", sizes)
     coordinates: dict[str, Labelled] = {}

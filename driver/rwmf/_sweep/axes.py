@@ -559,10 +559,11 @@ def _find_key(name: str, label: str) -> Key:
         if known[1].lower() == key.lower()
         and (known[0] == group.lower() if group else known[0] != "spectrum")
     ]
-    # E of &bending is not e of &impact
-    exact = [known for known in matches if known[1] == key]
-    if len(matches) == 1 or len(exact) == 1:
-        return (exact or matches)[0]
+    if len(matches) > 1:
+        # the short names e and nu are keys of &impact and &motion
+        matches = [known for known in matches if known[0] != "bending"]
+    if len(matches) == 1:
+        return matches[0]
     if matches:
         names = ", ".join(".".join(found) for found in matches)
         raise InputError(f"{label}: {name}: in several groups; write one of {names}")

@@ -170,10 +170,10 @@ module rwmf_problem_quantity_table
       quantity_t(id%fuse_right_force_over_m_w_g, 'fuse_right_force_over_m_w_g', &
       'fuse_right_force_over_m_w_g', '1', 'real', 'row', 'history', 'fuse', of_rows, '', &
       'force of the right fuse over weight of wall'), &
-      quantity_t(id%floor_i_m, 'floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', &
-      'storeys', of_rows, '`coupling` `full` or `springs`', 'displacement of floor {i}'), &
       quantity_t(id%q_i_m, 'q_{i}_m', 'q_{i}', 'm', 'real', 'row', 'history', 'bending', of_rows, &
       '', 'deflection of the top in mode {i} of the wall'), &
+      quantity_t(id%floor_i_m, 'floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', &
+      'storeys', of_rows, '`coupling` `full` or `springs`', 'displacement of floor {i}'), &
       quantity_t(id%storey_i_drift, 'storey_{i}_drift', 'storey_{i}_drift', '1', 'real', 'row', &
       'history', 'storeys', of_rows, '`coupling` `full`, `springs`; or `reactions`', &
       'drift of storey {i} over its height'), &

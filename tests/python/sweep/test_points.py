@@ -464,6 +464,8 @@ def _of_one_number(scene: str) -> dict[str, Any]:
         return in_units(groups)
     storeys = {"n": 3, "m": 3e4, "k": 3e7, "height": 6.0}
     storeys |= {"coupling": groups["storeys"].get("coupling", "reduced")}
+    if storeys["coupling"] == "springs":
+        storeys["k_link"] = 1e9
     wall = {"wall": groups["wall"] | {"m_w": 5e4}} if "wall" in groups else {}
     changes: dict[str, Any] = {"storeys": storeys, "frame": {"xi_s": 0.05}} | wall
     if "storey_u_y" in groups.get("yielding", {}):

@@ -105,11 +105,11 @@ contains
          call put(row, id%energy_hysteretic_J_per_kg, energy%flow &
             + yielding_loss(equation, y))
       end if
+      if (equation%has_impacts) call put(row, id%energy_impact_J_per_kg, energy%impact)
       if (equation%beam%n > 0) then
          call put(row, id%energy_bending_J_per_kg, stored%bending)
          call put(row, id%energy_bending_damping_J_per_kg, energy%bending)
       end if
-      if (equation%has_impacts) call put(row, id%energy_impact_J_per_kg, energy%impact)
    end subroutine put_energies
 
    !> True if further effects store energy.

@@ -561,10 +561,10 @@ contains
          if (equation%has_loading_direction) call put(row, id%frame_force_over_m_s_g, &
             bouc_wen_force(equation, y)/equation%p%g)
          if (equation%has_bilinear_springs) call put_spring_forces(row, equation, y(1))
-         if (allocated(equation%floors%m)) call put_floors(row, equation, y)
-         if (equation%floors%yields) call put_shears(row, equation, y)
          if (equation%beam%n > 0) call put(row, id%q_i_m, y(equation%beam%first: &
             equation%beam%first + equation%beam%n - 1))
+         if (allocated(equation%floors%m)) call put_floors(row, equation, y)
+         if (equation%floors%yields) call put_shears(row, equation, y)
          if (allocated(recorder%demands)) call put_storeys(row, recorder%demands, equation, t, y, &
             y_dot)
          if (allocated(recorder%forces)) then
