@@ -70,10 +70,12 @@ module rwmf_model_lanes
       !! du/dphi [-]
       real(wp) :: k(lane_count)
       !! dj/dphi [-]
-      real(wp) :: u_rate(lane_count)
-      !! du/dt [1/s]
-      real(wp) :: u_bias(lane_count)
-      !! second derivative of u by time without accelerations of the coordinates [1/s2]
+      logical :: is_bent = .false.
+      !! the wall bends, which moves its top by w
+      real(wp) :: w_rate(lane_count)
+      !! rate of u due to bending alone; set only for a bending wall [1/s]
+      real(wp) :: w_bias(lane_count)
+      !! acceleration of u due to this rate and the rotation; set as w_rate [1/s2]
       real(wp) :: lever(lane_count)
       !! arm of the link's force, over R [-]
       real(wp) :: inertia(lane_count)
@@ -125,8 +127,6 @@ contains
          motion%u(i) = rise
          motion%j(i) = 2*(y + coef(i, 5)*sine_phi)
          motion%k(i) = 2*coef(i, 5) - rise
-         motion%u_rate(i) = motion%j(i)*motion%rate(i)
-         motion%u_bias(i) = motion%k(i)*motion%rate(i)*motion%rate(i)
          motion%lever(i) = 2*(y + coef(i, 6)*sine_phi)
          motion%inertia(i) = coef(i, 7)
          motion%moment(i) = -(coef(i, 8)*motion%s(i) + motion%c(i)*motion%push(i))
@@ -157,8 +157,6 @@ contains
          motion%u(i) = u(i)
          motion%j(i) = 1
          motion%k(i) = 0
-         motion%u_rate(i) = u_dot(i)
-         motion%u_bias(i) = 0
          motion%lever(i) = 1
          motion%inertia(i) = 0
          motion%moment(i) = 0
@@ -186,8 +184,6 @@ contains
          motion%k(i) = motion%k(i) + coef(i, 2)*((motion%k(i)*motion%k(i) - v*motion%j(i) &
             + tilt_1*tilt_1)/root)
          motion%j(i) = motion%j(i) + coef(i, 2)*tilt_1
-         motion%u_rate(i) = motion%j(i)*motion%rate(i)
-         motion%u_bias(i) = motion%k(i)*motion%rate(i)*motion%rate(i)
          motion%lever(i) = motion%j(i)
       end do
    end subroutine tilt_link
@@ -204,9 +200,15 @@ contains
 
       !$omp simd private(force)
       do i = 1, lane_count
-         force = motion%u_bias(i) + coef(i, 2)*motion%u_rate(i)
+         force = motion%k(i)*motion%rate(i)*motion%rate(i) + coef(i, 2)*(motion%j(i)*motion%rate(i))
          force = force + (coef(i, 3)*motion%u(i) + (motion%side(i)*coef(i, 4) + motion%push(i)))
          motion%inertia(i) = motion%inertia(i) + coef(i, 1)*(motion%lever(i)*motion%j(i))
+         motion%moment(i) = motion%moment(i) - coef(i, 1)*(motion%lever(i)*force)
+      end do
+      if (.not. motion%is_bent) return
+      !$omp simd private(force)
+      do i = 1, lane_count
+         force = motion%w_bias(i) + coef(i, 2)*motion%w_rate(i)
          motion%moment(i) = motion%moment(i) - coef(i, 1)*(motion%lever(i)*force)
       end do
    end subroutine add_frame
@@ -241,7 +243,8 @@ contains
 
       !$omp simd private(rate, share)
       do i = 1, lane_count
-         rate = motion%u_rate(i)
+         rate = motion%j(i)*motion%rate(i)
+         if (motion%is_bent) rate = rate + motion%w_rate(i)
          share = weight*coef(i, 1)*rate
          total(i, of_input) = total(i, of_input) - share*motion%push(i)
          total(i, of_viscous) = total(i, of_viscous) + share*(coef(i, 2)*rate)

@@ -58,6 +58,7 @@ contains
       real(wp) :: tip, tip_rate, lean, spread, sine, cosine
       integer :: i, j
 
+      motion%is_bent = .true.
       !$omp simd private(tip, tip_rate, lean, spread, sine, cosine, j)
       do i = 1, lane_count
          tip = 0
@@ -79,8 +80,8 @@ contains
          motion%j(i) = motion%j(i) - sine*tip
          motion%k(i) = motion%k(i) - cosine*tip
          motion%lever(i) = motion%j(i)
-         motion%u_rate(i) = motion%j(i)*motion%rate(i) + cosine*tip_rate
-         motion%u_bias(i) = (motion%k(i)*motion%rate(i) - 2*sine*tip_rate)*motion%rate(i)
+         motion%w_rate(i) = cosine*tip_rate
+         motion%w_bias(i) = -2*sine*tip_rate*motion%rate(i)
          motion%s(i) = motion%s(i) - cosine*lean/coef(i, 1)
          motion%c(i) = motion%c(i) - sine*lean/coef(i, 1)
          motion%inertia(i) = inertia(i) + (spread - 2*coef(i, 2)*lean)/(coef(i, 1)*coef(i, 1))

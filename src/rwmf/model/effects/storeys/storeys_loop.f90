@@ -88,9 +88,10 @@ contains
       !$omp simd
       do i = 1, lane_count
          u_roof(i) = coef(i, 1)*(motion%side(i)*motion%u(i))
-         v_roof(i) = coef(i, 1)*(motion%side(i)*motion%u_rate(i))
+         v_roof(i) = coef(i, 1)*(motion%side(i)*motion%j(i)*motion%rate(i))
          shear(i, n + 1) = 0
       end do
+      if (motion%is_bent) v_roof = v_roof + coef(:, 1)*motion%side*motion%w_rate
       call find_shears(n, free, coef, y, u_roof, shear)
       if (term%law /= no_hysteresis) call add_smooth_shears(n, free, term%law, &
          coef(1, 3*n + 2 + n**2), y, v_roof, shear, y_dot)
@@ -242,10 +243,12 @@ contains
 
       !$omp simd
       do i = 1, lane_count
-         total(i, of_input) = total(i, of_input) - weight*(coef(i)*(motion%push(i) &
-            *motion%j(i)*motion%rate(i) + motion%push(i)*(motion%u_rate(i) &
-            - motion%j(i)*motion%rate(i))))
+         total(i, of_input) = total(i, of_input) - weight*(coef(i)*motion%push(i)*motion%j(i) &
+            *motion%rate(i))
       end do
+      if (motion%is_bent) then
+         total(:, of_input) = total(:, of_input) - weight*coef*motion%push*motion%w_rate
+      end if
    end subroutine add_excited_mass_power
 
    !> Add the powers of the ground motion on the floors with states, of the frame's dampers, and of
@@ -280,8 +283,9 @@ contains
       v(:, 0) = 0
       !$omp simd
       do i = 1, lane_count
-         v(i, n) = coef(i, 1)*(motion%side(i)*motion%u_rate(i))
+         v(i, n) = coef(i, 1)*(motion%side(i)*motion%j(i)*motion%rate(i))
       end do
+      if (motion%is_bent) v(:, n) = v(:, n) + coef(:, 1)*motion%side*motion%w_rate
       v(:, 1:free) = y(:, free + 1:2*free)
       do j = 1, n
          force = 0
