@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,12 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.plotting import image_files as figures
+from rwmf.quantities import SENSITIVITY, find
 
 __all__ = ["run"]
 
+# digits of a printed number without an estimate of its error
+_MOST_DIGITS = 10
 # points of a plotted history for a case without an interval
 _PLOT_POINTS = 4000
 # points of plotted loops, whose corners need finer sampling
@@ -63,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(summary)
     else:
-        _print_table(summary)
+        _print_table(summary, _tolerance_of(case, summary))
     # a written file replaces an older one
     new = [path for path in found if _place_of(path) not in (None, before[path])]
     print_written([*new, options.plot, options.loops], is_json=options.json)
@@ -85,7 +89,9 @@ def _plot_history(case: Case, result: _library.Run, path: str) -> None:
     lacks_demands = case.frame is not None and not has_demands
     if "time" not in dataset.coords or lacks_demands:
         # outputs do not affect the integration, so the response is the same
-        wanted: dict[str, object] = {"reactions": True} if lacks_demands else {}
+        wanted: dict[str, object] = {"conditioning": False}
+        if lacks_demands:
+            wanted["reactions"] = True
         if "time" not in dataset.coords:
             wanted["dt"] = max(case.solver.t_end / _PLOT_POINTS, np.finfo(float).tiny)
         dataset = simulation.simulate(case.replace(output=wanted))
@@ -97,13 +103,43 @@ def _plot_loops(case: Case, result: _library.Run, path: str) -> None:
     dataset = simulation.to_dataset(result)
     fine = max(case.solver.t_end / _LOOP_POINTS, np.finfo(float).tiny)
     if "time" not in dataset.coords or case.output.dt > fine:
-        dataset = simulation.simulate(case, fine)
+        dataset = simulation.simulate(case.replace(output={"conditioning": False}), fine)
     figures.save_loops(dataset, case, path)
 
 
-def _print_table(summary: dict[str, Any]) -> None:
-    width = max(len(key) for key in summary)
+def _tolerance_of(case: Case, summary: dict[str, Any]) -> float:
+    """Return the relative tolerance of a run: a large `atol` governs instead of `rtol`."""
+    rtol = float(summary["rtol"])
+    if case.solver.atol is None:
+        return rtol
+    size = float(summary.get("u_s_max_m", 0.0))
+    if case.wall is not None:
+        size = float(summary["theta_max_over_alpha"]) * case.wall.alpha
+    return max(rtol, case.solver.atol / size) if size > 0 else rtol
+
+
+def _digits(tolerance: float, sensitivity: float) -> int:
+    """Return the number of digits that hold: the error is 10 tolerance max(1, sensitivity)."""
+    error = 10 * tolerance * max(1.0, sensitivity)
+    return min(_MOST_DIGITS, max(1, math.floor(-math.log10(error) + 1e-9)))
+
+
+def _print_table(summary: dict[str, Any], tolerance: float) -> None:
+    """Print the scalars; peaks with the digits that hold, and with their sensitivities."""
+    found = {
+        key.removeprefix(SENSITIVITY): value
+        for key, value in summary.items()
+        if key.startswith(SENSITIVITY)
+    }
+    largest = max(found.values(), default=0.0)
+    width = max(len(key) for key in summary if not key.startswith(SENSITIVITY))
     for key, value in summary.items():
+        digits = _MOST_DIGITS
+        if key.startswith(SENSITIVITY):
+            continue
+        if found and (key in found or find(key).found in ("time", "end")):
+            # instants and final values hold no more digits than the worst peak
+            digits = _digits(tolerance, found.get(key, largest))
         if isinstance(value, list):
             # warnings are on the error output
             text = ", ".join(value) if key == "effects" else str(len(value))
@@ -111,7 +147,8 @@ def _print_table(summary: dict[str, Any]) -> None:
             text = "yes" if value else "no"
         elif isinstance(value, float):
             # zero without a sign
-            text = f"{value + 0.0:.10g}"
+            text = f"{value + 0.0:.{digits}g}"
         else:
             text = str(value)
-        print(f"{key:{width}s}  {text}")
+        note = f"  (sensitivity {found[key]:.2g})" if key in found else ""
+        print(f"{key:{width}s}  {text}{note}")

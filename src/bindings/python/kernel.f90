@@ -27,7 +27,7 @@ module rwmf_bindings_python_kernel
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
    use rwmf_problem_scene_axes, only: axis_t, list_axes
-   use rwmf_problem_quantity_table, only: all_quantities, quantities_text
+   use rwmf_problem_quantity_table, only: all_quantities, key_length, quantities_text
    use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_problem_case, only: case_t
@@ -220,7 +220,7 @@ contains
       type(kept_t), pointer :: kept
       type(motion_t), target :: room
       type(motion_t), pointer :: motion
-      character(40), allocatable :: reported(:)
+      character(key_length), allocatable :: reported(:)
       character(256), allocatable :: warnings(:)
 
       kept => find(handle)
@@ -433,7 +433,7 @@ contains
       type(motion_t), pointer :: motion
       type(case_t), pointer :: origin
       type(error_t), allocatable :: error
-      character(40), allocatable :: wanted(:)
+      character(key_length), allocatable :: wanted(:)
       !f2py threadsafe
 
       from => find(handle)
@@ -469,7 +469,7 @@ contains
       type(kept_t), pointer :: kept
       type(error_t), allocatable :: error
       type(case_t), target :: case
-      character(40), allocatable :: names(:), wanted(:)
+      character(key_length), allocatable :: names(:), wanted(:)
       !f2py threadsafe
 
       from => find(handle)
@@ -548,7 +548,7 @@ contains
       type(motion_t), target :: room
       type(motion_t), pointer :: motion
       type(error_t), allocatable :: error
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
 
       length = 0_c_int
       kept => find(handle)

@@ -7,9 +7,13 @@ module rwmf_problem_quantity_table
    private
 
    public :: quantity_t, id, key_of, all_quantities, look_up, canonical_key, is_of_ordinate, is_peak
+   public :: key_length, sensitivity_id, is_sensitivity
    public :: requested_by, quantities_text
    public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
    public :: of_envelopes, of_verification
+
+   integer, parameter :: key_length = 52
+   !! length of the longest key: that of a sensitivity
 
    ! The observer skips calculations that no requested quantity needs. A quantity whose row lists
    ! too few needs is therefore wrong when it is requested without others.
@@ -110,10 +114,10 @@ module rwmf_problem_quantity_table
    type :: quantity_t
       integer :: id
       !! number of the quantity, one of `id`
-      character(40) :: key
+      character(key_length) :: key
       !! name with unit suffix; '{i}' is a placeholder for the floor or storey number, from the
       !! ground up
-      character(40) :: name
+      character(key_length) :: name
       !! variable of a run's dataset in Python; '' for an attribute, or outside runs
       character(8) :: unit
       !! '1' for dimensionless numbers, '' for texts
@@ -630,15 +634,27 @@ module rwmf_problem_quantity_table
       quantity_t(id%good_enough, 'good_enough', '', '1', 'logical', 'whether', 'cost', '', &
       of_nothing, '', 'whether the reference is two digits better than the best method')]
 
-   !> All quantities. A summary and the columns of a history have this order.
-   type(quantity_t), parameter :: all_quantities(*) = [columns, scalars, demands, envelopes, &
-      energies, others]
+   !> Quantities themselves, without their sensitivities.
+   type(quantity_t), parameter :: plain(*) = [columns, scalars, demands, envelopes, energies, &
+      others]
 
+   integer :: i
+   !! type of the index of the next constructor, in which alone it has values
+   !> Sensitivities of all quantities in the same order; only those of peaks have outputs.
+   type(quantity_t), parameter :: sensitivities(*) = [(quantity_t(plain(i)%id + size(plain), &
+      'sensitivity_'//plain(i)%key, 'sensitivity_'//plain(i)%name, '1', 'real', 'error', &
+      merge('run ordinate', '            ', plain(i)%found == 'peak' &
+      .and. index(plain(i)%outputs, 'run') > 0 .and. index(plain(i)%key, '_height_m') == 0), &
+      plain(i)%group, plain(i)%observed, '`conditioning` of `&output`; a motion', &
+      'relative change of this peak per relative change of the motion'), i=1, size(plain))]
+
+   !> All quantities. A summary and the columns of a history have this order.
+   type(quantity_t), parameter :: all_quantities(*) = [plain, sensitivities]
 
 contains
 
    !> Key of the quantity with a given number.
-   elemental character(40) function key_of(number) result(key)
+   elemental character(key_length) function key_of(number) result(key)
       integer, intent(in) :: number
       !! one of `id`
 
@@ -666,10 +682,10 @@ contains
 
    !> Key in the spelling of the outputs. Capitals are accepted, and names of Python, which have no
    !> units. An unknown key is returned in lower case.
-   elemental character(40) function canonical_key(key)
+   elemental character(key_length) function canonical_key(key)
       character(*), intent(in) :: key
       !! key in the user's spelling
-      character(40) :: row
+      character(key_length) :: row
       integer :: place, first, behind, braces
 
       canonical_key = to_lower(key)
@@ -735,6 +751,21 @@ contains
          .and. index(quantity%key, '_height_m') == 0
    end function is_peak
 
+   !> Number of the sensitivity of a quantity.
+   elemental integer function sensitivity_id(number)
+      integer, intent(in) :: number
+      !! one of `id`
+
+      sensitivity_id = number + size(plain)
+   end function sensitivity_id
+
+   !> True for the number of a sensitivity.
+   elemental logical function is_sensitivity(number)
+      integer, intent(in) :: number
+
+      is_sensitivity = number > size(plain)
+   end function is_sensitivity
+
    !> Key of `&output` that requests a quantity; '' for one that every run reports.
    elemental character(12) function requested_by(quantity)
       type(quantity_t), intent(in) :: quantity
@@ -758,6 +789,7 @@ contains
       text = ''
       do i = 1, size(all_quantities)
          row = all_quantities(i)
+         if (row%outputs == '') cycle
          text = text//trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab &
             //trim(row%kind)//tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group) &
             //tab//trim(requested_by(row))//tab//trim(row%needs)//tab//trim(row%meaning) &

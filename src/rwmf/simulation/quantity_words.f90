@@ -1,6 +1,6 @@
 !> Common engineering terms for output quantities, for messages about unknown quantities.
 module rwmf_simulation_quantity_words
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up
+   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, key_length, look_up
    use rwmf_text_strings, only: nearest_name, to_lower
    implicit none
    private
@@ -11,7 +11,7 @@ module rwmf_simulation_quantity_words
    type :: word_t
       character(32) :: word
       !! term in lower case, with '_' between its parts, without 'peak', 'max' and number
-      character(40) :: key
+      character(key_length) :: key
       !! key in the table of quantities
    end type word_t
 
@@ -55,7 +55,7 @@ contains
 
    !> Key of the quantity that a word may mean, by common terms or by similar spelling; blank if
    !> none matches.
-   pure character(40) function meant_quantity(word) result(key)
+   pure character(key_length) function meant_quantity(word) result(key)
       character(*), intent(in) :: word
       !! word as the user writes it
       character(len(word)) :: plain

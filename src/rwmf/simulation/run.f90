@@ -4,6 +4,7 @@ module rwmf_simulation_run
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_factory, only: new_integrator, run_method
+   use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_integrator, only: integrator_t, tolerance_t
    use rwmf_model_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t
@@ -26,17 +27,17 @@ module rwmf_simulation_run
    use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, is_at_rest, mode_collapsed, &
       mode_overturned
    use rwmf_simulation_lanes_batch, only: batch_t
-   use rwmf_problem_quantity_table, only: all_quantities
+   use rwmf_problem_quantity_table, only: all_quantities, key_length
+   use rwmf_simulation_pair_choice, only: pair_for
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_force_envelopes, only: envelope_extremes
-   use rwmf_simulation_recorder_nearby_motion, only: begin_nearby
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, &
-      needs_all_steps, recorder_t
+      recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_simulation_static_rest, only: come_to_rest
    use rwmf_simulation_warnings, only: list_case_warnings, warn_of_chatter, warn_of_grazing, &
-      warn_of_reactions, warn_of_sensitivity, warn_of_short_history
+      warn_of_reactions, warn_of_short_history
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -51,12 +52,14 @@ contains
    !> Integrate a case under a ground motion owned by the caller and shared by many runs.
    !>
    !> Errors: the frame has no period, or the integration fails.
-   subroutine run_once(case, motion, control, result, error)
+   subroutine run_once(case, motion, control, result, error, is_probe)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in), target :: motion
       type(control_t), intent(in) :: control
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
+      logical, intent(in), optional :: is_probe
+      !! step by the pair for the tolerance, as a spectrum does, not by the method of the case
       type(equation_t), target :: equation
       class(integrator_t), allocatable :: integrator
       integer(i8) :: started
@@ -67,11 +70,18 @@ contains
       if (allocated(error)) return
       call system_clock(started, rate)
       call build_equation(case, motion, equation)
-      call new_integrator(case%solver%method, integrator)
+      if (present(is_probe)) then
+         allocate (explicit_pair_t :: integrator)
+         select type (integrator)
+         type is (explicit_pair_t)
+            integrator%pair = pair_for(case, equation)
+         end select
+      else
+         call new_integrator(case%solver%method, integrator)
+      end if
       call repeat_until_scaled(case, equation, integrator, control, result, error)
       call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
-      call warn_of_sensitivity(result)
       call warn_of_grazing(result)
       call warn_of_chatter(result)
       call warn_of_short_history(case%solver%t_end, result)
@@ -144,18 +154,12 @@ contains
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       if (allocated(error)) return
-      if (equation%has_impacts .and. (needs_all_steps(recorder) &
-         .or. allocated(recorder%demands))) then
-         allocate (recorder%nearby)
-         call begin_nearby(recorder%nearby, equation%n)
-      end if
       call begin_advance(hybrid, equation, integrator, case%solver%t_end, batch)
       call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, batch, error)
       if (allocated(error)) return
       call finish_recorder(recorder, equation, hybrid%t, hybrid%y, is_at_rest(hybrid))
       size_found = response_size(recorder)
       call fill_result(case, equation, hybrid, recorder, result)
-      if (allocated(recorder%nearby)) result%peak_sensitivity = recorder%nearby%sensitivity
       result%steps = integrator%steps
       result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol
@@ -472,7 +476,7 @@ contains
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       type(result_t), intent(inout) :: result
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
 
       allocate (keys(0))
       if (allocated(case%output)) then

@@ -6,10 +6,13 @@ module rwmf_spectrum_estimates
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
+   use rwmf_problem_quantity_table, only: key_length
+   use rwmf_simulation_conditioning, only: has_motion, probe_step, round_off_of, &
+      sensitivity_of
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
-      next_tolerance, refinement, relative_change, perturb_step, tightest, verifying_tolerance
+      next_tolerance, refinement, relative_change, tightest, verifying_tolerance
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, run_ordinates
-   use rwmf_spectrum_quantities, only: request_of
+   use rwmf_spectrum_quantities, only: request_of, request_t
    implicit none
    private
 
@@ -31,7 +34,9 @@ contains
       else
          call run_ordinates(queue, threads, control, ordinates)
       end if
-      if (queue%request%has_sensitivity) call verify_ordinates(queue, threads, control, ordinates)
+      if (queue%request%is_verified) call verify_ordinates(queue, threads, control, ordinates)
+      if (queue%request%has_sensitivity) call condition_ordinates(queue, threads, control, &
+         ordinates)
       do i = 1, size(ordinates)
          if (.not. allocated(ordinates(i)%values)) cycle
          ! equal peaks give no estimate
@@ -95,15 +100,13 @@ contains
       ordinates%is_inaccurate = ordinates%estimate > accuracy
    end subroutine run_to_accuracy
 
-   !> Estimate the sensitivity to the motion, and any missing error estimates.
-   !>
-   !> Both follow from runs at a much tighter tolerance.
+   !> Estimate the errors of ordinates without an estimate by runs at a much tighter tolerance.
    subroutine verify_ordinates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
-      type(ordinate_t), allocatable :: tight(:), larger(:)
+      type(ordinate_t), allocatable :: tight(:)
       type(queue_t) :: trial
       type(motion_t), target :: refined
       type(control_t) :: silent
@@ -111,7 +114,7 @@ contains
 
       silent%cancel => control%cancel
       trial = queue
-      trial%request = request_of(queue%rows%case, [character(40) ::])
+      trial%request = request_of(queue%rows%case, [character(key_length) ::])
       trial%verifies = .true.
       trial%parts = refinement
       refined = refined_motion(queue%motion, refinement)
@@ -120,20 +123,101 @@ contains
       where (tight%rtol <= 0) tight%rtol = queue%rows%case%solver%rtol
       tight%rtol = verifying_tolerance(tight%rtol)
       call run_ordinates(trial, threads, silent, tight)
-      larger = tight
-      trial%shaken = 1 + perturb_step
-      refined = scaled_motion(refined, trial%shaken)
-      call run_ordinates(trial, threads, silent, larger)
       do i = 1, size(ordinates)
-         if (ordinates(i)%failure == '') then
-            if (tight(i)%failure /= '') ordinates(i)%failure = tight(i)%failure
-            if (larger(i)%failure /= '') ordinates(i)%failure = larger(i)%failure
-         end if
+         if (ordinates(i)%failure == '') ordinates(i)%failure = tight(i)%failure
          if (ordinates(i)%estimate <= 0) ordinates(i)%estimate = difference(ordinates(i), tight(i))
-         ordinates(i)%sensitivity = difference(larger(i), tight(i))/perturb_step
-         ordinates(i)%rhs_evaluations = larger(i)%rhs_evaluations
+         ordinates(i)%rhs_evaluations = tight(i)%rhs_evaluations
       end do
    end subroutine verify_ordinates
+
+   !> Measure the sensitivities of all ordinates: of their peaks, and of the peak of `verify`.
+   !>
+   !> A sensitivity is NaN without a motion, and where a probe fails.
+   subroutine condition_ordinates(queue, threads, control, ordinates)
+      type(queue_t), intent(in) :: queue
+      integer, intent(in) :: threads
+      type(control_t), intent(in) :: control
+      type(ordinate_t), intent(inout) :: ordinates(:)
+      type(ordinate_t), allocatable :: weaker(:), stronger(:)
+      type(control_t) :: silent
+      real(wp) :: step
+      integer :: i
+
+      associate (solver => queue%rows%case%solver)
+         silent%cancel => control%cancel
+         weaker = ordinates
+         if (.not. allocated(solver%accuracy)) then
+            step = probe_step(solver%rtol)
+         else
+            step = probe_step(first_tolerance(solver%accuracy))
+         end if
+      end associate
+      stronger = weaker
+      call run_probes(queue, threads, silent, 1 - step, weaker)
+      call run_probes(queue, threads, silent, 1 + step, stronger)
+      if (.not. has_motion(queue%rows%case) .and. .not. queue%request%is_verified) weaker%failure = &
+         'no_motion'
+      do i = 1, size(ordinates)
+         if (ordinates(i)%failure /= '') cycle
+         call compare(queue%request, step, weaker(i), stronger(i), ordinates(i))
+         ordinates(i)%rhs_evaluations = stronger(i)%rhs_evaluations + weaker(i)%rhs_evaluations &
+            - ordinates(i)%rhs_evaluations
+      end do
+   end subroutine condition_ordinates
+
+   !> Run all ordinates with a multiple of the motion.
+   subroutine run_probes(queue, threads, control, factor, ordinates)
+      type(queue_t), intent(in) :: queue
+      integer, intent(in) :: threads
+      type(control_t), intent(in) :: control
+      real(wp), intent(in) :: factor
+      !! [-]
+      type(ordinate_t), intent(inout) :: ordinates(:)
+      type(queue_t) :: trial
+      type(motion_t), target :: scaled
+
+      trial = queue
+      trial%is_probe = .true.
+      trial%shaken = factor
+      scaled = scaled_motion(queue%motion, factor)
+      trial%motion => scaled
+      call run_ordinates(trial, threads, control, ordinates)
+   end subroutine run_probes
+
+   !> Compare the peaks of an ordinate with those of its probes.
+   pure subroutine compare(request, step, weaker, stronger, ordinate)
+      type(request_t), intent(in) :: request
+      real(wp), intent(in) :: step
+      !! relative change of the motion [-]
+      type(ordinate_t), intent(in) :: weaker, stronger
+      type(ordinate_t), intent(inout) :: ordinate
+      logical :: are_alike
+
+      if (weaker%failure /= '' .or. stronger%failure /= '') then
+         if (allocated(ordinate%values)) where (request%is_sensitivity) ordinate%values = &
+            ieee_value(1.0_wp, ieee_quiet_nan)
+         return
+      end if
+      are_alike = end_alike(ordinate, weaker) .and. end_alike(ordinate, stronger)
+      ordinate%sensitivity = 1/step
+      if (are_alike) ordinate%sensitivity = sensitivity_of(ordinate%peak, weaker%peak, &
+         stronger%peak, step, 0.0_wp)
+      if (.not. allocated(ordinate%values)) return
+      if (are_alike) then
+         where (request%is_sensitivity) ordinate%values = sensitivity_of(ordinate%values, &
+            weaker%values, stronger%values, step, round_off_of(abs(ordinate%values)))
+      else
+         where (request%is_sensitivity) ordinate%values = 1/step
+      end if
+   end subroutine compare
+
+   !> True if two runs end in the same way.
+   pure logical function end_alike(one, other)
+      type(ordinate_t), intent(in) :: one, other
+
+      end_alike = (one%overturned .eqv. other%overturned) .and. (one%collapsed .eqv. &
+         other%collapsed)
+   end function end_alike
 
    !> Difference of the peaks of two runs over the peak of the second [-].
    !>
@@ -143,9 +227,7 @@ contains
       type(ordinate_t), intent(in) :: other
 
       difference = 1
-      if (one%overturned .neqv. other%overturned) return
-      if (one%collapsed .neqv. other%collapsed) return
-      difference = relative_change(one%peak, other%peak)
+      if (end_alike(one, other)) difference = relative_change(one%peak, other%peak)
    end function difference
 
 end module rwmf_spectrum_estimates

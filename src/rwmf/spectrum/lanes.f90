@@ -9,20 +9,19 @@ module rwmf_spectrum_lanes
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: of_length
    use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, batch_width
-   use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, &
-      tsitouras_papakostas_64, tsitouras_papakostas_75
+   use rwmf_integrator_pairs, only: pair_t
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_model_scene, only: is_same_scene, scene_t
-   use rwmf_motion_ground_motion, only: is_piecewise_linear, motion_t, refined_motion, &
-      scaled_motion
+   use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_error_control, only: perturb
+   use rwmf_simulation_conditioning, only: make_probe
    use rwmf_simulation_finite_check, only: is_finite
    use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_overturned
    use rwmf_simulation_lanes_loop, only: join_batch, step_batch
    use rwmf_simulation_lanes_batch, only: create_batch, lane_state_t, leave_batch, &
       tabulate_lines, batch_t
    use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
+   use rwmf_simulation_pair_choice, only: pair_for
    use rwmf_simulation_peak, only: peak_of
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
@@ -78,6 +77,8 @@ module rwmf_spectrum_lanes
       !! runs use the pair of the highest order and the tolerance of the ordinate only
       integer :: parts = 1
       !! number of parts of each interval of the motion
+      logical :: is_probe = .false.
+      !! runs are probes (`rwmf_simulation_conditioning`)
       real(wp) :: shaken = 1
       !! factor on separate motions of rows, and on their initial states [-]
    end type queue_t
@@ -259,7 +260,8 @@ contains
          run%case%solver%method = 'dop853'
          if (allocated(run%case%solver%atol)) deallocate (run%case%solver%atol)
       end if
-      call perturb(run%case, queue%shaken)
+      if (queue%is_probe) call make_probe(run%case%solver%rtol, queue%shaken, &
+         run%case%structure_t, run%case%solver)
       if (allocated(run%case%output)) deallocate (run%case%output)
       if (allocated(queue%request%output)) run%case%output = queue%request%output
       motion => queue%motion
@@ -346,28 +348,6 @@ contains
              .or. equation%creep > 0)) run%hybrid%settled_angle = settled
       end associate
    end subroutine begin_lane
-
-   !> Runge-Kutta pair for a tolerance, unless the case names one.
-   !>
-   !> Some runs need the highest order: runs at several tolerances, motions without knots that limit
-   !> the steps, and laws with a corner. Frames without a wall need it, too, because they accumulate
-   !> the errors of many steps. For the same reason smooth hysteresis gets at least one order more.
-   pure type(pair_t) function pair_for(case, equation) result(pair)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(in) :: equation
-
-      if (case%solver%rtol < 1.0e-11_wp .or. case%solver%method == 'dop853' &
-          .or. allocated(case%solver%accuracy) &
-          .or. .not. is_piecewise_linear(equation%motion) .or. equation%creep > 0 &
-          .or. .not. equation%has_wall) then
-         pair = dormand_prince_853()
-      else if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
-               .or. equation%floors%n > 1) then
-         pair = tsitouras_papakostas_75()
-      else
-         pair = tsitouras_papakostas_64()
-      end if
-   end function pair_for
 
    !> Keep the result of a completed run, or restart it for a smaller response.
    subroutine finish_ordinate(request, control, run, error, ordinate)

@@ -8,10 +8,11 @@ module rwmf_spectrum_quantities
    use rwmf_problem_case, only: case_t, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
+   use rwmf_simulation_conditioning, only: is_conditioned
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, of_demands, &
-      of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, of_velocity, &
+   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, is_peak, key_length, &
+      look_up, of_demands, of_displacement, sensitivity_id, of_energy, of_envelopes, of_reactions, of_storeys, of_velocity, &
       of_verification
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
@@ -21,14 +22,14 @@ module rwmf_spectrum_quantities
 
    public :: request_t, request_of, requested_keys_of, check_request, default_quantity, &
       list_applicable
-   public :: take_values
+   public :: take_values, with_sensitivities
 
    character(*), parameter :: displacement = 'u_s_max_m'
    !! default quantity of a scene with a frame
 
    !> Requested quantities.
    type :: request_t
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
       !! (quantities) keys as in the outputs
       integer, allocatable :: place(:)
       !! (quantities) index in the table
@@ -42,8 +43,12 @@ module rwmf_spectrum_quantities
       !! all of them depend on the largest rotations only
       logical :: is_watched = .false.
       !! some of them have peaks inside steps
+      logical, allocatable :: is_sensitivity(:)
+      !! (quantities) true for the sensitivity of the quantity at that index
+      logical :: is_verified = .false.
+      !! `verify` must make a tighter run for them
       logical :: has_sensitivity = .false.
-      !! `verify` must make more runs for them
+      !! probes must run for them
       logical :: has_peak = .false.
       !! their error is that of a peak named by the case
    end type request_t
@@ -65,10 +70,10 @@ contains
    !> Keys of the quantities that the `&spectrum` group of a case requests.
    pure function requested_keys_of(case) result(keys)
       type(case_t), intent(in) :: case
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
       !! (quantities)
 
-      keys = [character(40) :: default_quantity(case)]
+      keys = [character(key_length) :: default_quantity(case)]
       if (.not. allocated(case%spectrum)) return
       if (allocated(case%spectrum%quantities)) keys = case%spectrum%quantities
    end function requested_keys_of
@@ -86,8 +91,9 @@ contains
       request%keys = keys
       allocate (request%place(size(request%keys)), request%storey(size(request%keys)))
       do i = 1, size(request%keys)
-         call look_up(trim(request%keys(i)), request%place(i), request%storey(i))
+         call look_up(trim(peak_key(request%keys(i))), request%place(i), request%storey(i))
       end do
+      request%is_sensitivity = peak_key(request%keys) /= request%keys
       call look_up(trim(case%solver%accuracy_of), place, number)
       request%has_peak = place > 0
       observed = all_quantities([request%place, pack([place], request%has_peak)])%observed
@@ -99,7 +105,9 @@ contains
          .or. any(observed == of_velocity .or. observed == of_storeys)
       request%is_displacement = all(request%keys == displacement) .and. .not. request%has_peak
       request%has_only_peaks = all(observed == of_displacement)
-      request%has_sensitivity = case%solver%verify .and. any(observed == of_verification)
+      request%is_verified = case%solver%verify .and. any(observed == of_verification)
+      request%has_sensitivity = any(request%is_sensitivity) &
+         .or. (request%is_verified .and. any(request%keys == 'sensitivity'))
       if (.not. (output%reactions .or. output%demands .or. output%envelopes &
          .or. output%energy)) return
       if (allocated(case%output)) then
@@ -108,6 +116,36 @@ contains
       end if
       request%output = output
    end function request_of
+
+   !> Key of the peak of a sensitivity; any other key is unchanged.
+   elemental function peak_key(key) result(own)
+      character(*), intent(in) :: key
+      character(len(key)) :: own
+      character(*), parameter :: prefix = 'sensitivity_'
+
+      own = key
+      if (index(key, prefix) == 1) own = key(len(prefix) + 1:)
+   end function peak_key
+
+   !> Quantities with the sensitivities of their peaks, if the case requests them.
+   pure function with_sensitivities(case, keys) result(all_keys)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: keys(:)
+      !! (quantities)
+      character(key_length), allocatable :: all_keys(:)
+      character(key_length) :: key
+      integer :: i, place, number
+
+      all_keys = [character(key_length) :: keys]
+      if (.not. is_conditioned(case, .false.)) return
+      do i = 1, size(keys)
+         call look_up(trim(keys(i)), place, number)
+         if (place == 0) cycle
+         key = 'sensitivity_'//keys(i)
+         if (is_peak(all_quantities(place)) .and. .not. any(all_keys == key)) all_keys = &
+            [all_keys, key]
+      end do
+   end function with_sensitivities
 
    !> Check that all requested quantities apply to the scene of a case.
    !>
@@ -118,7 +156,7 @@ contains
       character(*), intent(in) :: requested_keys(:)
       !! (quantities)
       type(error_t), allocatable, intent(out) :: error
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
       character(:), allocatable :: problem
       integer :: i, j
 
@@ -126,7 +164,7 @@ contains
       call list_applicable(case, motion, keys, error)
       if (allocated(error)) return
       do i = 1, size(requested_keys)
-         if (any(keys == requested_keys(i))) cycle
+         if (any(keys == peak_key(requested_keys(i)))) cycle
          problem = trim(requested_keys(i))//' does not apply to this scene; allowed:'
          do j = 1, size(keys)
             problem = problem//' '//trim(keys(j))
@@ -161,7 +199,7 @@ contains
    subroutine list_applicable(case, motion, keys, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
-      character(40), allocatable, intent(out) :: keys(:)
+      character(key_length), allocatable, intent(out) :: keys(:)
       !! (keys) with the number of a storey in place of '{i}'
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: asking, instant
@@ -195,6 +233,7 @@ contains
 
    !> Fill in the values of the requested quantities.
    !>
+   !> A result without sensitivities gives the peaks in their place.
    !> Counts and flags (1 or 0) are stored as reals. A quantity without a value, such as the time of
    !> an event that did not occur, is NaN.
    pure subroutine take_values(request, case, result, values, are_finite)
@@ -211,6 +250,8 @@ contains
 
       call scalars_of(case, result, found)
       numbers = all_quantities(request%place)%id
+      if (allocated(result%sensitivities)) numbers = merge(sensitivity_id(numbers), numbers, &
+         request%is_sensitivity)
       associate (requested_values => values(:size(numbers)))
          requested_values = value_of(found, numbers, request%storey)
          are_finite = all(may_report(numbers, requested_values) .or. .not. is_present(found, &

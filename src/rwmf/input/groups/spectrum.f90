@@ -8,7 +8,8 @@ module rwmf_input_groups_spectrum
       has_key, integer_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, canonical_key
+   use rwmf_problem_quantity_table, only: all_quantities, canonical_key, &
+      is_of_ordinate, is_sensitivity, key_length, look_up
    use rwmf_simulation_quantity_words, only: meant_quantity
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -90,7 +91,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: request(:)
       character(:), allocatable :: known
-      character(40) :: near
+      character(key_length) :: near
       integer :: place, storey
       integer :: i
 
@@ -104,7 +105,8 @@ contains
          if (place == 0) then
             known = ', where they apply:'
             do place = 1, size(all_quantities)
-               if (is_of_ordinate(all_quantities(place))) known = known//' ' &
+               if (is_of_ordinate(all_quantities(place)) .and. .not. &
+                  is_sensitivity(all_quantities(place)%id)) known = known//' ' &
                   //trim(all_quantities(place)%key)
             end do
             near = meant_quantity(trim(request(i)))
@@ -170,7 +172,7 @@ contains
       allocate (case%spectrum)
       call get_texts(case%values, 'spectrum', 'quantities', request)
       if (allocated(request)) then
-         allocate (character(40) :: case%spectrum%quantities(size(request)))
+         allocate (character(key_length) :: case%spectrum%quantities(size(request)))
          case%spectrum%quantities(:) = canonical_key(request)
       end if
       call get_list(case%values, 'spectrum', 'gamma', case%spectrum%gamma)
