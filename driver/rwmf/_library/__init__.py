@@ -17,6 +17,7 @@ from rwmf._library.start import check_threads, start_rows, start_simulation, sta
 from rwmf._library.tables import (
     KeyRow,
     instruction_set,
+    digits_of,
     meant_quantity,
     needs_of_groups,
     quantities,
@@ -36,6 +37,7 @@ __all__ = [
     "check_threads",
     "instruction_set",
     "keep_samples",
+    "digits_of",
     "meant_quantity",
     "needs_of_groups",
     "quantities",

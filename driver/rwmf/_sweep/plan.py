@@ -254,7 +254,7 @@ def make_plan(request: Request) -> Plan:
     base = _base_entries(case, axes)
     quantities = (default_quantity(case),) if request.quantities is None else request.quantities
     wanted = find_quantities(tuple(quantities))
-    if case.output is not None and case.output.conditioning:
+    if getattr(case.output, "conditioning", False):
         wanted |= _sensitivities(wanted)
     for quantity in wanted.values():
         if quantity.asked_by:

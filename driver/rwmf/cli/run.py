@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import math
 from pathlib import Path
 from typing import Any
 
@@ -110,18 +109,13 @@ def _plot_loops(case: Case, result: _library.Run, path: str) -> None:
 def _tolerance_of(case: Case, summary: dict[str, Any]) -> float:
     """Return the relative tolerance of a run: a large `atol` governs instead of `rtol`."""
     rtol = float(summary["rtol"])
-    if case.solver.atol is None:
+    atol = getattr(case.solver, "atol", None)
+    if atol is None:
         return rtol
     size = float(summary.get("u_s_max_m", 0.0))
     if case.wall is not None:
         size = float(summary["theta_max_over_alpha"]) * case.wall.alpha
-    return max(rtol, case.solver.atol / size) if size > 0 else rtol
-
-
-def _digits(tolerance: float, sensitivity: float) -> int:
-    """Return the number of digits that hold: the error is 10 tolerance max(1, sensitivity)."""
-    error = 10 * tolerance * max(1.0, sensitivity)
-    return min(_MOST_DIGITS, max(1, math.floor(-math.log10(error) + 1e-9)))
+    return max(rtol, float(atol) / size) if size > 0 else rtol
 
 
 def _print_table(summary: dict[str, Any], tolerance: float) -> None:
@@ -139,7 +133,7 @@ def _print_table(summary: dict[str, Any], tolerance: float) -> None:
             continue
         if found and (key in found or find(key).found in ("time", "end")):
             # instants and final values hold no more digits than the worst peak
-            digits = _digits(tolerance, found.get(key, largest))
+            digits = _library.digits_of(tolerance, found.get(key, largest))
         if isinstance(value, list):
             # warnings are on the error output
             text = ", ".join(value) if key == "effects" else str(len(value))

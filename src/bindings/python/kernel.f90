@@ -31,6 +31,7 @@ module rwmf_bindings_python_kernel
    use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_problem_case, only: case_t
+   use rwmf_simulation_conditioning, only: count_digits => digits_of
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
    use rwmf_simulation_warnings, only: list_case_warnings
@@ -371,6 +372,15 @@ contains
       end associate
       call put_text(lines, buffer, length)
    end subroutine result_names
+
+   !> Number of digits of a peak that hold in a run, from its tolerance and its sensitivity.
+   subroutine digits_of(rtol, sensitivity, digits)
+      real(c_double), intent(in) :: rtol
+      real(c_double), intent(in) :: sensitivity
+      integer(c_int), intent(out) :: digits
+
+      digits = int(count_digits(rtol, sensitivity), c_int)
+   end subroutine digits_of
 
    !> Key of the output quantity that a word may mean; empty for none.
    subroutine meant_quantity(word, buffer, length)

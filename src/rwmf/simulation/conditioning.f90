@@ -11,22 +11,22 @@ module rwmf_simulation_conditioning
    use rwmf_model_history_row, only: numbered
    use rwmf_motion_ground_motion, only: motion_t, scaled_motion
    use rwmf_problem_case, only: case_t, solver_t, structure_t
-   use rwmf_problem_quantity_table, only: all_quantities, is_peak
+   use rwmf_problem_quantity_table, only: all_quantities, is_peak, key_length
    use rwmf_simulation_peak, only: ask_for_peak, peak_of
    use rwmf_simulation_result, only: add_warning, ending_name, result_t, sensitivities_t
    use rwmf_simulation_run, only: run_once
    use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
-   use rwmf_text_strings, only: integer_to_text, real_to_text
+   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
-   public :: has_motion, is_conditioned, make_probe, measure_sensitivities, needs_probes, probe_step, &
+   public :: digits_of, has_motion, is_conditioned, make_probe, measure_sensitivities, needs_probes, probe_step, &
       probe_tolerance, round_off_of, sensitivity_of
 
    real(wp), parameter :: limit = 100
    !! largest sensitivity of a peak without a warning: a motion that is 1 % stronger changes a peak
    !! above it by the size of the peak [-]
-   real(wp), parameter :: loosest = 1.0e-8_wp
+   real(wp), parameter :: loosest = 1.0e-7_wp
    !! tolerance of the probes of tighter runs [-]
 
 contains
@@ -52,12 +52,12 @@ contains
 
    !> Relative change of the motion in a probe [-].
    !>
-   !> It exceeds the error of the probes by a factor of 1000, and stays below 1 %.
+   !> It exceeds the tolerance of the probes by a factor of 100, and stays below 1 %.
    elemental real(wp) function probe_step(rtol)
       real(wp), intent(in) :: rtol
       !! relative tolerance of the run [-]
 
-      probe_step = min(1.0e-2_wp, 1.0e3_wp*probe_tolerance(rtol))
+      probe_step = min(1.0e-2_wp, 100*probe_tolerance(rtol))
    end function probe_step
 
    !> Set the solver of a probe, and scale its initial state like its motion.
@@ -113,6 +113,26 @@ contains
       sensitivity = 1/step
       if (change < abs(value)) sensitivity = change/abs(value)/step
    end function sensitivity_of
+
+   !> Number of digits of a peak that hold.
+   !>
+   !> The peak is uncertain by its sensitivity, at least 1, times the larger of 10 rtol and a change
+   !> of the motion by 1e-7, the last digits of a record. Where the probes change it by more than
+   !> 1 %, it is uncertain by that change.
+   elemental integer function digits_of(rtol, sensitivity) result(digits)
+      real(wp), intent(in) :: rtol
+      !! relative tolerance of the run [-]
+      real(wp), intent(in) :: sensitivity
+      !! [-]
+      real(wp), parameter :: last_digits = 1.0e-7_wp
+      real(wp) :: error
+
+      error = max(10*rtol, last_digits)*max(1.0_wp, sensitivity)
+      if (sensitivity*probe_step(rtol) > 1.0e-2_wp) error = max(error, &
+         sensitivity*probe_step(rtol))
+      ! round-off of the logarithm must not cost a digit
+      digits = max(1, floor(-log10(error) + 1.0e-6_wp))
+   end function digits_of
 
    !> Change of values that round-off can cause, from the largest of their kind.
    elemental real(wp) function round_off_of(largest) result(round_off)
@@ -212,20 +232,19 @@ contains
       type(result_t), intent(inout) :: result
       type(result_t), intent(in) :: weaker, stronger
       type(values_t) :: here, below, above
-      integer, allocatable :: floors(:)
+      integer, allocatable :: rows(:), floors(:)
       logical :: are_alike
-      integer :: i, n
+      integer :: i
 
-      allocate (result%sensitivities(count(is_peak(all_quantities))))
       are_alike = end_alike(result, weaker, stronger)
       call scalars_of(case, result, here)
       call scalars_of(case, weaker, below)
       call scalars_of(case, stronger, above)
-      n = 0
-      do i = 1, size(all_quantities)
-         if (.not. is_peak(all_quantities(i))) cycle
-         n = n + 1
-         associate (found => result%sensitivities(n), number => all_quantities(i)%id)
+      rows = pack([(i, i=1, size(all_quantities))], here%count(all_quantities%id) > 0)
+      rows = pack(rows, is_peak(all_quantities(rows)))
+      allocate (result%sensitivities(size(rows)))
+      do i = 1, size(rows)
+         associate (found => result%sensitivities(i), number => all_quantities(rows(i))%id)
             floors = floors_of(here, number)
             found%number = number
             found%below = here%count(number) - size(floors)
@@ -234,7 +253,7 @@ contains
             where (is_present(below, number, floors) .and. is_present(above, number, floors)) &
                found%values = sensitivity_of(value_of(here, number, floors), &
                value_of(below, number, floors), value_of(above, number, floors), step, &
-               round_off_of(largest_like(here, i)))
+               round_off_of(largest_like(here, rows, rows(i))))
          end associate
       end do
    end subroutine compare
@@ -243,21 +262,23 @@ contains
    !>
    !> Equilibrium leaves no moment at the top of a wall, for example, but the round-off of the
    !> others.
-   pure real(wp) function largest_like(values, place) result(largest)
+   pure real(wp) function largest_like(values, rows, place) result(largest)
       type(values_t), intent(in) :: values
+      integer, intent(in) :: rows(:)
+      !! (peaks) rows of the table
       integer, intent(in) :: place
-      !! row of the table
-      integer, allocatable :: floors(:)
+      !! one of them
+      character(key_length) :: ending
       integer :: i
 
       largest = 0
-      do i = 1, size(all_quantities)
-         if (.not. is_peak(all_quantities(i))) cycle
-         if (ending_of(all_quantities(i)%key) /= ending_of(all_quantities(place)%key)) cycle
-         floors = floors_of(values, all_quantities(i)%id)
-         if (size(floors) == 0) cycle
-         associate (sizes => abs(value_of(values, all_quantities(i)%id, floors)))
-            largest = max(largest, maxval(sizes, sizes <= huge(largest)))
+      ending = ending_of(all_quantities(place)%key)
+      do i = 1, size(rows)
+         associate (row => all_quantities(rows(i)))
+            if (ending_of(row%key) /= ending) cycle
+            associate (sizes => abs(value_of(values, row%id, floors_of(values, row%id))))
+               largest = max(largest, maxval(sizes, sizes <= huge(largest)))
+            end associate
          end associate
       end do
    end function largest_like
@@ -296,7 +317,7 @@ contains
       if (n == 0) return
       call add_warning(result, 'sensitive: a motion that is 1 % stronger or weaker may change ' &
          //trim(integer_to_text(n))//' peaks by their own size, most of all '//worst &
-         //' (sensitivity '//trim(real_to_text(largest))//'); compare many similar motions')
+         //' (sensitivity '//trim(integer_to_text(nint(largest)))//'); compare many similar motions')
    end subroutine warn_of_sensitivity
 
 end module rwmf_simulation_conditioning
