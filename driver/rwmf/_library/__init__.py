@@ -16,8 +16,8 @@ from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.tables import (
     KeyRow,
-    instruction_set,
     digits_of,
+    instruction_set,
     meant_quantity,
     needs_of_groups,
     quantities,
@@ -35,9 +35,9 @@ __all__ = [
     "SceneAxis",
     "Spectrum",
     "check_threads",
+    "digits_of",
     "instruction_set",
     "keep_samples",
-    "digits_of",
     "meant_quantity",
     "needs_of_groups",
     "quantities",

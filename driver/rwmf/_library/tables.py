@@ -10,8 +10,8 @@ from rwmf._library.marshalling import encode, fetch_text, split_table
 
 __all__ = [
     "KeyRow",
-    "instruction_set",
     "digits_of",
+    "instruction_set",
     "meant_quantity",
     "needs_of_groups",
     "quantities",

@@ -363,6 +363,9 @@ contains
       if (allocated(queue%request%output)) row%output = queue%request%output
       if (.not. allocated(row%output)) row%output = output_t(energy=.false.)
       row%output%conditioning = any(queue%request%is_sensitivity)
+      ! rows with a common motion do not describe it
+      if (.not. allocated(row%motion) .and. allocated(queue%rows%case%motion)) row%motion = &
+         queue%rows%case%motion
       if (queue%rows%has_own_motion) then
          call simulate_with_motion(row, row_motion(queue%rows, row), control, result, error)
       else
