@@ -64,6 +64,17 @@ EFFECTS = [
     Effect("`&link`", {"link": {"L": 6.0}}, "link"),
     Effect("`&damper`", {"damper": {"c_over_m_w": 0.5}}, "damper"),
     Effect("`&nl_damper`", {"nl_damper": {"eta_1": 0.1, "exponent": 0.4}}, "nl_damper"),
+    Effect(
+        "`&bending`",
+        {
+            "bending": {"EI_over_m_w": 5000.0, "modes": 2},
+            "impact": {"rule": "coupled"},
+            "model": {"formulation": "exact"},
+            "output": {"reactions": None},
+        },
+        "bending",
+        no_element="the modes have to be remembered, and an element holds no state",
+    ),
     Effect("`&fuse`", {"fuse": {"eta_y": 0.3, "stroke_y": 0.01}}, "fuse"),
     Effect("`&yielding`", {"yielding": {"u_y": 0.01, "law": "elastic_plastic"}}, "yielding"),
     *(

@@ -41,7 +41,6 @@ SHARED_BASE_NAMES = {
 SHARED_TYPE_NAMES = {
     "model_t": 2,
     "samples_t": 2,
-    "storeys_t": 2,
 }
 
 # Folders inside one top folder that use each other.

@@ -298,6 +298,7 @@ _TITLES = {
     "link": "Link",
     "damper": "Dampers at the base",
     "nl_damper": "Nonlinear dampers at the base",
+    "bending": "Wall that bends",
     "inerter": "Inerters at the base",
     "fuse": "Fuses at the base",
     "yielding": "Yielding of the frame",

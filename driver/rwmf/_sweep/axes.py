@@ -556,10 +556,12 @@ def _find_key(name: str, label: str) -> Key:
         if known[1].lower() == key.lower()
         and (known[0] == group.lower() if group else known[0] != "spectrum")
     ]
-    if len(matches) == 1:
-        return matches[0]
+    # E of &bending is not e of &impact
+    exact = [known for known in matches if known[1] == key]
+    if len(matches) == 1 or len(exact) == 1:
+        return (exact or matches)[0]
     if matches:
-        names = ", ".join(f"{found}.{key}" for found, _ in matches)
+        names = ", ".join(".".join(found) for found in matches)
         raise InputError(f"{label}: {name}: in several groups; write one of {names}")
     known = _table()
     allowed = list(dict.fromkeys(["scale", *PAIRS, *(key for _, key in known)]))

@@ -147,7 +147,7 @@ contains
       ! after a fixed step theta is beyond 0 until the impact is applied
       if (y(1)*side < 0) call enter_side(scene%equation%model_t, scene%equation%state, -side)
       scene%u_max = max(scene%u_max, abs(frame_displacement(scene%equation, &
-         scene%equation%state%side, y(1))))
+         scene%equation%state%side, y)))
       scene%angle_max = max(scene%angle_max, abs(y(1)))
       call enter_side(scene%equation%model_t, scene%equation%state, side)
    end subroutine observe

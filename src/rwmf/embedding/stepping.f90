@@ -17,13 +17,13 @@ module rwmf_embedding_stepping
    use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
       restore_state, save_state, snapshot_t, start_instance, use_host_motion, wall_instance_t
    use rwmf_integrator_factory, only: new_integrator
-   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, frame_displacement, &
-      kinematics_at, second_derivative
+   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, rates_at, &
+      second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: resistance
    use rwmf_model_hysteresis_spring_set, only: uneven_plastic_part
-   use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_equation, only: frame_acceleration, frame_motion
    use rwmf_model_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       motion_from_case
@@ -360,25 +360,24 @@ contains
    subroutine fill_motion(instance, state)
       type(wall_instance_t), intent(in) :: instance
       type(wall_state_t), intent(inout) :: state
-      type(kinematics_t) :: kin
-      real(wp) :: y_ddot
+      real(wp) :: y_dot(size(instance%hybrid%y))
 
       associate (equation => instance%equation, y => instance%hybrid%y)
-         y_ddot = 0
-         if (.not. state%at_rest) y_ddot = second_derivative(equation, instance%hybrid%t, y)
+         y_dot = 0
+         if (.not. state%at_rest .or. equation%beam%n > 0) call rates_at(equation, &
+            instance%hybrid%t, y, y_dot)
+         if (state%at_rest) y_dot(2) = 0
          if (.not. equation%has_wall) then
             state%u_s = y(1)
             state%u_s_dot = y(2)
-            state%u_s_ddot = y_ddot
+            state%u_s_ddot = y_dot(2)
          else
             state%theta = y(1)
             state%theta_dot = y(2)
-            state%theta_ddot = y_ddot
-            kin = kinematics_at(equation, y(1))
+            state%theta_ddot = y_dot(2)
             if (equation%has_frame) then
-               state%u_s = frame_displacement(equation, equation%state%side, y(1))
-               state%u_s_dot = equation%p%R*kin%j*y(2)
-               state%u_s_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
+               call frame_motion(equation, equation%state%side, y, state%u_s, state%u_s_dot)
+               state%u_s_ddot = frame_acceleration(equation, equation%state%side, y, y_dot)
             end if
          end if
          if (equation%has_frame) state%u_s_max = max(abs(state%u_s), instance%recorder%u_max)

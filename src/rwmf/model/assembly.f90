@@ -66,14 +66,36 @@ contains
       call renew_coefficients(equation%model_t, equation%state)
       associate (p => equation%p, &
          pushed => 2*equation%p%gamma*equation%floors%excited_mass_ratio + 1)
-         equation%threshold = p%g*tan(p%alpha)*(1 + p%eta_0)/pushed
-         equation%weight_share = tan(p%alpha)/pushed
+         equation%uplift%threshold = p%g*tan(p%alpha)*(1 + p%eta_0)/pushed
+         equation%uplift%weight_share = tan(p%alpha)/pushed
       end associate
-      equation%state%uplift_acceleration = equation%threshold
+      equation%state%uplift_acceleration = equation%uplift%threshold
       equation%state%inertia_at_rest = 4.0_wp/3 + 4*equation%p%gamma*equation%p%cos_alpha**2
+      if (equation%beam%n > 0) call find_push_gain(equation)
       equation%effects_act_at_rest = equation%has_impacts &
          .and. (has_further_effects(equation) .or. equation%has_bilinear_springs)
    end subroutine build_equation
+
+   !> Find the moment of the ground acceleration on a bending wall over that on a rigid wall. The
+   !> modes follow the ground and carry most of it.
+   subroutine find_push_gain(equation)
+      type(equation_t), intent(inout) :: equation
+      type(lane_motion_t) :: motion
+      real(wp) :: rates(equation%n), still(equation%n), moment(2)
+      integer :: i
+
+      still = 0
+      do i = 1, 2
+         motion%ground = i - 1
+         motion%vertical = 0
+         call lane_rates(equation%scene, equation%state%coef, still, motion, rates)
+         moment(i) = motion%moment(1)
+      end do
+      associate (p => equation%p)
+         equation%uplift%push_gain = (moment(1) - moment(2))*equation%state%side*p%R/(p%gamma &
+            *equation%floors%excited_mass_ratio*(2*p%cos_alpha) + p%cos_alpha)
+      end associate
+   end subroutine find_push_gain
 
    !> Set up the wall: rocking on its corners, or hinged in the middle of its base. About the hinge
    !> its inertia is m_w (4/3 h**2 + b**2/3). One smooth equation then holds for both signs of

@@ -2,10 +2,10 @@
 module rwmf_model_contributions
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_list, only: prepare_effect
-   use rwmf_model_effects_numbers, only: effect_count
+   use rwmf_model_effects_numbers, only: bending_effect, effect_count
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_model_hysteresis_spring_set, only: choose_springs, has_branches
-   use rwmf_model_scene, only: add_term, term_t
+   use rwmf_model_scene, only: add_term, elsewhere, term_t, through_link
    use rwmf_problem_case, only: case_t
    implicit none
    private
@@ -30,7 +30,23 @@ contains
          call prepare_effect(i, case, equation, effect)
          if (effect%is_present) call append_contribution(equation, i, effect)
       end do
+      if (equation%beam%n > 0) call order_terms(equation)
    end subroutine choose_contributions
+
+   !> Put the loops that act on the frame before that of the modes, which reads their force, and all
+   !> others after it. Floors linked one by one belong to the loop of the modes.
+   subroutine order_terms(equation)
+      type(equation_t), intent(inout) :: equation
+      logical, allocatable :: is_before(:), is_left(:)
+
+      associate (scene => equation%scene)
+         is_before = scene%terms%acts == through_link .or. scene%terms%acts == elsewhere
+         is_left = is_before
+         if (allocated(equation%beam%floors)) is_left = scene%terms%effect == bending_effect
+         scene%bent = count(is_left)
+         scene%terms = [pack(scene%terms, is_left), pack(scene%terms, .not. is_before)]
+      end associate
+   end subroutine order_terms
 
    !> True if the frame as a whole yields with a law of linear branches. Coupling 'full', with laws
    !> for the single storeys, is excluded.

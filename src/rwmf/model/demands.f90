@@ -7,6 +7,10 @@
 !> relative acceleration. A single degree of freedom is one floor without a storey.
 module rwmf_model_demands
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_model_beam, only: tip_deflection
+   use rwmf_model_bent_sections, only: bent_sections_t, create_bent_sections, find_bent_extremes
+   use rwmf_model_bent_wall, only: bent_overturning, forces_of_linked_floors, &
+      linked_floor_accelerations, linked_floor_motion
    use rwmf_model_effects_p_delta, only: leaning_height, leaning_loads
    use rwmf_model_effects_storeys_shear_building, only: column_shears
    use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_motion, &
@@ -55,6 +59,8 @@ module rwmf_model_demands
       real(wp), allocatable :: load(:)
       !! (storeys) P-Delta force of the leaning loads per storey displacement, over the same unit
       !! [1/s2]
+      type(bent_sections_t), allocatable :: sections
+      !! sections of a bending wall
    end type building_t
 
    !> Demands at one instant, with their signs.
@@ -88,7 +94,13 @@ contains
          building%roof_height = 2*case%wall%h
       end if
       allocate (building%height(0), building%bend(0), building%k(0), building%load(0))
-      if (.not. equation%has_frame) return
+      if (.not. equation%has_frame) then
+         if (equation%beam%n > 0) then
+            allocate (building%sections)
+            call create_bent_sections(building%sections, equation%beam, [real(wp) ::])
+         end if
+         return
+      end if
       if (allocated(case%storeys)) then
          call describe_storeys(case, equation, building)
       else
@@ -99,6 +111,9 @@ contains
          if (building%roof_height > 0) building%z = [building%roof_height]
       end if
       building%weight = building%weight + equation%p%g*sum(building%m)
+      if (equation%beam%n == 0) return
+      allocate (building%sections)
+      call create_bent_sections(building%sections, equation%beam, building%z)
    end subroutine building_of
 
    !> Describe a frame of storeys. In a spectrum all stiffnesses follow the period.
@@ -128,7 +143,8 @@ contains
 
    !> Compute the demands at a state of motion. For a wall at rest, pass zeros for its motion.
    subroutine demands_at(building, equation, t, y, y_dot, demands)
-      type(building_t), intent(in) :: building
+      type(building_t), intent(inout) :: building
+      !! its section forces change
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
@@ -150,9 +166,15 @@ contains
       if (allocated(building%z)) demands%overturning = sum(building%m*building%z &
          *demands%acceleration)
       if (equation%has_wall) then
-         demands%overturning = demands%overturning + wall_overturning(equation, a, y, y_dot(2))
-         call links_of(building, equation, kin, t, y, y_dot(2), demands%links)
-         call find_section_extremes(equation, t, y, y_dot(2), demands%links, demands%wall)
+         call links_of(building, equation, kin, t, y, y_dot, demands%links)
+         if (equation%beam%n > 0) then
+            demands%overturning = demands%overturning + bent_overturning(equation, a, y, y_dot)
+            call find_bent_extremes(building%sections, equation, t, y, y_dot, demands%links, &
+               demands%wall)
+         else
+            demands%overturning = demands%overturning + wall_overturning(equation, a, y, y_dot(2))
+            call find_section_extremes(equation, t, y, y_dot(2), demands%links, demands%wall)
+         end if
       end if
       demands%overturning = demands%overturning/building%weight
    end subroutine demands_at
@@ -169,6 +191,7 @@ contains
       real(wp), intent(out) :: u_ddot(:)
       !! (floors) [m/s2]
       real(wp) :: u(0:building%floors), v(building%floors)
+      real(wp), allocatable :: u_linked(:), v_linked(:)
 
       if (.not. equation%has_frame) then
          demands%drift = u_ddot
@@ -177,15 +200,20 @@ contains
       end if
       associate (n => building%floors, first => equation%floors%first)
          u_ddot(n) = y_dot(2)
-         if (equation%has_wall) u_ddot(n) = roof_acceleration(equation, kin, y, y_dot(2))
+         if (equation%has_wall) u_ddot(n) = roof_acceleration(equation, kin, y, y_dot)
          if (equation%floors%n > 0) then
             u_ddot(:n - 1) = y_dot(first + n - 1:first + 2*n - 3)
             call floor_motion(equation, equation%state%side, y, u, v)
             demands%shear = equation%floors%unit*column_shears(equation, y)
+         else if (allocated(equation%beam%floors)) then
+            u_ddot = linked_floor_accelerations(equation, y, y_dot)
+            call linked_floor_motion(equation, y, u_linked, v_linked)
+            u = [0.0_wp, u_linked]
+            demands%shear = equation%beam%floors%k*(u(1:) - u(:n - 1))
          else
             u_ddot = building%share*u_ddot(n)
             u(0) = 0
-            u(1:) = building%share*frame_displacement(equation, equation%state%side, y(1))
+            u(1:) = building%share*frame_displacement(equation, equation%state%side, y)
             demands%shear = building%k*building%bend*resisting_displacements(building, equation, y)
          end if
          demands%drift = u(1:building%drifts) - u(0:building%drifts - 1)
@@ -203,7 +231,7 @@ contains
       real(wp) :: roof
       integer :: i, n
 
-      roof = frame_displacement(equation, equation%state%side, y(1))
+      roof = frame_displacement(equation, equation%state%side, y)
       u = roof
       if (equation%has_loading_direction) then
          u = bouc_wen_force(equation, y)/equation%p%omega_squared
@@ -224,7 +252,7 @@ contains
    !> With links at every floor, each link force balances the inertia of its floor and the
    !> difference of the storey forces above and below. The storey forces include shears and storey
    !> dampers, less the P-Delta force of leaning loads.
-   subroutine links_of(building, equation, kin, t, y, y_ddot, links)
+   subroutine links_of(building, equation, kin, t, y, y_dot, links)
       type(building_t), intent(in) :: building
       type(equation_t), intent(in) :: equation
       !! with a wall
@@ -234,8 +262,8 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
       type(links_t), intent(inout) :: links
       !! arrays that are already allocated are reused
       real(wp), dimension(building%drifts) :: shear, a
@@ -247,13 +275,24 @@ contains
       if (.not. allocated(links%place)) allocate (links%place(2, n), links%force(2, n))
       if (.not. equation%floors%are_linked) then
          links%place(:, :) = link_places(equation, [(1.0_wp, i=1, n)])
-         if (building%floors > 0) links%force(:, 1) = link_force(equation, kin, t, y, y_ddot)
+         if (equation%beam%n > 0) links%place(1, :) = links%place(1, :) &
+            + tip_deflection(equation%beam, y)
+         if (building%floors > 0) links%force(:, 1) = link_force(equation, kin, t, y, y_dot)
+         return
+      else if (allocated(equation%beam%floors)) then
+         associate (beam => equation%beam)
+            links%place(:, :) = link_places(equation, beam%floors%share)
+            links%place(1, :) = links%place(1, :) + matmul(beam%floors%phi, y(beam%first: &
+               beam%first + beam%n - 1))
+         end associate
+         links%force(1, :) = forces_of_linked_floors(equation, t, y, y_dot)
+         links%force(2, :) = 0
          return
       end if
       call frame_motion(equation, equation%state%side, y, u, v)
       shear = building%bend*(building%k*(resisting_displacements(building, equation, y) &
          + building%viscous_time*v) - building%load*u)
-      a = building%share*roof_acceleration(equation, kin, y, y_ddot) + ground(equation, t)
+      a = building%share*roof_acceleration(equation, kin, y, y_dot) + ground(equation, t)
       links%place(:, :) = link_places(equation, building%share)
       links%force(1, :) = -building%m*a - shear
       links%force(1, :n - 1) = links%force(1, :n - 1) + shear(2:)

@@ -6,6 +6,8 @@
 module rwmf_model_energy
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: cable_at, equation_t, ground_at, kinematics_at
+   use rwmf_model_bent_wall, only: bending_strain, bent_frame_strain, bent_gravity, &
+      bent_kinetic_energy
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_energy, effects_frame_energy
    use rwmf_model_effects_loops, only: lane_powers, lane_rates, power_unit
@@ -30,6 +32,8 @@ module rwmf_model_energy
       !! energy of the cable relative to the resting wall
       real(wp) :: effects = 0
       !! energy of further effects
+      real(wp) :: bending = 0
+      !! strain energy of a bending wall
    end type stored_energy_t
 
 contains
@@ -43,7 +47,8 @@ contains
       type(stored_energy_t) :: stored
 
       stored = stored_energy(equation, y)
-      energy = stored%kinetic + stored%strain + stored%gravity + stored%cable + stored%effects
+      energy = stored%kinetic + stored%strain + stored%gravity + stored%cable + stored%effects &
+         + stored%bending
    end function mechanical_energy
 
    !> Compute the stored energy part by part.
@@ -80,6 +85,11 @@ contains
             stored%gravity = p%g*p%R*(-2*equation%p%cos_alpha*sin(phi/2)**2)
          end if
          stored%cable = p%g*p%R*cable%energy
+         if (equation%beam%n == 0) return
+         stored%kinetic = bent_kinetic_energy(equation, y) + beyond(1)
+         stored%strain = bent_frame_strain(equation, y) + beyond(2)
+         stored%gravity = stored%gravity + bent_gravity(equation, y)
+         stored%bending = bending_strain(equation, y)
       end associate
    end function stored_energy
 

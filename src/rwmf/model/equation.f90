@@ -2,6 +2,7 @@
 !> The functions evaluate quantities that follow from both at a given rotation.
 module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_beam, only: beam_t, tip_deflection, tip_rate
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
    use rwmf_model_hysteresis_spring, only: branch_t, spring_t
    use rwmf_model_kinematics, only: displacement_of, geometry_t, kinematics_of, kinematics_t, &
@@ -21,7 +22,8 @@ module rwmf_model_equation
    public :: enter_interval, interval_of, enter_side, renew_coefficients, renew_effects
    public :: vertical_ground, has_further_effects
    public :: ground, kinematics_at, cable_at, uplift_demand, uplift_demands
-   public :: frame_displacement
+   public :: frame_displacement, straight_displacement
+   public :: tip_displacement, tip_velocity, tip_acceleration
    public :: frame_acceleration, frame_motion, frame_travel, frame_mass, corner_share
 
    !> Effect beyond wall, frame and cable: its lane loop, states, energy, power and force on the
@@ -201,6 +203,8 @@ module rwmf_model_equation
       real(wp) :: uplift_acceleration(-1:1) = 0
       !! ground acceleration at uplift of the resting wall by side (+1: theta > 0), see
       !! `rwmf_model_lift_off` [m/s2]
+      real(wp) :: lean = 0
+      !! how far a bent wall's weight leans to the right, over b [-]
       real(wp) :: inertia_at_rest = 1
       !! inertia of the wall and all coupled masses at theta = 0, over m_w R**2 [-]
       logical :: capacity_is_known = .false.
@@ -212,14 +216,22 @@ module rwmf_model_equation
       !! (1, coefficients) coefficients of the lane loops, see `renew_coefficients`
    end type discrete_state_t
 
+   !> Uplift of the resting wall, as far as it does not depend on the state.
+   type :: uplift_t
+      real(wp) :: threshold = 0
+      !! ground acceleration at uplift without further effects [m/s2]
+      real(wp) :: weight_share = 0
+      !! change of the threshold per vertical ground acceleration [-]
+      real(wp) :: push_gain = 1
+      !! moment of the ground acceleration on the wall over that on a rigid wall [-]
+   end type uplift_t
+
    !> One scene and its ground motion, as assembled once.
    type :: model_t
       type(parameters_t) :: p
       !! parameters with the symbols of the paper; those of absent effects are zero
-      real(wp) :: threshold
-      !! ground acceleration at uplift of the resting wall without further effects [m/s2]
-      real(wp) :: weight_share = 0
-      !! change of the threshold per vertical ground acceleration [-]
+      type(uplift_t) :: uplift
+      !! uplift of the resting wall
       logical :: effects_act_at_rest = .false.
       !! further effects act on the resting wall
       type(geometry_t) :: geometry
@@ -227,6 +239,8 @@ module rwmf_model_equation
       !! inertia of the wall about its pivot over m_w R**2 [-]
       type(floors_t) :: floors
       !! floors of `&storeys`
+      type(beam_t) :: beam
+      !! modes of `&bending`
       type(hysteresis_t) :: hysteresis
       !! hysteresis law of the frame
       logical :: has_loading_direction = .false.
@@ -334,7 +348,8 @@ module rwmf_model_equation
          real(wp), intent(inout) :: after
          !! theta' after the impact; on input from the velocity factor [rad/s]
          logical, intent(inout) :: stays
-         !! both corners stay on the base: theta' after the impact is 0
+         !! both corners stay on the base: theta' after the impact is 0; on entry: whatever the
+         !! momentum
       end subroutine land_i
 
       !> Expected sizes of an effect's states, for absolute tolerances.
@@ -548,10 +563,11 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      drive = -side*acceleration(equation%motion, interval, t) &
+      drive = -side*equation%uplift%push_gain*acceleration(equation%motion, interval, t) &
          - equation%state%uplift_acceleration(side)
       if (equation%has_vertical) then
-         drive = drive - equation%weight_share*vertical_acceleration(equation%motion, interval, t)
+         drive = drive - equation%uplift%weight_share*(1 - side*equation%state%lean) &
+            *vertical_acceleration(equation%motion, interval, t)
       end if
    end function uplift_demand
 
@@ -566,15 +582,27 @@ contains
       !! demand on the negative and on the positive side [m/s2]
       real(wp) :: push
 
-      push = acceleration(equation%motion, interval, t)
+      push = equation%uplift%push_gain*acceleration(equation%motion, interval, t)
       drive(1) = push - equation%state%uplift_acceleration(-1)
       drive(2) = -push - equation%state%uplift_acceleration(1)
-      if (equation%has_vertical) drive = drive - equation%weight_share &
-         *vertical_acceleration(equation%motion, interval, t)
+      if (equation%has_vertical) drive = drive - equation%uplift%weight_share &
+         *(1 - equation%state%lean*[-1, 1])*vertical_acceleration(equation%motion, interval, t)
    end function uplift_demands
 
    !> Displacement of the frame u_s on a side [m].
-   pure real(wp) function frame_displacement(model, side, theta) result(u_s)
+   pure real(wp) function frame_displacement(model, side, y) result(u_s)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! +1 or -1
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      u_s = straight_displacement(model, side, y(1))
+      if (model%beam%n > 0) u_s = u_s + tip_displacement(model, y)
+   end function frame_displacement
+
+   !> Displacement of the frame u_s beside a wall that does not bend [m].
+   pure real(wp) function straight_displacement(model, side, theta) result(u_s)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
       !! +1 or -1
@@ -586,7 +614,7 @@ contains
       else
          u_s = theta
       end if
-   end function frame_displacement
+   end function straight_displacement
 
    !> Compute displacement and velocity of the frame on a side.
    pure subroutine frame_motion(model, side, y, u_s, u_s_dot)
@@ -607,24 +635,59 @@ contains
       kin = kinematics_of(model%geometry, side, side*y(1))
       u_s = side*model%p%R*kin%u
       u_s_dot = model%p%R*kin%j*y(2)
+      if (model%beam%n == 0) return
+      u_s = u_s + tip_displacement(model, y)
+      u_s_dot = u_s_dot + tip_velocity(model, y)
    end subroutine frame_motion
 
    !> Acceleration of the frame relative to the ground [m/s2].
-   pure real(wp) function frame_acceleration(model, side, y, theta_ddot) result(u_s_ddot)
+   pure real(wp) function frame_acceleration(model, side, y, y_dot) result(u_s_ddot)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
       !! +1 or -1
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: theta_ddot
-      !! rate of the second state [rad/s2] or [m/s2]
+      real(wp), intent(in) :: y(:), y_dot(:)
+      !! (states) and their rates; without `&bending` the first two are enough
       type(kinematics_t) :: kin
 
-      u_s_ddot = theta_ddot
+      u_s_ddot = y_dot(2)
       if (.not. model%has_wall) return
       kin = kinematics_of(model%geometry, side, side*y(1))
-      u_s_ddot = model%p%R*(kin%j*theta_ddot + side*kin%k*y(2)**2)
+      u_s_ddot = model%p%R*(kin%j*y_dot(2) + side*kin%k*y(2)**2)
+      if (model%beam%n > 0) u_s_ddot = u_s_ddot + tip_acceleration(model, y, y_dot)
    end function frame_acceleration
+
+   !> Horizontal displacement of the wall's top due to its deflection [m].
+   pure real(wp) function tip_displacement(model, y) result(u)
+      class(model_t), intent(in) :: model
+      !! with `&bending`
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      u = cos(y(1))*tip_deflection(model%beam, y)
+   end function tip_displacement
+
+   !> Rate of `tip_displacement` [m/s].
+   pure real(wp) function tip_velocity(model, y) result(v)
+      class(model_t), intent(in) :: model
+      !! with `&bending`
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      v = cos(y(1))*tip_rate(model%beam, y) - sin(y(1))*tip_deflection(model%beam, y)*y(2)
+   end function tip_velocity
+
+   !> Second rate of `tip_displacement` [m/s2].
+   pure real(wp) function tip_acceleration(model, y, y_dot) result(a)
+      class(model_t), intent(in) :: model
+      !! with `&bending`
+      real(wp), intent(in) :: y(:), y_dot(:)
+      !! (states) and their rates
+
+      associate (w => tip_deflection(model%beam, y), w_dot => tip_rate(model%beam, y), &
+         sine => sin(y(1)), cosine => cos(y(1)))
+         a = cosine*(tip_rate(model%beam, y_dot) - w*y(2)**2) - sine*(2*w_dot*y(2) + w*y_dot(2))
+      end associate
+   end function tip_acceleration
 
    !> Displacement of the frame per small rotation [m/rad]; 1 for the bare frame.
    pure real(wp) function frame_travel(model) result(travel)

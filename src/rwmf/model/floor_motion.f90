@@ -65,7 +65,7 @@ contains
 
       associate (first => model%floors%first, n => model%floors%n)
          d_ddot(:n - 1) = y_dot(first + n - 1:first + 2*n - 3)
-         d_ddot(n) = frame_acceleration(model, side, y, y_dot(2))
+         d_ddot(n) = frame_acceleration(model, side, y, y_dot)
          d_ddot(2:) = d_ddot(2:) - d_ddot(:n - 1)
       end associate
    end function storey_accelerations

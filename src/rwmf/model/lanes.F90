@@ -17,7 +17,7 @@ module rwmf_model_lanes
    public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
       add_straight_cable, cosine, sine
    public :: add_wall_power, add_frame_power
-   public :: power_count, of_input, of_viscous, of_plastic
+   public :: power_count, of_input, of_viscous, of_plastic, of_bending
 
 #ifdef RWMF_LANES
    integer, parameter :: lane_count = RWMF_LANES
@@ -30,13 +30,15 @@ module rwmf_model_lanes
    integer, parameter :: cable_coefficients = 4
    integer, parameter :: link_coefficients = 4
 
-   integer, parameter :: power_count = 3
+   integer, parameter :: power_count = 4
    integer, parameter :: of_input = 1
    !! power of the ground motion
    integer, parameter :: of_viscous = 2
    !! power dissipated by dampers
    integer, parameter :: of_plastic = 3
    !! power dissipated by smooth hysteresis
+   integer, parameter :: of_bending = 4
+   !! power dissipated by the dampers of the modes
 
    !> Motion of the lanes at one instant. Effects add to inertia and moment of the equation
    !> inertia*phi'' = moment, per m_w R**2. For a bare frame u replaces phi, R is 1 and m_s replaces
@@ -68,6 +70,10 @@ module rwmf_model_lanes
       !! du/dphi [-]
       real(wp) :: k(lane_count)
       !! dj/dphi [-]
+      real(wp) :: u_rate(lane_count)
+      !! du/dt [1/s]
+      real(wp) :: u_bias(lane_count)
+      !! second derivative of u by time without accelerations of the coordinates [1/s2]
       real(wp) :: lever(lane_count)
       !! arm of the link's force, over R [-]
       real(wp) :: inertia(lane_count)
@@ -119,6 +125,8 @@ contains
          motion%u(i) = rise
          motion%j(i) = 2*(y + coef(i, 5)*sine_phi)
          motion%k(i) = 2*coef(i, 5) - rise
+         motion%u_rate(i) = motion%j(i)*motion%rate(i)
+         motion%u_bias(i) = motion%k(i)*motion%rate(i)*motion%rate(i)
          motion%lever(i) = 2*(y + coef(i, 6)*sine_phi)
          motion%inertia(i) = coef(i, 7)
          motion%moment(i) = -(coef(i, 8)*motion%s(i) + motion%c(i)*motion%push(i))
@@ -149,6 +157,8 @@ contains
          motion%u(i) = u(i)
          motion%j(i) = 1
          motion%k(i) = 0
+         motion%u_rate(i) = u_dot(i)
+         motion%u_bias(i) = 0
          motion%lever(i) = 1
          motion%inertia(i) = 0
          motion%moment(i) = 0
@@ -176,6 +186,8 @@ contains
          motion%k(i) = motion%k(i) + coef(i, 2)*((motion%k(i)*motion%k(i) - v*motion%j(i) &
             + tilt_1*tilt_1)/root)
          motion%j(i) = motion%j(i) + coef(i, 2)*tilt_1
+         motion%u_rate(i) = motion%j(i)*motion%rate(i)
+         motion%u_bias(i) = motion%k(i)*motion%rate(i)*motion%rate(i)
          motion%lever(i) = motion%j(i)
       end do
    end subroutine tilt_link
@@ -192,7 +204,7 @@ contains
 
       !$omp simd private(force)
       do i = 1, lane_count
-         force = motion%k(i)*motion%rate(i)*motion%rate(i) + coef(i, 2)*(motion%j(i)*motion%rate(i))
+         force = motion%u_bias(i) + coef(i, 2)*motion%u_rate(i)
          force = force + (coef(i, 3)*motion%u(i) + (motion%side(i)*coef(i, 4) + motion%push(i)))
          motion%inertia(i) = motion%inertia(i) + coef(i, 1)*(motion%lever(i)*motion%j(i))
          motion%moment(i) = motion%moment(i) - coef(i, 1)*(motion%lever(i)*force)
@@ -229,7 +241,7 @@ contains
 
       !$omp simd private(rate, share)
       do i = 1, lane_count
-         rate = motion%j(i)*motion%rate(i)
+         rate = motion%u_rate(i)
          share = weight*coef(i, 1)*rate
          total(i, of_input) = total(i, of_input) - share*motion%push(i)
          total(i, of_viscous) = total(i, of_viscous) + share*(coef(i, 2)*rate)

@@ -73,7 +73,7 @@ contains
 
       demand_turns = turning_point(equation%motion, interval, t)
       if (equation%has_vertical) demand_turns = min(demand_turns, steep_point(equation%motion, &
-         interval, t, equation%weight_share))
+         interval, t, equation%uplift%weight_share))
    end function demand_turns
 
    !> Side on which the wall lifts off at an instant, 0 if it stays. Compressed fuses may push up
@@ -89,7 +89,7 @@ contains
 
       drive = uplift_demands(equation, interval, t)
       side = merge(1, -1, drive(2) >= drive(1))
-      if (.not. lifts(max(drive(1), drive(2)), equation%threshold)) side = 0
+      if (.not. lifts(max(drive(1), drive(2)), equation%uplift%threshold)) side = 0
    end function lifting_side
 
    !> True if both sides lift off at an instant, so that the base has no contact force.
@@ -100,7 +100,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
 
-      jumps = lifts(minval(uplift_demands(equation, interval, t)), equation%threshold)
+      jumps = lifts(minval(uplift_demands(equation, interval, t)), equation%uplift%threshold)
    end function jumps
 
    !> Side that lifts off first, if both do so between two times.
@@ -164,7 +164,7 @@ contains
       type(bracket_t), intent(inout) :: bracket
 
       if (t > bracket%low .and. t < bracket%high) call narrow(bracket, &
-         lifts(uplift_demand(equation, side, interval, t), equation%threshold), t)
+         lifts(uplift_demand(equation, side, interval, t), equation%uplift%threshold), t)
    end subroutine narrow_at
 
    !> Remaining time during which the ground motion pulls the wall off its base on the current side
@@ -213,6 +213,8 @@ contains
       integer :: i
 
       if (.not. model%effects_act_at_rest .or. state%uplift_is_known) return
+      if (model%beam%n > 0) state%lean = dot_product(model%beam%area, y(model%beam%first: &
+         model%beam%first + model%beam%n - 1))/model%beam%half_width
       if (state%capacity_is_known) then
          state%uplift_acceleration([1, -1]) = state%uplift_capacity(:, 2)
          do i = 3, model%n

@@ -2,10 +2,13 @@
 !> forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
 module rwmf_model_reactions
    use rwmf_core_kinds, only: wp
+   use rwmf_model_bent_wall, only: forces_of_linked_floors, linked_floor_accelerations, &
+      mean_acceleration
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
-   use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, vertical_ground
+   use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, tip_acceleration, &
+      tip_displacement, tip_velocity, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: plastic_displacement, uneven_plastic_part
    use rwmf_model_kinematics, only: kinematics_t
@@ -30,14 +33,14 @@ contains
 
    !> Compute the reactions at a state of motion. For a wall at rest, pass zeros for its motion; N
    !> and H are then the resultants on the base in contact.
-   type(reactions_t) function reactions_at(equation, t, y, y_ddot) result(reactions)
+   type(reactions_t) function reactions_at(equation, t, y, y_dot) result(reactions)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]; bare frame: u'' [m/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
       type(kinematics_t) :: kin
       real(wp) :: mean(2)
       !! acceleration of the wall's centroid [m/s2]
@@ -49,22 +52,28 @@ contains
 
       on_frame = effects_frame_force(equation, y)
       if (.not. equation%has_wall) then
-         reactions = reactions_t(0, 0, y_ddot + ground(equation, t) &
-            + floor_inertia(equation, t, y, y_ddot) - on_frame(2))
+         reactions = reactions_t(0, 0, y_dot(2) + ground(equation, t) &
+            + floor_inertia(equation, t, y, y_dot(2)) - on_frame(2))
          return
       end if
       kin = kinematics_at(equation, y(1))
-      mean = equation%p%R*[kin%c*y_ddot + equation%state%side*kin%s*y(2)**2, &
-         equation%state%side*kin%s*y_ddot - kin%c*y(2)**2]
+      mean = equation%p%R*[kin%c*y_dot(2) + equation%state%side*kin%s*y(2)**2, &
+         equation%state%side*kin%s*y_dot(2) - kin%c*y(2)**2]
+      if (equation%beam%n > 0) mean = mean + mean_acceleration(equation, y, y_dot)
       mean(1) = mean(1) + ground(equation, t)
       if (equation%has_vertical) mean(2) = mean(2) + vertical_ground(equation, t)
-      applied = link_force(equation, kin, t, y, y_ddot) + cable_force(equation, y(1)) &
-         + corner_force(equation, y, y_ddot)
+      applied = link_force(equation, kin, t, y, y_dot) + cable_force(equation, y(1)) &
+         + corner_force(equation, y, y_dot(2))
       reactions%horizontal = mean(1) - applied(1)
       reactions%normal = mean(2) + equation%p%g - applied(2)
       reactions%base_shear = mean(1)
       if (.not. equation%has_frame) return
-      u_ddot = roof_acceleration(equation, kin, y, y_ddot)
+      if (allocated(equation%beam%floors)) then
+         reactions%base_shear = reactions%base_shear + dot_product(equation%beam%floors%m, &
+            linked_floor_accelerations(equation, y, y_dot) + ground(equation, t))
+         return
+      end if
+      u_ddot = roof_acceleration(equation, kin, y, y_dot)
       reactions%base_shear = reactions%base_shear + equation%p%gamma*(u_ddot &
          + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot) - on_frame(2)
    end function reactions_at
@@ -82,16 +91,16 @@ contains
 
    !> Force of the link on the wall: the inertia force of the frame less the forces of its spring
    !> and damper. The rise of its corner tilts a link of finite length.
-   function link_force(equation, kin, t, y, y_ddot) result(force)
+   function link_force(equation, kin, t, y, y_dot) result(force)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
       !! kinematics at the current rotation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
-      !! states
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]; without a wall u'' [m/s2]
+      !! (states)
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
       real(wp) :: force(2)
       !! [m/s2]
       real(wp) :: resisting(equation%floors%n)
@@ -102,8 +111,12 @@ contains
 
       force = 0
       if (.not. equation%has_frame) return
+      if (allocated(equation%beam%floors)) then
+         force(1) = sum(forces_of_linked_floors(equation, t, y, y_dot))
+         return
+      end if
       associate (p => equation%p)
-         u_ddot = roof_acceleration(equation, kin, y, y_ddot)
+         u_ddot = roof_acceleration(equation, kin, y, y_dot)
          force(1) = -p%gamma*(u_ddot + equation%floors%excited_mass_ratio*ground(equation, t))
          if (allocated(equation%floors%m)) then
             resisting = resistance(equation, y)
@@ -111,6 +124,8 @@ contains
          else
             force(1) = force(1) - p%gamma*p%omega_s*p%R &
                *(p%omega_s*equation%state%side*kin%u + 2*p%xi_s*kin%j*y(2))
+            if (equation%beam%n > 0) force(1) = force(1) - p%gamma*p%omega_s*(p%omega_s &
+               *tip_displacement(equation, y) + 2*p%xi_s*tip_velocity(equation, y))
          end if
          if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
             force(1) = force(1) + p%gamma*p%omega_squared*plastic_part(equation, y)
@@ -225,7 +240,7 @@ contains
       force = found(1, :)
    end function corner_force
 
-   !> Displacement of the middle of the wall's top over its height [-]. It grows with |theta|.
+   !> Displacement of the middle of a rigid wall's top over its height [-]. It grows with |theta|.
    pure real(wp) function wall_drift(equation, theta) result(drift)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
@@ -238,16 +253,17 @@ contains
    end function wall_drift
 
    !> Acceleration u_s'' of the frame, at its roof, relative to the ground [m/s2].
-   pure real(wp) function roof_acceleration(equation, kin, y, y_ddot) result(u_ddot)
+   pure real(wp) function roof_acceleration(equation, kin, y, y_dot) result(u_ddot)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
       !! kinematics at the current rotation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
-      u_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_ddot)
+      u_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 + kin%j*y_dot(2))
+      if (equation%beam%n > 0) u_ddot = u_ddot + tip_acceleration(equation, y, y_dot)
    end function roof_acceleration
 
 end module rwmf_model_reactions

@@ -217,7 +217,7 @@ contains
       call find_uplift_acceleration(equation%model_t, equation%state, held + duration*rates)
       later = equation%state%uplift_acceleration
       call find_uplift_acceleration(equation%model_t, equation%state, y)
-      displaced = maxval(abs(present([-1, 1]) - equation%threshold))
+      displaced = maxval(abs(present([-1, 1]) - equation%uplift%threshold))
       change = 2*maxval(abs(later([-1, 1]) - present([-1, 1]))) &
          + (duration*equation%floors%max_frequency)**2*displaced
    end subroutine bound_change

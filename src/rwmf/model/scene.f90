@@ -50,6 +50,9 @@ module rwmf_model_scene
       integer :: n_coef = 1
       !! number of coefficients
       type(term_t), allocatable :: terms(:)
+      integer :: bent = 0
+      !! place of the term of a wall that bends: its loop changes the kinematics before all others,
+      !! and its states follow theta'' after them; 0 for none
    end type scene_t
 
    !> Loops of a scene grouped by the path of their forces to the wall, each group with the columns

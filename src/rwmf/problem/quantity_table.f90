@@ -106,6 +106,8 @@ module rwmf_problem_quantity_table
       integer :: wall_shear_i_max_N = 163, wall_shear_i_above_max_N = 164
       integer :: wall_moment_i_max_N_m = 165, wall_moment_i_above_max_N_m = 166
       integer :: link_i_force_max_N = 167, pivot_normal_max_N = 168
+      integer :: q_i_m = 169, tip_deflection_max_m = 170, energy_bending_J_per_kg = 171
+      integer :: energy_bending_damping_J_per_kg = 172
    end type ids_t
 
    type(ids_t), parameter :: id = ids_t()
@@ -174,6 +176,8 @@ module rwmf_problem_quantity_table
       'force of the right fuse over weight of wall'), &
       quantity_t(id%floor_i_m, 'floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', &
       'storeys', of_rows, '`coupling = ''full''`', 'displacement of floor {i}'), &
+      quantity_t(id%q_i_m, 'q_{i}_m', 'q_{i}', 'm', 'real', 'row', 'history', 'bending', of_rows, &
+      '', 'deflection of the top in mode i of the wall'), &
       quantity_t(id%storey_i_drift, 'storey_{i}_drift', 'storey_{i}_drift', '1', 'real', 'row', &
       'history', 'storeys', of_rows, '`coupling = ''full''` or `reactions`', &
       'drift of storey {i} over its height'), &
@@ -263,6 +267,9 @@ module rwmf_problem_quantity_table
       quantity_t(id%u_s_max_m, 'u_s_max_m', 'u_s_max', 'm', 'real', 'peak', &
       'run ordinate spectrum sweep cost', 'frame', of_displacement, '', &
       'largest displacement of the frame'), &
+      quantity_t(id%tip_deflection_max_m, 'tip_deflection_max_m', 'tip_deflection_max', 'm', &
+      'real', 'peak', 'run ordinate', 'bending', of_events, '', &
+      'largest deflection of the top from the straight axis'), &
       quantity_t(id%t_u_s_max_s, 't_u_s_max_s', 't_u_s_max', 's', 'real', 'time', &
       'run ordinate cost', 'frame', of_events, '', 'first time of the largest displacement'), &
       quantity_t(id%theta_max_over_alpha, 'theta_max_over_alpha', 'theta_max_over_alpha', '1', &
@@ -595,6 +602,12 @@ module rwmf_problem_quantity_table
       quantity_t(id%energy_impact_J_per_kg, 'energy_impact_J_per_kg', 'energy_impact_J_per_kg', &
       'J/kg', 'real', 'end', 'history run ordinate', 'wall', of_energy, '`base = ''rocking''`', &
       'energy dissipated by impacts'), &
+      quantity_t(id%energy_bending_J_per_kg, 'energy_bending_J_per_kg', &
+      'energy_bending_J_per_kg', 'J/kg', 'real', 'end', 'history run ordinate', 'bending', &
+      of_energy, '', 'strain energy of the wall that bends'), &
+      quantity_t(id%energy_bending_damping_J_per_kg, 'energy_bending_damping_J_per_kg', &
+      'energy_bending_damping_J_per_kg', 'J/kg', 'real', 'end', 'history run ordinate', 'bending', &
+      of_energy, '', 'energy dissipated by the modes of the wall'), &
       quantity_t(id%energy_balance_relative, 'energy_balance_relative', 'energy_balance_relative', &
       '1', 'real', 'error', 'run ordinate', '', of_energy, '', 'residual of the energy ledger')]
 

@@ -63,6 +63,8 @@ module rwmf_simulation_result
       !! dissipated by yielding and rupture
       real(wp) :: flow = 0
       !! part of it that is not a function of the state: smooth hysteresis and rupture
+      real(wp) :: bending = 0
+      !! dissipated by the dampers of the modes
       character(32), allocatable :: names(:)
       !! names of the energy terms that apply to the scene
       integer, allocatable :: numbers(:)
@@ -180,6 +182,8 @@ module rwmf_simulation_result
    type :: result_t
       real(wp), allocatable :: u_s_max
       !! supremum of |u_s| over [0, t_end] [m]; absent without a frame
+      real(wp), allocatable :: tip_deflection_max
+      !! largest deflection of the wall's top from its straight axis [m]; absent without `&bending`
       real(wp), allocatable :: t_u_s_max
       !! time of its first occurrence [s]
       real(wp), allocatable :: theta_max

@@ -269,7 +269,7 @@ contains
 
       floored = tolerance
       if (.not. equation%has_impacts .or. minval(size_guess) <= 0) return
-      noise = epsilon(1.0_wp)*equation%threshold*inverse_inertia(equation)
+      noise = epsilon(1.0_wp)*equation%uplift%threshold*inverse_inertia(equation)
       duration = size_guess(1)/size_guess(2)
       floored%atol(:2) = max(floored%atol(:2), noise*duration*[duration, 1.0_wp])
    end function above_round_off
@@ -316,6 +316,7 @@ contains
          result%u_s_max = recorder%u_max
          result%t_u_s_max = recorder%t_u_max
       end if
+      if (allocated(recorder%top)) result%tip_deflection_max = recorder%top(2)
       if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
          call fill_hysteresis(case, equation, hybrid, result)
       end if
@@ -328,6 +329,7 @@ contains
       if (allocated(recorder%forces)) then
          result%reactions = force_extremes(recorder%forces, equation, recorder%theta_min, &
             recorder%theta_max, recorder%u_max)
+         if (allocated(recorder%top)) result%reactions%wall_drift_max = recorder%top(3)
          if (equation%has_cable) call fill_tendon(case, equation, result)
       end if
       if (allocated(recorder%demands)) then
@@ -459,7 +461,7 @@ contains
       y = hybrid%y
       call come_to_rest(equation%model_t, state, hybrid%overturning_angle, y, is_found)
       if (.not. is_found) return
-      u = frame_displacement(equation, state%side, y(1))
+      u = frame_displacement(equation, state%side, y)
       if (of_roof) result%demands%roof_at_rest = u/recorder%demands%building%roof_height
       if (.not. of_storeys) return
       associate (heights => case%storeys%frame%height)

@@ -101,6 +101,7 @@ contains
 
       call keep(values, id%u_s_max_m, result%u_s_max)
       call keep(values, id%t_u_s_max_s, result%t_u_s_max)
+      call keep(values, id%tip_deflection_max_m, result%tip_deflection_max)
       call keep(values, id%theta_max_over_alpha, result%theta_max_over_alpha)
       call keep(values, id%theta_dot_max_rad_s, result%theta_dot_max)
       call keep(values, id%cable_force_increment_max_over_m_w_g, result%cable_increment_max)
@@ -211,8 +212,8 @@ contains
       do i = 1, size(energy%values)
          call keep(values, energy%numbers(i), energy%values(i))
       end do
-      residual = energy%final + energy%viscous + energy%impact + energy%hysteretic &
-         - energy%initial - energy%input
+      residual = energy%final + energy%viscous + energy%bending + energy%impact &
+         + energy%hysteretic - energy%initial - energy%input
       scale = abs(energy%initial) + energy%input_max
       balance = 0
       if (scale > 0) balance = abs(residual)/scale

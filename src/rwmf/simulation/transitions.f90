@@ -4,6 +4,7 @@
 module rwmf_simulation_transitions
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_assembly, only: enter_side, equation_t, interval_of, rates_at, second_derivative
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
@@ -252,7 +253,7 @@ contains
       type(recorder_t), intent(inout) :: recorder
       real(wp), parameter :: slow = 1000
       !! ratio to the largest velocity, over sqrt(rtol), above which impacts do not graze [-]
-      real(wp) :: after
+      real(wp) :: after, energy
       logical :: stays
 
       ! spectrum ordinates of peaks alone have no such warning
@@ -262,12 +263,19 @@ contains
       end if
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
+      energy = 0
+      if (recorder%keeps_energy .and. equation%beam%n > 0) energy = mechanical_energy(equation, &
+         hybrid%y)
       call land_effects(equation, hybrid%y, after, stays)
       call observe_impact(recorder, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
       hybrid%t_turn = -huge(hybrid%t)
       call turn_back(equation%model_t, equation%state, 0.0_wp, goes_on=abs(after) > 0)
       call enter_side(equation%model_t, equation%state, -equation%state%side)
+      if (recorder%keeps_energy .and. equation%beam%n > 0) then
+         recorder%energy%impact = recorder%energy%impact + energy - mechanical_energy(equation, &
+            hybrid%y)
+      end if
       call find_uplift_acceleration(equation%model_t, equation%state, hybrid%y)
       if (.not. stays) stays = settles(hybrid, equation, recorder)
       if (stays) then
@@ -288,17 +296,40 @@ contains
       !! angular velocity after the impact [rad/s]
       logical, intent(out) :: stays
       !! an effect keeps both corners on the base
-      integer :: i
 
       stays = .false.
+      call land_on(equation, y, after, stays)
+      if (stays) after = 0
+   end subroutine land_effects
+
+   !> Ask each effect for its states after an impact.
+   subroutine land_on(equation, y, after, stays)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(inout) :: y(:)
+      real(wp), intent(inout) :: after
+      logical, intent(inout) :: stays
+      integer :: i
+
       if (.not. allocated(equation%effects)) return
       do i = 1, size(equation%effects)
          associate (effect => equation%effects(i))
             if (associated(effect%land)) call effect%land(effect, equation, y, after, stays)
          end associate
       end do
-      if (stays) after = 0
-   end subroutine land_effects
+   end subroutine land_on
+
+   !> Let the effects take the momentum that the impacts left out would give to them.
+   subroutine stop_effects(equation, y)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(inout) :: y(:)
+      !! (states) on the base, with the velocity that is left
+      real(wp) :: after
+      logical :: stays
+
+      stays = .true.
+      after = 0
+      call land_on(equation, y, after, stays)
+   end subroutine stop_effects
 
    !> Return whether the wall rests after an impact.
    logical function settles(hybrid, equation, recorder)
@@ -331,6 +362,7 @@ contains
       type(recorder_t), intent(inout) :: recorder
 
       if (sees_forces(recorder)) call observe_end_of_chatter(hybrid, equation, recorder)
+      call stop_effects(equation, hybrid%y)
       call turn_back(equation%model_t, equation%state, 0.0_wp)
       call find_uplift_acceleration(equation%model_t, equation%state, hybrid%y)
       call enter_rest(hybrid, equation)

@@ -4,7 +4,7 @@ module rwmf_simulation_warnings
    use rwmf_model_effects_vertical_motion, only: lowest_vertical
    use rwmf_model_impact_rule, only: balanced_restitution, mass_ratio, restitution
    use rwmf_motion_ground_motion, only: motion_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_numbers
    use rwmf_problem_usual_ranges, only: list_unusual, unusual_text
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_text_strings, only: real_to_text
@@ -86,9 +86,15 @@ contains
             case%frame%T_s), lines)
       end if
       if (.not. allocated(case%wall)) return
-      if (allocated(case%storeys) .and. any(depends_on_bending(keys))) call add_line( &
-         'the wall is rigid: accelerations of linked floors, and shear and moment in the wall, ' &
-         //'are 1.4 to 3.6 times too small compared with a wall that bends', lines)
+      if (has_numbers(case, 'bending')) then
+         if (any(comes_from_landings(keys))) call add_line('forces near the base come from the ' &
+            //'shocks of landings: base shear, lowest links and lowest floors depend on the ' &
+            //'number of modes, the stiffness of the links, shear and damping', lines)
+      else if (allocated(case%storeys) .and. any(depends_on_bending(keys))) then
+         call add_line('the wall is rigid: accelerations of linked floors, link forces, and ' &
+            //'shear and moment in the wall are 1.4 to 3.6 times too small; &bending gives them', &
+            lines)
+      end if
       if (case%wall%base == 'pinned') return
       gamma = [mass_ratio(case)]
       b = [case%wall%b]
@@ -122,8 +128,19 @@ contains
       !! key of a quantity, with the number of a floor or '{i}'
 
       depends_on_bending = (index(key, 'floor_') == 1 .and. index(key, 'acceleration') > 0) &
-         .or. index(key, 'wall_shear') == 1 .or. index(key, 'wall_moment') == 1
+         .or. index(key, 'wall_shear') == 1 .or. index(key, 'wall_moment') == 1 &
+         .or. index(key, 'link_') == 1
    end function depends_on_bending
+
+   !> Return whether a quantity of a bending wall does not converge with the number of modes.
+   elemental logical function comes_from_landings(key)
+      character(*), intent(in) :: key
+      !! key of a quantity, with the number of a floor or '{i}'
+
+      comes_from_landings = index(key, 'wall_shear') == 1 .or. index(key, 'link_') == 1 &
+         .or. (index(key, 'floor_') == 1 .and. index(key, 'acceleration') > 0) &
+         .or. index(key, 'pivot') == 1 .or. index(key, 'base_shear') == 1
+   end function comes_from_landings
 
    !> Warn of a vertical motion that exceeds weight and cable force: the pivot would lift.
    subroutine warn_of_weight(case, motion, lines)

@@ -5,7 +5,7 @@ module rwmf_spectrum_quantities
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t
-   use rwmf_problem_case, only: case_t, output_t, structure_t
+   use rwmf_problem_case, only: case_t, has_numbers, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_conditioning, only: is_conditioned
@@ -102,7 +102,8 @@ contains
       output%envelopes = any(observed == of_envelopes)
       output%energy = any(observed == of_energy)
       request%is_watched = output%reactions .or. output%demands .or. output%envelopes &
-         .or. any(observed == of_velocity .or. observed == of_storeys)
+         .or. any(observed == of_velocity .or. observed == of_storeys) .or. has_numbers(case, &
+         'bending')
       request%is_displacement = all(request%keys == displacement) .and. .not. request%has_peak
       request%has_only_peaks = all(observed == of_displacement)
       request%is_verified = case%solver%verify .and. any(observed == of_verification)

@@ -161,7 +161,8 @@ contains
       case = scene('exact', 'linear')
       motion = motion_from_case(case)
       call build_equation(case, motion, equation)
-      t_lift = asin(equation%threshold/(case%motion%a_max_g*case%model%g))/case%motion%omega_p
+      t_lift = asin(equation%uplift%threshold/(case%motion%a_max_g*case%model%g)) &
+         /case%motion%omega_p
       call enter_interval(equation%model_t, equation%state, interval_at(motion, t_lift))
       call enter_side(equation%model_t, equation%state, -1)
       at = 0

@@ -1,13 +1,14 @@
 !> List of all effects beyond wall, frame and cable. The procedures that read, check, describe or
 !> list a case iterate over it.
 module rwmf_model_effects_list
+   use rwmf_model_effects_bending, only: bending_group, prepare_bending
    use rwmf_model_effects_corner_damper, only: damper_group, prepare_damper
    use rwmf_model_effects_corner_inerter, only: inerter_group, prepare_inerter
    use rwmf_model_effects_fuse, only: fuse_group, prepare_fuse
    use rwmf_model_effects_impact_table, only: impact_table_group
    use rwmf_model_effects_link, only: link_group, prepare_link
    use rwmf_model_effects_nl_damper, only: nl_damper_group, prepare_nl_damper
-   use rwmf_model_effects_numbers, only: damper_effect, effect_count, fuse_effect, &
+   use rwmf_model_effects_numbers, only: bending_effect, damper_effect, effect_count, fuse_effect, &
       impact_table_effect, inerter_effect, link_effect, nl_damper_effect, p_delta_effect, &
       pinned_base_effect, storeys_effect, tendon_effect, vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta, only: p_delta_group, prepare_p_delta
@@ -44,6 +45,7 @@ contains
       effects(tendon_effect) = tendon_group()
       effects(p_delta_effect) = p_delta_group()
       effects(nl_damper_effect) = nl_damper_group()
+      effects(bending_effect) = bending_group()
    end function all_effects
 
    !> Prepare the contribution of one effect to the equation of motion, if the case has the effect.
@@ -73,6 +75,8 @@ contains
          call prepare_p_delta(case, equation, effect)
       case (nl_damper_effect)
          call prepare_nl_damper(case, equation, effect)
+      case (bending_effect)
+         call prepare_bending(case, equation, effect)
       case default
          ! base, rule of impacts, law of the cable: no contribution beyond wall and cable
       end select

@@ -1,13 +1,14 @@
 !> Equation of motion of the lanes: kinematics, followed by the loop of each term of a scene.
 module rwmf_model_effects_loops
    use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_bending_loop, only: add_mode_power, add_modes, bend_wall, release_modes
    use rwmf_model_effects_corner_damper_loop, only: add_damper, add_damper_power
    use rwmf_model_effects_corner_inerter_loop, only: add_inerter
    use rwmf_model_effects_fuse_loop, only: add_fuse
    use rwmf_model_effects_nl_damper_loop, only: add_nl_damper, add_nl_damper_power
-   use rwmf_model_effects_numbers, only: damper_effect, fuse_effect, inerter_effect, &
-      link_effect, nl_damper_effect, p_delta_effect, storeys_effect, vertical_effect, &
-      yielding_effect
+   use rwmf_model_effects_numbers, only: bending_effect, damper_effect, fuse_effect, &
+      inerter_effect, link_effect, nl_damper_effect, p_delta_effect, storeys_effect, &
+      vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta_loop, only: add_p_delta
    use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_excited_mass_power, &
       add_floor_power, add_floors
@@ -38,11 +39,7 @@ contains
       !! rates of the states
       integer :: i
 
-      if (scene%has_wall) then
-         call move_wall(coef(1, first_wall), y(1, 1), y(1, 2), motion)
-      else
-         call move_bare_frame(y(1, 1), y(1, 2), motion)
-      end if
+      call move_scene(scene, coef, y, motion)
       do i = 1, size(scene%terms)
          associate (term => scene%terms(i), own => scene%terms(i)%coef)
             select case (term%effect)
@@ -78,6 +75,9 @@ contains
                   y_dot(1, min(term%state, scene%n)))
             case (nl_damper_effect)
                call add_nl_damper(coef(1, own), motion)
+            case (bending_effect)
+               call add_modes(term%law, term%n, coef(1, own), y(1, term%state), &
+                  coef(1, first_wall + 6), motion, y_dot(1, term%state))
             case default
                ! this effect has no loop and therefore no term
             end select
@@ -88,7 +88,34 @@ contains
          y_dot(i, 1) = y(i, 2)
          y_dot(i, 2) = coef(i, 1)*(motion%side(i)*motion%moment(i)/motion%inertia(i))
       end do
+      if (scene%bent > 0) then
+         associate (term => scene%terms(scene%bent))
+            call release_modes(term%law, y(1, term%state), motion%side, y_dot(1, 2), &
+               y_dot(1, term%state))
+         end associate
+      end if
    end subroutine lane_rates
+
+   !> Compute the kinematics of the wall, or of the bare frame, before the terms.
+   subroutine move_scene(scene, coef, y, motion)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      !! coefficients of the terms
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      !! states
+      type(lane_motion_t), intent(inout) :: motion
+
+      if (scene%has_wall) then
+         call move_wall(coef(1, first_wall), y(1, 1), y(1, 2), motion)
+      else
+         call move_bare_frame(y(1, 1), y(1, 2), motion)
+      end if
+      if (scene%bent == 0) return
+      associate (term => scene%terms(scene%bent))
+         call bend_wall(term%law, coef(1, term%coef), y(1, term%state), coef(1, first_wall + 6), &
+            motion)
+      end associate
+   end subroutine move_scene
 
    !> Add the powers of ground motion, dampers and smooth plastic flow to a sum. The dissipation of
    !> springs on straight lines is computed from their elongations instead.
@@ -130,6 +157,9 @@ contains
                call add_vertical_power(weight, coef(1, own), motion, total)
             case (nl_damper_effect)
                call add_nl_damper_power(weight, coef(1, own), motion, total)
+            case (bending_effect)
+               call add_mode_power(term%law, term%n, weight, coef(1, own), y(1, term%state), &
+                  motion, total)
             case default
                ! this term stores energy only, or dissipates on straight lines
             end select

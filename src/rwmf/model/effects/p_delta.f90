@@ -6,6 +6,7 @@
 module rwmf_model_effects_p_delta
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
+   use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
       frame_motion, model_t
    use rwmf_model_floor_motion, only: storey_motion
@@ -176,7 +177,7 @@ contains
    !> mass of the frame or of the roof replaces m_w.
    subroutine prepare_storeys(case, equation, limit, effect)
       type(case_t), intent(in) :: case
-      type(equation_t), intent(in) :: equation
+      type(equation_t), intent(inout) :: equation
       real(wp), intent(in) :: limit
       !! limit of the drifts [-]
       type(contribution_t), intent(inout) :: effect
@@ -191,6 +192,11 @@ contains
             effect%first = equation%floors%first
             effect%reads = 2*n - 2
             effect%constants = [load/equation%floors%unit, 1/(limit*frame%height)]
+            return
+         end if
+         if (allocated(equation%beam%floors)) then
+            equation%beam%floors%load = load*frame_mass(equation)*frame%shape(n, 1)**2
+            effect%constants = [equation%beam%floors%load, 1/(limit*frame%height)]
             return
          end if
          bend = (frame%shape(:, 1) - [0.0_wp, frame%shape(:n - 1, 1)])/frame%shape(n, 1)
@@ -221,7 +227,7 @@ contains
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
-      real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
+      real(wp), allocatable :: d(:), rate(:)
 
       call displacements(equation, y, d, rate)
       energy = -sum(effect%constants(:size(d))*d**2)/2
@@ -234,11 +240,11 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       real(wp) :: force(2)
-      real(wp) :: d(max(1, equation%floors%n)), rate(max(1, equation%floors%n))
+      real(wp), allocatable :: d(:), rate(:)
 
       call displacements(equation, y, d, rate)
       associate (n => size(d))
-         if (equation%floors%n > 0) then
+         if (n > 1) then
             force = [-effect%constants(n)*d(n), effect%constants(n)*d(n) - effect%constants(1)*d(1)]
          else
             force = [-effect%constants(2)*d(1), 0.0_wp]
@@ -253,29 +259,38 @@ contains
       real(wp), intent(out) :: ratio(:)
       real(wp), intent(out) :: rate(:)
 
-      call displacements(equation, y, ratio, rate)
-      if (equation%floors%n == 0) then
-         ratio = ratio(1)
-         rate = rate(1)
-      end if
+      real(wp), allocatable :: d(:), d_dot(:)
+
+      call displacements(equation, y, d, d_dot)
       associate (share => effect%constants(size(effect%constants) - size(ratio) + 1:))
-         ratio = ratio*share
-         rate = rate*share
+         if (size(d) == size(ratio)) then
+            ratio = d*share
+            rate = d_dot*share
+         else
+            ratio = d(1)*share
+            rate = d_dot(1)*share
+         end if
       end associate
    end subroutine p_delta_drifts
 
-   !> Displacement and velocity of each storey with states, or else of the roof.
+   !> Displacement and velocity of each storey that moves by itself, or else of the roof.
    subroutine displacements(equation, y, d, rate)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
-      real(wp), intent(out) :: d(:)
+      real(wp), allocatable, intent(out) :: d(:)
       !! displacement [m]
-      real(wp), intent(out) :: rate(:)
+      real(wp), allocatable, intent(out) :: rate(:)
       !! velocity [m/s]
 
       if (equation%floors%n > 0) then
+         allocate (d(equation%floors%n), rate(equation%floors%n))
          call storey_motion(equation, equation%state%side, y, d, rate)
+      else if (allocated(equation%beam%floors)) then
+         call linked_floor_motion(equation, y, d, rate)
+         d = d - [0.0_wp, d(:size(d) - 1)]
+         rate = rate - [0.0_wp, rate(:size(rate) - 1)]
       else
+         allocate (d(1), rate(1))
          call frame_motion(equation, equation%state%side, y, d(1), rate(1))
       end if
    end subroutine displacements

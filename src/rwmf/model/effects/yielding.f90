@@ -134,7 +134,10 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
 
-      call check_law(values, error)
+      if (has_group(values, 'bending') .and. coupling(values) /= 'full') call fail_group(values, &
+         'yielding', "must not be given with &bending, except for &storeys coupling = 'full', " &
+         //'where the storeys yield separately', error)
+      if (.not. allocated(error)) call check_law(values, error)
       if (.not. allocated(error)) call check_keys_of_law(values, error)
       if (.not. allocated(error)) call check_softening(values, error)
       if (.not. allocated(error)) call check_mass(values, error)

@@ -51,7 +51,7 @@ contains
 
       associate (law => equation%hysteresis)
          y(law%place) = virgin_displacement(frame_displacement(equation, equation%state%side, &
-            y(1))/law%u_y, law%exponent)
+            y)/law%u_y, law%exponent)
       end associate
    end subroutine load_bouc_wen
 
@@ -149,7 +149,7 @@ contains
       associate (law => equation%hysteresis)
          energy(2) = frame_mass(equation)*equation%p%omega_s**2*(1 - law%hardening)/2 &
             *((law%u_y*y(law%place))**2 - frame_displacement(equation, equation%state%side, &
-            y(1))**2)
+            y)**2)
       end associate
    end function bouc_wen_energy
 
@@ -161,7 +161,7 @@ contains
 
       associate (law => equation%hysteresis)
          residual = law%u_y*unloaded_displacement(frame_displacement(equation, &
-            equation%state%side, y(1))/law%u_y, y(law%place), law%hardening, law%beta, law%exponent)
+            equation%state%side, y)/law%u_y, y(law%place), law%hardening, law%beta, law%exponent)
       end associate
    end function bouc_wen_residual
 
@@ -171,7 +171,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
 
-      force = equation%p%omega_s**2*(frame_displacement(equation, equation%state%side, y(1)) &
+      force = equation%p%omega_s**2*(frame_displacement(equation, equation%state%side, y) &
          - lagging_displacement(equation, y))
    end function bouc_wen_force
 
@@ -182,7 +182,7 @@ contains
       !! (states)
 
       associate (law => equation%hysteresis)
-         lag = (1 - law%hardening)*(frame_displacement(equation, equation%state%side, y(1)) &
+         lag = (1 - law%hardening)*(frame_displacement(equation, equation%state%side, y) &
             - law%u_y*y(law%place))
       end associate
    end function lagging_displacement

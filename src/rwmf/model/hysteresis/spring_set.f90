@@ -9,7 +9,7 @@ module rwmf_model_hysteresis_spring_set
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_cable, only: cable_elongation
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
-      frame_displacement, frame_mass, model_t, place_frame, place_left, place_right, &
+      straight_displacement, frame_mass, model_t, place_frame, place_left, place_right, &
       renew_coefficients, sprung_t, window_t
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bilinear, only: is_broken
@@ -224,7 +224,7 @@ contains
       integer :: i
 
       energy = 0
-      x = frame_displacement(equation, equation%state%side, y(1))
+      x = straight_displacement(equation, equation%state%side, y(1))
       do i = 1, size(equation%springs)
          associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
                     branch => equation%state%springs(i))
@@ -362,7 +362,7 @@ contains
       if (number == 0) then
          call cable_elongation(model%cable, phi, x, arm)
       else if (model%springs(number)%place == place_frame) then
-         x = frame_displacement(model, side, side*phi)
+         x = straight_displacement(model, side, side*phi)
       else
          x = 4*model%p%R*model%p%sin_alpha*sin(phi/2)
       end if
@@ -665,7 +665,7 @@ contains
 
       associate (n => size(residuals), state => equation%state)
          residuals = spring_residual(equation%springs(:n)%spring, state%springs(:n), &
-            frame_displacement(equation, state%side, theta))
+            straight_displacement(equation, state%side, theta))
       end associate
    end function frame_residuals
 
@@ -679,7 +679,7 @@ contains
 
       associate (n => size(parts), state => equation%state)
          parts = spring_plastic(equation%springs(:n)%spring, state%springs(:n), &
-            frame_displacement(equation, state%side, theta))
+            straight_displacement(equation, state%side, theta))
       end associate
    end function plastic_parts
 

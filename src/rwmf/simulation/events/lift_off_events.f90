@@ -98,7 +98,7 @@ contains
       type(equation_t), intent(in) :: equation
       type(watch_t) :: watches(2)
 
-      watches(1) = watch_t(1, 0, level=-4*epsilon(1.0_wp)*equation%threshold)
+      watches(1) = watch_t(1, 0, level=-4*epsilon(1.0_wp)*equation%uplift%threshold)
       watches(2) = watch_t(2, 0, level=watches(1)%level)
    end function both_sides
 

@@ -18,15 +18,15 @@ module rwmf_simulation_events_storey_events
    implicit none
    private
 
-   public :: storey_end_t, storeys_t, stop_at_storey, end_branch, is_quiet
+   public :: storey_end_t, displacements_t, stop_at_storey, end_branch, is_quiet
 
    !> Displacements of the storeys [m], with rates and accelerations.
-   type, extends(functions_t) :: storeys_t
+   type, extends(functions_t) :: displacements_t
       integer :: derivatives = 2
       !! number of required derivatives; the second costs an evaluation of the right-hand side
    contains
       procedure :: evaluate => evaluate_storeys
-   end type storeys_t
+   end type displacements_t
 
    !> Hysteretic states of smooth storeys [-], with their rates.
    type, extends(functions_t) :: hysteretic_t
@@ -54,7 +54,7 @@ contains
 
    !> Evaluate the displacements of the storeys at a state.
    subroutine evaluate_storeys(self, t, y, f)
-      class(storeys_t), intent(in) :: self
+      class(displacements_t), intent(in) :: self
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
       real(wp), allocatable, intent(out) :: f(:, :)
@@ -91,7 +91,7 @@ contains
       type(storey_end_t), intent(out) :: found
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      type(storeys_t) :: storeys
+      type(displacements_t) :: storeys
       type(samples_t), target :: samples
       type(moment_t) :: a, b
       type(span_t) :: span
@@ -128,7 +128,7 @@ contains
    !> accelerations in nearly all.
    logical function is_quiet(step)
       type(step_view_t), intent(in) :: step
-      type(storeys_t) :: storeys
+      type(displacements_t) :: storeys
       type(moment_t) :: a, b
       type(span_t) :: span
       integer :: derivatives, i
@@ -159,7 +159,7 @@ contains
 
    !> Return whether the displacement of a storey certainly stays on its branch in a span.
    logical function stays_on_branch(storeys, i, span) result(stays)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey from the ground up
       type(span_t), intent(in) :: span
@@ -184,7 +184,7 @@ contains
 
    !> Limits of an elastic storey. A storey beyond a limit by round-off starts at the limit.
    function watches_of_limits(storeys, i, a) result(watch)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey from the ground up
       type(moment_t), intent(in) :: a
@@ -199,7 +199,7 @@ contains
    !> Find the first branch end in a span. Each branch end found shortens the span, so that earlier
    !> ones remain visible.
    subroutine search_storeys(storeys, span, found, error)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       type(span_t), intent(inout) :: span
       type(storey_end_t), intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
@@ -252,7 +252,7 @@ contains
 
    !> Search a yielding storey for a velocity reversal, or for an earlier limit of its branch.
    subroutine search_turn(storeys, i, span, found, error)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey from the ground up
       type(span_t), intent(inout) :: span
@@ -297,7 +297,7 @@ contains
 
    !> Search an elastic storey for its limits.
    subroutine search_limits(storeys, i, span, found, error)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey from the ground up
       type(span_t), intent(inout) :: span
@@ -312,7 +312,7 @@ contains
 
    !> Find the zero of the hysteretic force of a smooth storey, which is monotone before a turn.
    subroutine search_zero(storeys, i, span, found, error)
-      type(storeys_t), intent(in) :: storeys
+      type(displacements_t), intent(in) :: storeys
       integer, intent(in) :: i
       !! number of the storey from the ground up
       type(span_t), intent(inout) :: span

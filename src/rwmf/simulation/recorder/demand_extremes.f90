@@ -50,13 +50,20 @@ contains
          n = 2*storeys + building%floors + 3
          call begin_search(recorder, equation, y, spread(-1.0_wp, 1, n))
          if (building%is_linear) recorder%is_led(storeys + 1:2*storeys) = .true.
-         if (equation%floors%n == 0) then
+         if (follows_roof(equation)) then
             recorder%is_led(2:storeys) = .true.
             if (.not. allocated(case%yielding)) return
             recorder%is_led(storeys + 2:2*storeys) = .not. allocated(case%yielding%storey_u_y)
          end if
       end associate
    end subroutine create_demands
+
+   !> True if all floors move in a fixed proportion to the roof.
+   pure logical function follows_roof(equation)
+      type(equation_t), intent(in) :: equation
+
+      follows_roof = equation%floors%n == 0 .and. .not. allocated(equation%beam%floors)
+   end function follows_roof
 
    !> Count floors and storeys of the building for loops over lanes.
    pure subroutine count_demands(recorder, equation, floors, storeys, are_known)
@@ -203,7 +210,7 @@ contains
          if (storeys > 0) then
             extremes%drift_max = largest(:storeys)
             extremes%t_drift_max = t(maxloc(extremes%drift_max, dim=1))
-            if (equation%floors%n == 0) then
+            if (follows_roof(equation)) then
                extremes%drift_max = u_s_max*abs(building%bend)/building%height
                extremes%t_drift_max = t_u_s_max
             end if

@@ -11,7 +11,8 @@ module rwmf_simulation_recorder_energy_balance
       stored_energy_t, yielding_loss
    use rwmf_model_equation, only: has_further_effects
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_lanes, only: of_input, of_plastic, of_viscous, power_count
+   use rwmf_model_lanes, only: of_bending, of_input, of_plastic, of_viscous, &
+      power_count
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_result, only: energy_t
@@ -49,6 +50,7 @@ contains
       energy%input = energy%input + work(of_input)
       energy%viscous = energy%viscous + work(of_viscous)
       energy%flow = energy%flow + work(of_plastic)
+      energy%bending = energy%bending + work(of_bending)
       energy%input_max = max(energy%input_max, abs(energy%input))
    end subroutine add_work
 
@@ -102,6 +104,10 @@ contains
       if (dissipates_hysteretically(equation)) then
          call put(row, id%energy_hysteretic_J_per_kg, energy%flow &
             + yielding_loss(equation, y))
+      end if
+      if (equation%beam%n > 0) then
+         call put(row, id%energy_bending_J_per_kg, stored%bending)
+         call put(row, id%energy_bending_damping_J_per_kg, energy%bending)
       end if
       if (equation%has_impacts) call put(row, id%energy_impact_J_per_kg, energy%impact)
    end subroutine put_energies

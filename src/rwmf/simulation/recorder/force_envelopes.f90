@@ -7,6 +7,8 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
    use rwmf_model_assembly, only: equation_t, interval_of
+   use rwmf_model_bent_sections, only: find_bent_sections
+   use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_demands, only: building_of, building_t, links_of
    use rwmf_model_equation, only: corner_share, frame_motion, ground, kinematics_at
    use rwmf_model_floor_motion, only: floor_motion
@@ -57,6 +59,8 @@ module rwmf_simulation_recorder_force_envelopes
       !! (floors) number of the section of each
       type(links_t) :: links
       !! link forces at the last instant
+      integer, allocatable :: nodes(:)
+      !! (sections) node of each section of a bending wall
       real(wp), allocatable :: below(:, :), above(:, :)
       !! (2, sections) shear and moment at the last instant [m/s2], [m2/s2]
       real(wp) :: travel(2) = 0
@@ -123,6 +127,12 @@ contains
       end if
       recorder%z = 2*equation%p%R*equation%p%cos_alpha*[0.0_wp, share]
       allocate (recorder%below(2, size(recorder%z)), recorder%above(2, size(recorder%z)))
+      if (equation%beam%n == 0) return
+      associate (sections => recorder%building%sections)
+         recorder%nodes = [0, sections%of_floor]
+         if (size(recorder%z) > n + 1) recorder%nodes = [recorder%nodes(:i), sections%middle, &
+            recorder%nodes(i + 1:)]
+      end associate
    end subroutine place_sections
 
    !> Mark forces above a section that need no separate search.
@@ -159,8 +169,8 @@ contains
       n = self%building%floors
       found(:n) = abs(floor_velocities(self, equation, t, y))
       if (.not. equation%has_wall) return
-      call find_forces(self, equation, t, y, y_dot(2))
-      reactions = reactions_at(equation, t, y, y_dot(2))
+      call find_forces(self, equation, t, y, y_dot)
+      reactions = reactions_at(equation, t, y, y_dot)
       associate (forces => found(n + 1:), below => self%below, above => self%above)
          forces(of_normal) = reactions%normal
          forces(of_base:of_base + 1) = abs(above(:, 1))
@@ -177,18 +187,27 @@ contains
    end subroutine find_envelopes
 
    !> Compute the forces of the links and at the sections, with their signs.
-   subroutine find_forces(self, equation, t, y, y_ddot)
+   subroutine find_forces(self, equation, t, y, y_dot)
       class(envelope_recorder_t), intent(inout) :: self
       type(equation_t), intent(in) :: equation
       !! equation of a scene with a wall
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
-      call links_of(self%building, equation, kinematics_at(equation, y(1)), t, y, y_ddot, &
+      call links_of(self%building, equation, kinematics_at(equation, y(1)), t, y, y_dot, &
          self%links)
-      call find_forces_beside(equation, t, y, y_ddot, self%links, self%z, self%below, self%above)
+      if (equation%beam%n > 0) then
+         associate (sections => self%building%sections)
+            call find_bent_sections(sections, equation, t, y, y_dot, self%links)
+            self%below(:, :) = sections%below_node(:, self%nodes)
+            self%above(:, :) = sections%above_node(:, self%nodes)
+         end associate
+      else
+         call find_forces_beside(equation, t, y, y_dot(2), self%links, self%z, self%below, &
+            self%above)
+      end if
       ! the wall ends at the roof
       if (self%building%floors > 0) self%above(:, size(self%z)) = 0
    end subroutine find_forces
@@ -201,10 +220,14 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp) :: v(self%building%floors)
       real(wp) :: u(0:self%building%floors), roof(2)
+      real(wp), allocatable :: displacements(:), velocities(:)
 
       if (size(v) == 0) return
       if (equation%floors%n > 0) then
          call floor_motion(equation, equation%state%side, y, u, v)
+      else if (allocated(equation%beam%floors)) then
+         call linked_floor_motion(equation, y, displacements, velocities)
+         v = velocities
       else
          call frame_motion(equation, equation%state%side, y, roof(1), roof(2))
          v = self%building%share*roof(2)
@@ -324,7 +347,7 @@ contains
    end subroutine observe_envelopes_at_rest
 
    !> Fill in the columns of the history at one instant.
-   subroutine put_envelopes(row, recorder, equation, t, y, y_ddot)
+   subroutine put_envelopes(row, recorder, equation, t, y, y_dot)
       type(history_row_t), intent(inout) :: row
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
@@ -332,11 +355,11 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
       if (.not. equation%has_wall) return
-      call find_forces(recorder, equation, t, y, y_ddot)
+      call find_forces(recorder, equation, t, y, y_dot)
       associate (base => recorder%above(:, 1)/equation%p%g, force => recorder%links%force, &
                  n => recorder%building%floors)
          call put(row, id%wall_shear_base_over_m_w_g, base(1))

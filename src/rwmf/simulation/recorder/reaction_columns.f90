@@ -3,6 +3,7 @@ module rwmf_simulation_recorder_reaction_columns
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_model_equation, only: tip_displacement
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
    use rwmf_model_reactions_loop, only: demand, low_normal, shear
    use rwmf_problem_quantity_table, only: id
@@ -17,7 +18,7 @@ module rwmf_simulation_recorder_reaction_columns
 contains
 
    !> Fill in the columns of the history at one instant.
-   subroutine put_reactions(row, equation, m_w_g, t, y, y_ddot, u_s)
+   subroutine put_reactions(row, equation, m_w_g, t, y, y_dot, u_s)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: m_w_g
@@ -26,13 +27,14 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]; without wall u'' [m/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
       real(wp), intent(in) :: u_s
       !! displacement of the frame, if present [m]
       type(reactions_t) :: reactions
+      real(wp) :: drift
 
-      reactions = reactions_at(equation, t, y, y_ddot)
+      reactions = reactions_at(equation, t, y, y_dot)
       call put(row, id%base_shear_over_weight, reactions%base_shear/weight(equation))
       if (.not. equation%has_wall) return
       associate (g => equation%p%g)
@@ -40,7 +42,9 @@ contains
          call put(row, id%pivot_horizontal_over_m_w_g, reactions%horizontal/g)
          if (.not. equation%parts%has_shear_key) call put(row, id%friction_demand, &
             infinite_where_lifted(friction_demand(reactions)))
-         call put(row, id%wall_drift, wall_drift(equation, y(1)))
+         drift = wall_drift(equation, y(1))
+         if (equation%beam%n > 0) drift = drift + tip_displacement(equation, y)/equation%beam%length
+         call put(row, id%wall_drift, drift)
          if (equation%has_frame) call put(row, id%frame_drift, u_s/roof_height(equation))
          if (m_w_g > 0) then
             call put(row, id%pivot_normal_N, reactions%normal*m_w_g/g)
@@ -81,7 +85,7 @@ contains
          extremes%is_exceeded = allocated(forces%t_exceeded)
          if (extremes%is_exceeded) extremes%t_exceeded = forces%t_exceeded
       end if
-      ! drifts are monotone in the rotation, whose peaks are located as events
+      ! drifts of a rigid wall are monotone in the rotation, whose peaks are located as events
       extremes%wall_drift_max = max(wall_drift(equation, theta_max), &
          -wall_drift(equation, theta_min))
       if (equation%has_frame) extremes%frame_drift_max = u_s_max/roof_height(equation)

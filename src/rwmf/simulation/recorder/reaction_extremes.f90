@@ -15,14 +15,14 @@ module rwmf_simulation_recorder_reaction_extremes
       short_angle, so_far, value_count
    use rwmf_math_roots, only: bracket_between, bracket_t, climb, is_wider, maximum_between, &
       maximum_t, narrow, vertex_of_parabola
-   use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
+   use rwmf_model_assembly, only: equation_t, interval_of, rates_at
    use rwmf_model_reactions_loop, only: demand, low_normal, &
       n_quantities => reaction_count, shear
    use rwmf_model_equation, only: ground, has_further_effects, vertical_ground
    use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_step_view, only: accelerations, count_parts, end_of_part, is_short, &
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_short, &
       step_view_t
    use rwmf_simulation_recorder_reaction_estimates, only: at_first, at_last, estimate_reactions, &
       fastest_of, has_estimate, inside, is_sharp, largest_quotient, n_nodes, node, nowhere, &
@@ -69,32 +69,32 @@ contains
    end subroutine create_reaction_extremes
 
    !> Update the extrema with the final state if there is no other, as in a run of zero duration.
-   subroutine observe_last(forces, equation, t, y, y_ddot)
+   subroutine observe_last(forces, equation, t, y, y_dot)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]; without wall u'' [m/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
       if (forces%largest(shear) >= 0) return
-      call observe_instant(forces, equation, t, y, y_ddot)
+      call observe_instant(forces, equation, t, y, y_dot)
    end subroutine observe_last
 
    !> Update the extrema with one state.
-   subroutine observe_instant(forces, equation, t, y, y_ddot)
+   subroutine observe_instant(forces, equation, t, y, y_dot)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' [rad/s2]; without wall u'' [m/s2]
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
 
-      call keep_largest(forces, t, quantities(equation, reactions_at(equation, t, y, y_ddot)))
+      call keep_largest(forces, t, quantities(equation, reactions_at(equation, t, y, y_dot)))
    end subroutine observe_instant
 
    !> Update the extrema over smooth motion inside the last step of the integrator.
@@ -134,9 +134,11 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
+      real(wp) :: y_dot(size(y))
 
+      call rates_at(piece%equation, t, y, y_dot)
       call keep_largest(forces, t, quantities(piece%equation, reactions_at(piece%equation, t, y, &
-         second_derivative(piece%equation, t, y))))
+         y_dot)))
    end subroutine observe_end
 
    !> Update the extrema over a short piece, located with estimated reactions.
@@ -192,17 +194,18 @@ contains
       type(reaction_extremes_recorder_t), intent(in) :: forces
       type(step_view_t), intent(in) :: piece
       real(wp) :: values(1, n_quantities, value_count), at_ends(n_found, 2)
-      real(wp) :: y_ddot(2)
+      real(wp) :: y_dot(piece%equation%n, 2)
       real(wp) :: found(1)
 
       associate (equation => piece%equation)
          is_plain = is_short(piece, short_angle, fastest_of(equation))
          if (.not. is_plain) return
-         y_ddot = accelerations(piece)
+         call rates_at(equation, piece%t_a, piece%y_a, y_dot(:, 1))
+         call rates_at(equation, piece%t_b, piece%y_b, y_dot(:, 2))
          at_ends(:, 1) = quantities(equation, reactions_at(equation, piece%t_a, piece%y_a, &
-            y_ddot(1)))
+            y_dot(:, 1)))
          at_ends(:, 2) = quantities(equation, reactions_at(equation, piece%t_b, piece%y_b, &
-            y_ddot(2)))
+            y_dot(:, 2)))
          values(1, :, at_begin) = at_ends(:n_quantities, 1)
          values(1, :, at_end) = at_ends(:n_quantities, 2)
          values(1, :, so_far) = forces%largest
@@ -506,10 +509,9 @@ contains
       real(wp), intent(in) :: t
       real(wp), intent(out) :: found(n_found)
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: y(span%equation%n)
-      real(wp) :: y_ddot
+      real(wp), dimension(span%equation%n) :: y, y_dot
 
-      y_ddot = 0
+      y_dot = 0
       if (.not. associated(span%integrator)) then
          y = span%y_a
       else
@@ -521,9 +523,9 @@ contains
             call span%integrator%state_at(t, y, error)
          end if
          if (allocated(error)) return
-         y_ddot = second_derivative(span%equation, t, y)
+         call rates_at(span%equation, t, y, y_dot)
       end if
-      found = quantities(span%equation, reactions_at(span%equation, t, y, y_ddot))
+      found = quantities(span%equation, reactions_at(span%equation, t, y, y_dot))
    end subroutine sample
 
    pure function quantities(equation, reactions) result(found)

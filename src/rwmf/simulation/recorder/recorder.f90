@@ -23,6 +23,7 @@ module rwmf_simulation_recorder_recorder
       stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
       sample_state, step_view_t, until
+   use rwmf_simulation_events_storey_events, only: displacements_t
    use rwmf_simulation_events_turns, only: fastest_in, velocity_t
    use rwmf_simulation_newtons, only: weight_under
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
@@ -35,6 +36,8 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
       observe_instant, observe_last, observe_moving, observe_resting, reaction_extremes_recorder_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
+   use rwmf_simulation_recorder_top_motion, only: top_count, top_displacements, &
+      top_motion_t
    use rwmf_simulation_result, only: append_event, energy_t, event_t, history_t, shorten_events
    implicit none
    private
@@ -75,6 +78,11 @@ module rwmf_simulation_recorder_recorder
       type(energy_t) :: energy
       real(wp), allocatable :: drifts(:)
       !! largest |u_i - u_(i-1)| of storeys that can yield [m]; not allocated without such storeys
+      real(wp), allocatable :: t_drifts(:)
+      !! their times [s]
+      real(wp), allocatable :: top(:)
+      !! largest displacement of the frame [m], tip deflection [m] and drift of the wall [-];
+      !! allocated with `&bending`
       type(reaction_extremes_recorder_t), allocatable :: forces
       !! allocated only if reactions are requested
       type(demand_recorder_t), allocatable :: demands
@@ -131,6 +139,8 @@ contains
       recorder%n_events = 0
       allocate (recorder%events(0))
       if (equation%floors%yields) allocate (recorder%drifts(equation%floors%n), source=0.0_wp)
+      if (equation%floors%yields) allocate (recorder%t_drifts(equation%floors%n), source=0.0_wp)
+      if (equation%beam%n > 0) allocate (recorder%top(top_count), source=0.0_wp)
       call observe_state(recorder, equation, 0.0_wp, y)
       if (.not. allocated(case%output)) return
       recorder%keeps_energy = case%output%energy
@@ -171,7 +181,7 @@ contains
             all_quantities(i)%ratio)
       end do
       call create_row(recorder%row)
-      call put_columns(recorder, equation, 0.0_wp, y, 0.0_wp, recorder%energy)
+      call put_columns(recorder, equation, 0.0_wp, y, 0*y, recorder%energy)
       call move_alloc(recorder%row%names, recorder%history%names)
       rows = aint(t_end/recorder%dt*(1 + 8*epsilon(1.0_wp))) + 1
       status = 1
@@ -203,9 +213,12 @@ contains
          cable = cable_at(equation, y(1))
          recorder%cable_max = max(recorder%cable_max, cable%force)
       end if
+      if (allocated(recorder%top)) then
+         recorder%top = max(recorder%top, abs(top_displacements(equation, y)))
+      end if
       if (.not. equation%has_frame) return
       if (allocated(recorder%drifts)) call observe_drifts(recorder%drifts, equation, y)
-      u = abs(frame_displacement(equation, equation%state%side, y(1)))
+      u = abs(frame_displacement(equation, equation%state%side, y))
       if (u > recorder%u_max) then
          recorder%u_max = u
          recorder%t_u_max = t
@@ -219,7 +232,7 @@ contains
       type(recorder_t), intent(in) :: recorder
 
       needs_all = recorder%keeps_history .or. recorder%keeps_events &
-         .or. allocated(recorder%drifts) &
+         .or. allocated(recorder%drifts) .or. allocated(recorder%top) &
          .or. allocated(recorder%envelopes)
    end function needs_all_steps
 
@@ -248,6 +261,7 @@ contains
       !! the piece is known to have no extremum of the reactions
       logical, intent(in), optional :: has_calm_demands
       !! the piece is known to have no extremum of the demands
+      type(displacements_t) :: storeys
       logical :: is_left
 
       is_left = allocated(recorder%forces)
@@ -257,7 +271,10 @@ contains
       if (allocated(error)) return
       if (is_left) call observe_moving(recorder%forces, piece, error)
       if (allocated(error)) return
-      if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, piece, error)
+      if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, &
+         recorder%t_drifts, storeys, piece, error)
+      if (allocated(error)) return
+      if (allocated(recorder%top)) call observe_top(recorder, piece, error)
       if (allocated(error)) return
       is_left = allocated(recorder%demands)
       if (present(has_calm_demands)) is_left = is_left .and. .not. has_calm_demands
@@ -269,6 +286,20 @@ contains
       if (allocated(error)) return
       if (recorder%keeps_energy) call integrate_powers(recorder%energy, piece, error)
    end subroutine observe_piece
+
+   !> Update the maxima of a bending wall's roof displacement and tip deflection inside a piece.
+   subroutine observe_top(recorder, piece, error)
+      type(recorder_t), intent(inout) :: recorder
+      type(step_view_t), intent(in) :: piece
+      type(error_t), allocatable, intent(out) :: error
+      type(top_motion_t) :: top
+      real(wp) :: times(top_count)
+
+      call observe_turns(recorder%top, times, top, piece, error)
+      if (.not. piece%equation%has_frame .or. .not. recorder%top(1) > recorder%u_max) return
+      recorder%u_max = recorder%top(1)
+      recorder%t_u_max = times(1)
+   end subroutine observe_top
 
    !> Update the maximum of |theta'| inside a piece, at theta'' = 0.
    !>
@@ -397,6 +428,7 @@ contains
       type(energy_t) :: energy
       !! energy up to the row; the sum of the run uses whole pieces and is independent of the rows
       real(wp), target :: y(size(piece%y_b))
+      real(wp) :: y_dot(size(piece%y_b))
       real(wp) :: t
 
       do while (recorder%next_row <= size(recorder%history%values, 1))
@@ -407,8 +439,8 @@ contains
          energy = recorder%energy
          if (recorder%keeps_energy) call integrate_powers(energy, until(piece, t, y), error)
          if (allocated(error)) return
-         call write_row(recorder, piece%equation, t, y, second_derivative(piece%equation, t, y), &
-            energy)
+         call rates_at(piece%equation, t, y, y_dot)
+         call write_row(recorder, piece%equation, t, y, y_dot, energy)
       end do
    end subroutine sample_piece
 
@@ -422,7 +454,7 @@ contains
       !! [s]
       real(wp), intent(in) :: t_b
       !! [s]
-      real(wp) :: t
+      real(wp) :: t, y_dot(size(y))
 
       if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, y, t_a, t_b)
       if (allocated(recorder%demands)) call observe_demands_at_rest(recorder%demands, equation, y, &
@@ -433,7 +465,8 @@ contains
       do while (recorder%next_row <= size(recorder%history%values, 1))
          t = (recorder%next_row - 1)*recorder%dt
          if (t > t_b) exit
-         call write_row(recorder, equation, t, y, 0.0_wp, recorder%energy)
+         call find_rates_at_rest(equation, t, y, y_dot)
+         call write_row(recorder, equation, t, y, y_dot, recorder%energy)
       end do
    end subroutine observe_rest
 
@@ -448,60 +481,56 @@ contains
       real(wp) :: y_dot(size(y))
 
       call rates_at(equation, t, y, y_dot)
-      if (allocated(recorder%forces)) call observe_instant(recorder%forces, equation, t, y, &
-         y_dot(2))
+      if (allocated(recorder%forces)) call observe_instant(recorder%forces, equation, t, y, y_dot)
       if (allocated(recorder%demands)) call search_state(recorder%demands, equation, t, y, y_dot)
       if (allocated(recorder%envelopes)) call search_state(recorder%envelopes, equation, t, y, &
          y_dot)
    end subroutine observe_still
 
-   !> Compute the rates of all states from the known acceleration.
-   subroutine complete_rates(equation, t, y, y_ddot, y_dot)
+   !> Compute the rates of all states while the wall rests.
+   subroutine find_rates_at_rest(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' or u''
       real(wp), intent(out) :: y_dot(:)
 
       y_dot = 0
-      if (equation%floors%n > 1) call rates_at(equation, t, y, y_dot)
-      y_dot(2) = y_ddot
-   end subroutine complete_rates
+      if (equation%floors%n > 1 .or. equation%beam%n > 0) call rates_at(equation, t, y, y_dot)
+      y_dot(2) = 0
+   end subroutine find_rates_at_rest
 
    !> Write the next row of the history.
-   subroutine write_row(recorder, equation, t, y, y_ddot, energy)
+   subroutine write_row(recorder, equation, t, y, y_dot, energy)
       type(recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
-      !! theta'' or u''
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
       type(energy_t), intent(in) :: energy
       !! energy with the work up to t
 
       recorder%row%n = 0
-      call put_columns(recorder, equation, t, y, y_ddot, energy)
+      call put_columns(recorder, equation, t, y, y_dot, energy)
       ! Adding zero turns -0 of a wall at rest on its left side into 0.
       recorder%history%values(recorder%next_row, :) = recorder%row%values + 0.0_wp
       recorder%next_row = recorder%next_row + 1
    end subroutine write_row
 
    !> Fill in the columns that apply to the scene, in their order.
-   subroutine put_columns(recorder, equation, t, y, y_ddot, energy)
+   subroutine put_columns(recorder, equation, t, y, y_dot, energy)
       type(recorder_t), intent(inout) :: recorder
       !! its `row` receives the columns
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
       real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
+      real(wp), intent(in) :: y_dot(:)
       type(energy_t), intent(in) :: energy
       type(cable_state_t) :: cable
       real(wp) :: u_s
       !! [m]
       real(wp) :: u_s_dot
       !! [m/s]
-      real(wp) :: y_dot(size(y))
       integer :: i
 
       u_s = 0
@@ -510,7 +539,7 @@ contains
          if (equation%has_wall) then
             call put(row, id%theta_rad, y(1))
             call put(row, id%theta_dot_rad_s, y(2))
-            call put(row, id%theta_ddot_rad_s2, y_ddot)
+            call put(row, id%theta_ddot_rad_s2, y_dot(2))
          end if
          if (equation%has_frame) then
             call frame_motion(equation, equation%state%side, y, u_s, u_s_dot)
@@ -530,16 +559,16 @@ contains
          if (equation%has_bilinear_springs) call put_spring_forces(row, equation, y(1))
          if (allocated(equation%floors%m)) call put_floors(row, equation, y)
          if (equation%floors%yields) call put_shears(row, equation, y)
-         if (allocated(recorder%demands)) then
-            call complete_rates(equation, t, y, y_ddot, y_dot)
-            call put_storeys(row, recorder%demands, equation, t, y, y_dot)
-         end if
+         if (equation%beam%n > 0) call put(row, id%q_i_m, y(equation%beam%first: &
+            equation%beam%first + equation%beam%n - 1))
+         if (allocated(recorder%demands)) call put_storeys(row, recorder%demands, equation, t, y, &
+            y_dot)
          if (allocated(recorder%forces)) then
-            call put_reactions(row, equation, m_w_g, t, y, y_ddot, u_s)
+            call put_reactions(row, equation, m_w_g, t, y, y_dot, u_s)
          end if
          if (allocated(recorder%demands)) call put_demands(row, recorder%demands, equation)
          if (allocated(recorder%envelopes)) call put_envelopes(row, recorder%envelopes, equation, &
-            t, y, y_ddot)
+            t, y, y_dot)
          if (allocated(row%names)) call list_newtons(recorder)
          do i = 1, size(recorder%newtons, 2)
             associate (n => recorder%newtons(:, i))
@@ -587,7 +616,8 @@ contains
       !! [rad/s]
 
       recorder%impacts = recorder%impacts + 1_i8
-      if (recorder%keeps_energy) then
+      ! the modes take part in the loss of a wall that bends
+      if (recorder%keeps_energy .and. equation%beam%n == 0) then
          recorder%energy%impact = recorder%energy%impact + impact_loss(equation, before, after)
       end if
    end subroutine observe_impact
@@ -654,7 +684,7 @@ contains
       !! the wall rests at the end, so its acceleration is 0
       type(history_row_t) :: parts
       !! parts of the energy
-      real(wp) :: y_ddot, y_dot(size(y))
+      real(wp) :: y_dot(size(y))
       integer :: before
       !! interval of the motion that ends at the last knot
 
@@ -663,10 +693,12 @@ contains
       if (t <= interval_end(equation%motion, before)) call enter_interval(equation%model_t, &
          equation%state, before)
       call observe_state(recorder, equation, t, y)
-      y_ddot = 0
-      if (.not. is_at_rest) y_ddot = second_derivative(equation, t, y)
-      if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_ddot)
-      if (sees_forces(recorder)) call complete_rates(equation, t, y, y_ddot, y_dot)
+      if (is_at_rest) then
+         call find_rates_at_rest(equation, t, y, y_dot)
+      else
+         call rates_at(equation, t, y, y_dot)
+      end if
+      if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_dot)
       if (allocated(recorder%demands)) call search_state(recorder%demands, equation, t, y, y_dot)
       if (allocated(recorder%envelopes)) call search_state(recorder%envelopes, equation, t, y, &
          y_dot)
@@ -684,7 +716,7 @@ contains
       if (recorder%next_row > size(recorder%history%values, 1)) return
       ! The last row may lie within round-off beyond the end.
       if ((recorder%next_row - 1)*recorder%dt <= t*(1 + 16*epsilon(t))) then
-         call write_row(recorder, equation, t, y, y_ddot, recorder%energy)
+         call write_row(recorder, equation, t, y, y_dot, recorder%energy)
       end if
       ! overturning and collapse end the history early
       call shorten_rows(recorder%history%values, recorder%next_row - 1)

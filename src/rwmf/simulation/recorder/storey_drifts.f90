@@ -8,7 +8,7 @@ module rwmf_simulation_recorder_storey_drifts
    use rwmf_simulation_events_first_change, only: changes_in, moment_t, sample_functions, &
       samples_t, span_between, span_t, stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
-   use rwmf_simulation_events_storey_events, only: storeys_t
+   use rwmf_simulation_events_storey_events, only: displacements_t
    implicit none
    private
 
@@ -30,23 +30,29 @@ contains
       largest = max(largest, abs(d))
    end subroutine observe_drifts
 
-   !> Update the largest drifts with the turning points inside a piece of the last step and its end.
-   subroutine observe_turns(largest, step, error)
+   !> Update the largest displacements with the turning points inside a piece of the last step and
+   !> its end.
+   subroutine observe_turns(largest, times, displacements, step, error)
       real(wp), intent(inout) :: largest(:)
       !! (storeys) largest |u_i - u_(i-1)| so far [m]
+      real(wp), intent(inout) :: times(:)
+      !! (storeys) when [s]
+      class(displacements_t), intent(in) :: displacements
+      !! which ones
       type(step_view_t), intent(in) :: step
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      type(storeys_t) :: storeys
+      class(displacements_t), allocatable :: storeys
       type(samples_t), target :: samples
       type(moment_t) :: before, after
       type(span_t) :: span
       integer :: n, i, k
 
+      allocate (storeys, source=displacements)
       storeys%step = step
       n = count_parts(step)
       if (n == 1) then
-         if (is_inside(largest, storeys)) return
+         if (is_inside(largest, times, storeys)) return
       end if
       storeys%samples => samples
       call sample_functions(storeys, step%t_a, after, error)
@@ -57,18 +63,18 @@ contains
          if (allocated(error)) return
          span = span_between(storeys, before, after)
          do k = 1, size(largest)
-            call follow_turns(largest(k), storeys, k, span, error)
+            call follow_turns(largest(k), times(k), storeys, k, span, error)
             if (allocated(error)) return
          end do
       end do
    end subroutine observe_turns
 
-   !> True if the ends of a short piece exclude larger drifts between them.
+   !> True if the ends of a short piece exclude larger displacements between them.
    !>
-   !> The end of the piece updates the largest drifts.
-   logical function is_inside(largest, storeys)
-      real(wp), intent(inout) :: largest(:)
-      type(storeys_t), intent(inout) :: storeys
+   !> The end of the piece updates the largest displacements.
+   logical function is_inside(largest, times, storeys)
+      real(wp), intent(inout) :: largest(:), times(:)
+      class(displacements_t), intent(inout) :: storeys
       type(moment_t) :: a, b
       type(span_t) :: span
       integer :: k
@@ -79,7 +85,10 @@ contains
       call storeys%evaluate(a%t, storeys%step%y_a, a%f)
       call storeys%evaluate(b%t, storeys%step%y_b, b%f)
       storeys%derivatives = 2
-      largest = max(largest, abs(b%f(:, 0)))
+      where (abs(b%f(:, 0)) > largest)
+         largest = abs(b%f(:, 0))
+         times = b%t
+      end where
       span = span_between(storeys, a, b)
       is_inside = .true.
       do k = 1, size(largest)
@@ -107,11 +116,13 @@ contains
          side=-1.0_wp)) == no_change
    end function stays_within
 
-   !> Update the largest drift of a storey with its turning points in a span and the end.
-   subroutine follow_turns(largest, storeys, k, span, error)
+   !> Update the largest displacement with its turning points in a span and the end.
+   subroutine follow_turns(largest, time, storeys, k, span, error)
       real(wp), intent(inout) :: largest
       !! [m]
-      type(storeys_t), intent(in) :: storeys
+      real(wp), intent(inout) :: time
+      !! when [s]
+      class(displacements_t), intent(in) :: storeys
       integer, intent(in) :: k
       !! number of the storey, from the ground
       type(span_t), intent(in) :: span
@@ -122,7 +133,7 @@ contains
       logical :: turns
       integer :: i
 
-      largest = max(largest, abs(span%b%f(k, 0)))
+      call keep(span%b)
       rest = span
       do i = 1, most_turns
          if (stays_within(largest, k, rest)) return
@@ -131,10 +142,21 @@ contains
          part = rest
          call stop_at_change(storeys, watch_t(k, 1, side=sign(1.0_wp, way)), part, turns, error)
          if (allocated(error) .or. .not. turns) return
-         largest = max(largest, abs(part%b%f(k, 0)))
+         call keep(part%b)
          if (.not. part%b%t > rest%a%t .or. .not. span%b%t > part%b%t) return
          rest = span_between(storeys, part%b, span%b)
       end do
+
+   contains
+
+      !> Let an instant take part.
+      subroutine keep(moment)
+         type(moment_t), intent(in) :: moment
+
+         if (.not. abs(moment%f(k, 0)) > largest) return
+         largest = abs(moment%f(k, 0))
+         time = moment%t
+      end subroutine keep
    end subroutine follow_turns
 
 end module rwmf_simulation_recorder_storey_drifts

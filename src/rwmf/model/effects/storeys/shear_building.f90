@@ -16,7 +16,7 @@ module rwmf_model_effects_storeys_shear_building
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_laws, only: spring_energy
    use rwmf_model_hysteresis_spring, only: branch_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_numbers
    use rwmf_problem_quantity_table, only: id
    use rwmf_problem_shear_frame, only: base_shear_share, damping_matrix, roof_factor, shear_frame_t
    implicit none
@@ -48,6 +48,9 @@ contains
          equation%floors%are_linked = case%storeys%coupling == 'every_floor'
          if (equation%floors%are_linked) equation%floors%base_shear_ratio = base_shear_share(frame)
          equation%floors%mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
+         if (equation%floors%are_linked .and. has_numbers(case, 'bending')) then
+            call set_linked_floors(case, equation)
+         end if
          return
       end if
       unit = 1
@@ -71,6 +74,26 @@ contains
       equation%p%two_xi_omega = 0
       equation%moves_at_rest = equation%has_impacts .and. n > 1
    end subroutine set_storeys
+
+   !> Collect the floors that are linked to a bending wall one by one.
+   subroutine set_linked_floors(case, equation)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      real(wp) :: unit, pace
+      !! unit of the masses over m_w [-]; frequency over that of the case's storeys [-]
+      integer :: i
+
+      allocate (equation%beam%floors)
+      associate (frame => case%storeys%frame, floors => equation%beam%floors)
+         unit = frame_mass(equation)*frame%shape(size(frame%m), 1)**2
+         pace = 2*pi/case%frame%T_s/frame%omega(1)
+         floors%share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
+         floors%m = unit*frame%m
+         floors%k = unit*frame%k*pace**2
+         floors%load = 0*frame%m
+         floors%viscous_time = case%frame%xi_s*case%frame%T_s/pi
+      end associate
+   end subroutine set_linked_floors
 
    !> Coefficients of `add_floors`, for all modes.
    pure subroutine storey_coefficients(effect, model, state, coef)
@@ -127,7 +150,7 @@ contains
       real(wp) :: shear(equation%floors%n)
 
       shear = shears_at(equation%floors, equation%state%storeys, y, frame_displacement(equation, &
-         equation%state%side, y(1)))
+         equation%state%side, y))
    end function column_shears
 
    !> Shears of the storeys' columns for a given displacement of the roof [m/s2].

@@ -69,7 +69,7 @@ contains
       !$omp simd
       do i = 1, lane_count
          u_roof(i) = coef(i, 1)*(motion%side(i)*motion%u(i))
-         v_roof(i) = coef(i, 1)*(motion%side(i)*motion%j(i)*motion%rate(i))
+         v_roof(i) = coef(i, 1)*(motion%side(i)*motion%u_rate(i))
          shear(i, n + 1) = 0
       end do
       call find_shears(n, coef, y, u_roof, shear)
@@ -185,8 +185,9 @@ contains
 
       !$omp simd
       do i = 1, lane_count
-         total(i, of_input) = total(i, of_input) - weight*(coef(i)*motion%push(i)*motion%j(i) &
-            *motion%rate(i))
+         total(i, of_input) = total(i, of_input) - weight*(coef(i)*(motion%push(i) &
+            *motion%j(i)*motion%rate(i) + motion%push(i)*(motion%u_rate(i) &
+            - motion%j(i)*motion%rate(i))))
       end do
    end subroutine add_excited_mass_power
 
@@ -221,7 +222,7 @@ contains
       v(:, 1:n - 1) = y(:, n:2*n - 2)
       !$omp simd
       do i = 1, lane_count
-         v(i, n) = coef(i, 1)*(motion%side(i)*motion%j(i)*motion%rate(i))
+         v(i, n) = coef(i, 1)*(motion%side(i)*motion%u_rate(i))
       end do
       do j = 1, n
          force = 0

@@ -1,0 +1,439 @@
+!> Section forces of a bending wall, from the balance of the part above a section
+!> (docs/theory/bending.md).
+!>
+!> Across the straight axis the wall at height z has the acceleration
+!> `push + turn z + sum(across_i phi_i)`, along it `pull + stretch z + sum(along_i phi_i)`, gravity
+!> included. The shear V is the integral of the first above the section, less cable and links. With
+!> the axial force N and the rotary inertia of the width, dM/dz = -V + w' N - b**2/3 theta''/(2h).
+!> This slope is integrated by Gauss's rule from the top.
+module rwmf_model_bent_sections
+   use rwmf_core_kinds, only: wp
+   use rwmf_math_cantilever, only: deflection, force_above, slope_of
+   use rwmf_math_gauss, only: gauss_node
+   use rwmf_math_roots, only: close_in, secant_between, secant_t
+   use rwmf_model_beam, only: beam_t
+   use rwmf_model_equation, only: equation_t, ground, vertical_ground
+   use rwmf_model_reactions, only: cable_force
+   use rwmf_model_wall_sections, only: links_t, section_extremes_t
+   implicit none
+   private
+
+   public :: bent_sections_t, create_bent_sections, find_bent_sections, find_bent_extremes
+
+   integer, parameter :: points = 5
+   !! of Gauss's rule in a piece
+   integer, parameter :: per_half_wave = 8
+   !! pieces in a half wave of the highest mode
+   integer, parameter :: most_modes = 12
+
+   !> Loads on the part of the wall above a section, in the axes of the wall.
+   type :: bent_loads_t
+      real(wp) :: push = 0, turn = 0, across(most_modes) = 0
+      !! acceleration across the axis [m/s2], [1/s2], [m/s2]
+      real(wp) :: pull = 0, stretch = 0, along(most_modes) = 0
+      !! acceleration along the axis [m/s2], [1/s2], [m/s2]
+      real(wp) :: q(most_modes) = 0
+      !! deflections of the modes [m]
+      real(wp) :: width = 0
+      !! slope of the moment due to the rotary inertia of the width [m/s2]
+      real(wp) :: force(2) = 0
+      !! force of cable and links across and along the axis [m/s2]
+   end type bent_loads_t
+
+   !> Pieces between nodes along the height, and the section forces at the nodes.
+   type :: bent_sections_t
+      type(beam_t) :: beam
+      real(wp), allocatable :: z(:)
+      !! (0:n) heights of the nodes above the base [m]
+      integer, allocatable :: of_floor(:)
+      !! (floors) node of each floor
+      integer :: middle = 0
+      !! node at mid-height
+      real(wp) :: share(points), weight(points)
+      !! Gauss's rule on [0, 1] [-]
+      real(wp), allocatable :: above(:, :)
+      !! (modes, 0:n) integral of each mode from a node to the top, over the height [-]
+      real(wp), allocatable :: slope(:, :, :), above_inside(:, :, :)
+      !! (modes, points, n) slope of each mode [1/m] and its integral above, inside the pieces
+      real(wp), allocatable :: below_node(:, :), above_node(:, :)
+      !! (2, 0:n) shear [m/s2] and moment [m2/s2] on both sides of each node
+   end type bent_sections_t
+
+contains
+
+   !> Place the nodes: base, floors, mid-height, top, and enough between them for the highest mode.
+   subroutine create_bent_sections(sections, beam, floors)
+      type(bent_sections_t), intent(out) :: sections
+      type(beam_t), intent(in) :: beam
+      real(wp), intent(in) :: floors(:)
+      !! (floors) heights, ascending [m]
+      real(wp) :: node
+      integer :: i, j, k
+
+      sections%beam = beam
+      call place_nodes(sections, floors)
+      do j = 1, points
+         call gauss_node(points, j, node, sections%weight(j))
+         sections%share(j) = (1 + node)/2
+      end do
+      sections%weight = sections%weight/2
+      associate (n => ubound(sections%z, 1))
+         allocate (sections%above(beam%n, 0:n), sections%slope(beam%n, points, n), &
+            sections%above_inside(beam%n, points, n))
+         allocate (sections%below_node(2, 0:n), sections%above_node(2, 0:n), source=0.0_wp)
+         do i = 0, n
+            do k = 1, beam%n
+               sections%above(k, i) = force_above(beam%modes(k), sections%z(i)/beam%length)
+               if (i == 0) cycle
+               do j = 1, points
+                  node = (sections%z(i - 1) + sections%share(j)*(sections%z(i) &
+                     - sections%z(i - 1)))/beam%length
+                  sections%slope(k, j, i) = slope_of(beam%modes(k), node)/beam%length
+                  sections%above_inside(k, j, i) = force_above(beam%modes(k), node)
+               end do
+            end do
+         end do
+      end associate
+   end subroutine create_bent_sections
+
+   !> Choose the heights of the nodes.
+   subroutine place_nodes(sections, floors)
+      type(bent_sections_t), intent(inout) :: sections
+      real(wp), intent(in) :: floors(:)
+      real(wp), parameter :: same = 1.0e-9_wp
+      !! distance of a floor from mid-height or top, over the height [-]
+      real(wp), allocatable :: ends(:), z(:)
+      integer :: i, j, n
+
+      associate (length => sections%beam%length, modes => sections%beam%n)
+         ends = pack(floors, abs(floors - length) > same*length)
+         if (.not. any(abs(ends - length/2) <= same*length)) then
+            n = count(ends < length/2)
+            ends = [ends(:n), length/2, ends(n + 1:)]
+         end if
+         ends = [ends, length]
+         allocate (z(1), source=0.0_wp)
+         allocate (sections%of_floor(size(floors)))
+         do i = 1, size(ends)
+            associate (low => z(size(z)))
+               n = max(1, ceiling((ends(i) - low)/length*per_half_wave*modes))
+               z = [z, (low + (ends(i) - low)*j/n, j=1, n - 1), ends(i)]
+            end associate
+            if (abs(ends(i) - length/2) <= same*length) sections%middle = size(z) - 1
+            where (abs(floors - ends(i)) <= same*length) sections%of_floor = size(z) - 1
+         end do
+         allocate (sections%z(0:size(z) - 1))
+         sections%z(:) = z
+      end associate
+   end subroutine place_nodes
+
+   !> Compute shear and moment on both sides of every node.
+   subroutine find_bent_sections(sections, equation, t, y, y_dot, links)
+      type(bent_sections_t), intent(inout) :: sections
+      type(equation_t), intent(in) :: equation
+      !! with `&bending`
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:), y_dot(:)
+      !! (states) and their rates
+      type(links_t), intent(in) :: links
+      type(bent_loads_t) :: loads
+
+      call integrate(sections, equation, t, y, y_dot, links, loads)
+   end subroutine find_bent_sections
+
+   !> Find the largest shear and the largest moment along the height.
+   subroutine find_bent_extremes(sections, equation, t, y, y_dot, links, extremes)
+      type(bent_sections_t), intent(inout) :: sections
+      type(equation_t), intent(in) :: equation
+      !! with `&bending`
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:), y_dot(:)
+      !! (states) and their rates
+      type(links_t), intent(in) :: links
+      type(section_extremes_t), intent(out) :: extremes
+      type(bent_loads_t) :: loads
+
+      call integrate(sections, equation, t, y, y_dot, links, loads, extremes)
+   end subroutine find_bent_extremes
+
+   !> Go down the wall from piece to piece, and inspect each for extrema if they are wanted.
+   subroutine integrate(sections, equation, t, y, y_dot, links, loads, extremes)
+      type(bent_sections_t), intent(inout) :: sections
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:), y_dot(:)
+      type(links_t), intent(in) :: links
+      type(bent_loads_t), intent(out) :: loads
+      type(section_extremes_t), intent(inout), optional :: extremes
+      type(section_extremes_t) :: found
+      real(wp) :: moment
+      integer :: i, link
+
+      call find_loads(sections%beam, equation, t, y, y_dot, loads)
+      link = size(links%force, 2)
+      moment = 0
+      do i = ubound(sections%z, 1), 0, -1
+         sections%above_node(:, i) = [shear_at_node(sections, loads, i), moment]
+         if (link > 0) then
+            if (is_at(sections, i, links%place(2, link))) then
+               call add_link(sections%beam, loads, links, link, y(1), moment)
+               link = link - 1
+            end if
+         end if
+         sections%below_node(:, i) = [shear_at_node(sections, loads, i), moment]
+         if (i > 0) moment = moment - moment_gain(sections, loads, i)
+         if (.not. present(extremes)) cycle
+         call inspect_node(i)
+         if (i == 0) cycle
+         sections%above_node(:, i - 1) = [shear_at_node(sections, loads, i - 1), moment]
+         call inspect_piece(sections, loads, i, found)
+         call keep(found)
+      end do
+
+   contains
+
+      !> Include both sides of a node in the search.
+      subroutine inspect_node(i)
+         integer, intent(in) :: i
+
+         associate (force => max(abs(sections%below_node(:, i)), abs(sections%above_node(:, i))))
+            call keep(section_extremes_t(force(1), force(2), sections%z(i), sections%z(i)))
+         end associate
+      end subroutine inspect_node
+
+      !> Update the extrema.
+      subroutine keep(other)
+         type(section_extremes_t), intent(in) :: other
+
+         if (other%shear > extremes%shear) then
+            extremes%shear = other%shear
+            extremes%z_shear = other%z_shear
+         end if
+         if (other%moment > extremes%moment) then
+            extremes%moment = other%moment
+            extremes%z_moment = other%z_moment
+         end if
+      end subroutine keep
+   end subroutine integrate
+
+   !> Collect the loads at the top.
+   subroutine find_loads(beam, equation, t, y, y_dot, loads)
+      type(beam_t), intent(in) :: beam
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:), y_dot(:)
+      type(bent_loads_t), intent(out) :: loads
+      real(wp) :: g, a, arm, sine, cosine
+      real(wp) :: cable(2)
+
+      sine = sin(y(1))
+      cosine = cos(y(1))
+      g = equation%p%g
+      if (equation%has_vertical) g = g + vertical_ground(equation, t)
+      a = ground(equation, t)
+      arm = equation%state%side*beam%half_width
+      loads%push = a*cosine - g*sine + arm*y(2)**2
+      loads%turn = y_dot(2)
+      loads%pull = a*sine + g*cosine + arm*y_dot(2)
+      loads%stretch = -y(2)**2
+      associate (n => beam%n, first => beam%first)
+         associate (q => y(first:first + n - 1), q_dot => y(first + n:first + 2*n - 1), &
+                    q_ddot => y_dot(first + n:first + 2*n - 1))
+            loads%q(:n) = q
+            loads%across(:n) = q_ddot - q*y(2)**2
+            loads%along(:n) = -(2*q_dot*y(2) + q*y_dot(2))
+         end associate
+      end associate
+      loads%width = -beam%half_width**2/3*y_dot(2)/beam%length
+      ! the duct carries the axial force of the cable through the centre of every section
+      cable = cable_force(equation, y(1))
+      loads%force(1) = cosine*cable(1) - sine*cable(2)
+   end subroutine find_loads
+
+   !> Return whether a node is at a height.
+   pure logical function is_at(sections, i, z)
+      type(bent_sections_t), intent(in) :: sections
+      integer, intent(in) :: i
+      real(wp), intent(in) :: z
+      real(wp), parameter :: same = 1.0e-9_wp
+
+      is_at = abs(sections%z(i) - z) <= same*sections%beam%length
+   end function is_at
+
+   !> Add the force of a link to the loads above the section.
+   pure subroutine add_link(beam, loads, links, i, theta, moment)
+      type(beam_t), intent(in) :: beam
+      type(bent_loads_t), intent(inout) :: loads
+      type(links_t), intent(in) :: links
+      integer, intent(in) :: i
+      !! number of the link
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp), intent(inout) :: moment
+      !! [m2/s2]
+      real(wp) :: force(2), w
+      integer :: k
+
+      force = [cos(theta)*links%force(1, i) - sin(theta)*links%force(2, i), &
+         sin(theta)*links%force(1, i) + cos(theta)*links%force(2, i)]
+      loads%force = loads%force + force
+      w = 0
+      do k = 1, beam%n
+         w = w + loads%q(k)*deflection(beam%modes(k), links%place(2, i)/beam%length)
+      end do
+      moment = moment + (links%place(1, i) - w)*force(2)
+   end subroutine add_link
+
+   !> Shear at a node [m/s2].
+   pure real(wp) function shear_at_node(sections, loads, i) result(shear)
+      type(bent_sections_t), intent(in) :: sections
+      type(bent_loads_t), intent(in) :: loads
+      integer, intent(in) :: i
+
+      shear = straight_part(loads%push, loads%turn, sections%z(i), sections%beam%length) &
+         + dot_product(loads%across(:sections%beam%n), sections%above(:, i)) - loads%force(1)
+   end function shear_at_node
+
+   !> Integral of an acceleration linear in z from a section to the top, over the height [m/s2].
+   pure real(wp) function straight_part(constant, slope, z, length) result(total)
+      real(wp), intent(in) :: constant
+      !! at the base [m/s2]
+      real(wp), intent(in) :: slope
+      !! [1/s2]
+      real(wp), intent(in) :: z, length
+      !! [m]
+
+      total = (constant + slope*(length + z)/2)*(length - z)/length
+   end function straight_part
+
+   !> Growth of the moment over a piece, from its lower to its upper end [m2/s2].
+   pure real(wp) function moment_gain(sections, loads, i) result(gain)
+      type(bent_sections_t), intent(in) :: sections
+      type(bent_loads_t), intent(in) :: loads
+      integer, intent(in) :: i
+      !! number of the piece, that of its upper node
+      real(wp) :: z
+      integer :: j
+
+      gain = 0
+      associate (n => sections%beam%n, length => sections%z(i) - sections%z(i - 1))
+         do j = 1, points
+            z = sections%z(i - 1) + sections%share(j)*length
+            gain = gain + sections%weight(j)*length*slope_from(sections%beam, loads, z, &
+               dot_product(loads%q(:n), sections%slope(:, j, i)), &
+               sections%above_inside(:, j, i))
+         end do
+      end associate
+   end function moment_gain
+
+   !> dM/dz from the slope of the axis and the integrals of the modes above [m/s2].
+   pure real(wp) function slope_from(beam, loads, z, tilt, above) result(slope)
+      type(beam_t), intent(in) :: beam
+      type(bent_loads_t), intent(in) :: loads
+      real(wp), intent(in) :: z
+      !! [m]
+      real(wp), intent(in) :: tilt
+      !! w' [-]
+      real(wp), intent(in) :: above(:)
+      !! (modes)
+
+      slope = loads%width - (straight_part(loads%push, loads%turn, z, beam%length) &
+         + dot_product(loads%across(:beam%n), above) - loads%force(1)) + tilt*(straight_part( &
+         loads%pull, loads%stretch, z, beam%length) + dot_product(loads%along(:beam%n), above) &
+         - loads%force(2))
+   end function slope_from
+
+   !> Find extrema of shear and moment inside a piece between two nodes.
+   subroutine inspect_piece(sections, loads, i, found)
+      type(bent_sections_t), intent(in) :: sections
+      type(bent_loads_t), intent(in) :: loads
+      integer, intent(in) :: i
+      !! number of the piece, that of its upper node
+      type(section_extremes_t), intent(out) :: found
+      real(wp) :: z(2), z_peak, slopes(2), values(points)
+      integer :: j
+
+      z = sections%z(i - 1:i)
+      slopes = [acceleration_across(sections%beam, loads, z(1)), &
+         acceleration_across(sections%beam, loads, z(2))]
+      if (slopes(1)*slopes(2) < 0) then
+         found%z_shear = turning_height(sections%beam, loads, z, slopes, of_shear=.true.)
+         found%shear = abs(shear_at(sections%beam, loads, found%z_shear))
+      end if
+      slopes = [moment_slope(sections%beam, loads, z(1)), moment_slope(sections%beam, loads, z(2))]
+      if (.not. slopes(1)*slopes(2) < 0) return
+      z_peak = turning_height(sections%beam, loads, z, slopes, of_shear=.false.)
+      values = [(moment_slope(sections%beam, loads, z_peak + sections%share(j)*(z(2) - z_peak)), &
+         j=1, points)]
+      found%z_moment = z_peak
+      found%moment = abs(sections%below_node(2, i) - (z(2) - z_peak)*sum(sections%weight*values))
+   end subroutine inspect_piece
+
+   !> Height inside a piece at which shear or moment is stationary [m].
+   real(wp) function turning_height(beam, loads, z, slopes, of_shear) result(height)
+      type(beam_t), intent(in) :: beam
+      type(bent_loads_t), intent(in) :: loads
+      real(wp), intent(in) :: z(2)
+      !! ends of the piece [m]
+      real(wp), intent(in) :: slopes(2)
+      !! slopes at both, of different sign [m/s2]
+      logical, intent(in) :: of_shear
+      !! of the shear, otherwise of the moment
+      type(secant_t) :: search
+
+      search = secant_between(z, slopes)
+      do while (search%is_open)
+         height = search%next
+         if (of_shear) then
+            call close_in(search, acceleration_across(beam, loads, height))
+         else
+            call close_in(search, moment_slope(beam, loads, height))
+         end if
+      end do
+   end function turning_height
+
+   !> Acceleration across the axis, -2h dV/dz [m/s2].
+   pure real(wp) function acceleration_across(beam, loads, z) result(a)
+      type(beam_t), intent(in) :: beam
+      type(bent_loads_t), intent(in) :: loads
+      real(wp), intent(in) :: z
+      integer :: k
+
+      a = loads%push + loads%turn*z
+      do k = 1, beam%n
+         a = a + loads%across(k)*deflection(beam%modes(k), z/beam%length)
+      end do
+   end function acceleration_across
+
+   !> Shear at a height [m/s2].
+   pure real(wp) function shear_at(beam, loads, z) result(shear)
+      type(beam_t), intent(in) :: beam
+      type(bent_loads_t), intent(in) :: loads
+      real(wp), intent(in) :: z
+      integer :: k
+
+      shear = straight_part(loads%push, loads%turn, z, beam%length) - loads%force(1)
+      do k = 1, beam%n
+         shear = shear + loads%across(k)*force_above(beam%modes(k), z/beam%length)
+      end do
+   end function shear_at
+
+   !> dM/dz at a height [m/s2].
+   pure real(wp) function moment_slope(beam, loads, z) result(slope)
+      type(beam_t), intent(in) :: beam
+      type(bent_loads_t), intent(in) :: loads
+      real(wp), intent(in) :: z
+      real(wp) :: above(most_modes), tilt
+      integer :: k
+
+      tilt = 0
+      do k = 1, beam%n
+         tilt = tilt + loads%q(k)*slope_of(beam%modes(k), z/beam%length)/beam%length
+         above(k) = force_above(beam%modes(k), z/beam%length)
+      end do
+      slope = slope_from(beam, loads, z, tilt, above(:beam%n))
+   end function moment_slope
+
+end module rwmf_model_bent_sections

@@ -1,0 +1,248 @@
+!> Effect `&bending`: the wall bends in modes of the uniform cantilever, in the frame that turns
+!> with the base (docs/theory/bending.md).
+module rwmf_model_effects_bending
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_beam, only: beam_t, set_beam, set_floors
+   use rwmf_model_bent_wall, only: landing
+   use rwmf_model_effects_bending_loop, only: bending_coefficients, fixed_columns, floor_columns
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
+      model_t
+   use rwmf_model_scene, only: elsewhere, frame_term, scene_t, through_link
+   use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
+   use rwmf_problem_case_group, only: case_group_t, name_length
+   use rwmf_problem_group_values, only: derive, group_values_t, has_group, has_key, integer_of, &
+      real_of, text_of
+   use rwmf_problem_key, only: dimensional, key_t, not_negative, optional_key, positive, required, &
+      usually, with_si
+   use rwmf_problem_rules, only: fail_group, fail_key
+   use rwmf_text_strings, only: integer_to_text
+   implicit none
+   private
+
+   public :: bending_group, prepare_bending
+
+   real(wp), parameter :: shear_factor = 5.0_wp/6
+   !! kappa of a rectangle [-]
+
+contains
+
+   !> Define the group `&bending` with its keys and checks.
+   type(case_group_t) function bending_group() result(group)
+      type(key_t) :: damping
+
+      damping = optional_key('bending', 'damping', 'choice', '', 'modal', 'modal stiffness', &
+         'xi in each mode, or in the first and in proportion to the stiffness above')
+      group%name = 'bending'
+      group%needs(1) = 'wall'
+      group%reasons(1) = 'it describes the stiffness of the wall'
+      group%keys = [ &
+         with_si('N m2', usually('[1, 1e8]', required('bending', 'EI_over_m_w', 'real', 'm3/s2', &
+            positive, 'bending stiffness of the wall over m_w'))), &
+         usually('[1e6, 1e13]', dimensional('bending', 'EI', 'real', 'N m2', 'EI_over_m_w', '', &
+            'or the bending stiffness')), &
+         usually('[1e8, 1e12]', dimensional('bending', 'E', 'real', 'Pa', 'EI_over_m_w', '', &
+            'or the modulus of elasticity, with &wall thickness')), &
+         optional_key('bending', 'cracking', 'real', '-', '1.0', '(0, 1]', &
+            'factor on the moment of inertia of the gross section; only with E'), &
+         optional_key('bending', 'modes', 'integer', '', '3', '[1, 12]', 'number of modes'), &
+         usually('[0.001, 0.2]', optional_key('bending', 'xi', 'real', '-', '0.02', not_negative, &
+            'damping ratio of the modes')), &
+         damping, &
+         optional_key('bending', 'nu', 'real', '-', '', '[0, 0.5]', &
+            'Poisson''s ratio; if given, the wall also deforms in shear')]
+      group%derive => derive_bending
+      group%check => check_bending
+      group%fill => fill_bending
+      group%is_present => has_bending
+      group%add_states => add_mode_states
+      group%refuse_element => refuse_element
+   end function bending_group
+
+   !> Derive EI from the modulus of elasticity and the section.
+   subroutine derive_bending(values, error)
+      type(group_values_t), intent(inout) :: values
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: mass
+
+      if (.not. has_key(values, 'bending', 'E')) return
+      mass = real_of(values, 'wall', 'm_w')
+      if (.not. has_key(values, 'wall', 'thickness')) then
+         call fail_key(values, 'bending', 'E', 'needs &wall thickness, for the moment of inertia', &
+            error)
+      else if (.not. mass > 0) then
+         call fail_key(values, 'bending', 'E', 'needs the mass of the wall: m_w, or density and ' &
+            //'thickness, of &wall must be given', error)
+      else
+         call derive(values, 'bending', 'EI_over_m_w', 'E', [real_of(values, 'bending', &
+            'cracking')*real_of(values, 'bending', 'E')*real_of(values, 'wall', 'thickness') &
+            *(2*real_of(values, 'wall', 'b'))**3/(12*mass)])
+      end if
+   end subroutine derive_bending
+
+   !> Refuse the groups and values that a bending wall excludes.
+   subroutine check_bending(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (has_key(values, 'bending', 'cracking') .and. .not. has_key(values, 'bending', 'E')) then
+         call fail_key(values, 'bending', 'cracking', 'must not be given without E: EI and ' &
+            //'EI_over_m_w contain it', error)
+      else if (text_of(values, 'model', 'formulation') /= 'exact') then
+         call fail_group(values, 'bending', "must not be given with &model formulation = '" &
+            //trim(text_of(values, 'model', 'formulation'))//"': it needs 'exact'", error)
+      else if (text_of(values, 'wall', 'base') == 'pinned') then
+         call fail_group(values, 'bending', "must not be given with &wall base = 'pinned': modes " &
+            //'of a cantilever describe a rocking wall', error)
+      else if (has_group(values, 'link')) then
+         call fail_group(values, 'bending', 'must not be given with &link: the equations of ' &
+            //'a bending wall have no tilted link', error)
+      else if (.not. has_group(values, 'impact') .or. text_of(values, 'impact', 'rule') &
+               /= 'coupled') then
+         call fail_group(values, 'bending', "needs &impact rule = 'coupled': the momentum " &
+            //'balance of the modes gives the velocities after an impact', error)
+      end if
+   end subroutine check_bending
+
+   !> Store the values of the group in the case.
+   subroutine fill_bending(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: nu, cracking
+
+      nu = -1
+      if (has_key(case%values, 'bending', 'nu')) nu = real_of(case%values, 'bending', 'nu')
+      cracking = 1
+      if (has_key(case%values, 'bending', 'E')) cracking = real_of(case%values, 'bending', &
+         'cracking')
+      call keep_numbers(case, 'bending', [real_of(case%values, 'bending', 'EI_over_m_w'), &
+         real(integer_of(case%values, 'bending', 'modes'), wp), real_of(case%values, 'bending', &
+         'xi'), merge(1.0_wp, 0.0_wp, text_of(case%values, 'bending', 'damping') == 'stiffness'), &
+         nu, cracking])
+   end subroutine fill_bending
+
+   !> True if the wall bends.
+   pure logical function has_bending(case)
+      type(case_t), intent(in) :: case
+
+      has_bending = has_numbers(case, 'bending')
+   end function has_bending
+
+   !> Add the names of the displacements and velocities of the modes to the states.
+   pure subroutine add_mode_states(case, names)
+      type(case_t), intent(in) :: case
+      character(name_length), allocatable, intent(inout) :: names(:)
+      real(wp) :: numbers(6)
+      character(name_length), allocatable :: states(:, :)
+      integer :: i
+
+      numbers = numbers_of(case, 'bending')
+      allocate (states(nint(numbers(2)), 2))
+      do i = 1, size(states, 1)
+         states(i, 1) = 'q_'//trim(integer_to_text(i))//'_m'
+         states(i, 2) = 'q_'//trim(integer_to_text(i))//'_dot_m_s'
+      end do
+      names = [character(name_length) :: names, states(:, 1), states(:, 2)]
+   end subroutine add_mode_states
+
+   !> Prepare the contribution of the modes to the equation. Effects that act on the frame come
+   !> before them in the scene, all others after them.
+   subroutine prepare_bending(case, equation, bending)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(contribution_t), intent(out) :: bending
+      real(wp) :: numbers(6)
+      real(wp) :: flexibility
+
+      bending%is_present = has_bending(case)
+      if (.not. bending%is_present) return
+      numbers = numbers_of(case, 'bending')
+      flexibility = 0
+      associate (h => case%wall%h, b => case%wall%b, nu => numbers(5), cracking => numbers(6))
+         if (nu >= 0) flexibility = cracking*(2*b)**2/12*2*(1 + nu)/(shear_factor*(2*h)**2)
+         call set_beam(equation%beam, nint(numbers(2)), h, b, numbers(1), flexibility, &
+            numbers(3), numbers(4) > 0)
+      end associate
+      equation%beam%first = equation%scene%n + 1
+      if (allocated(equation%beam%floors)) then
+         call set_floors(equation%beam)
+      else if (equation%has_frame) then
+         equation%beam%linked_mass = equation%p%gamma
+      end if
+      equation%moves_at_rest = .true.
+      equation%floors%max_frequency = max(equation%floors%max_frequency, &
+         maxval(equation%beam%omega), equation%p%omega_s)
+      bending%constants = [0.0_wp]
+      if (allocated(case%inerter)) bending%constants = [case%inerter%inertance_over_m_w]
+      bending%law = equation%beam%n
+      if (allocated(equation%beam%floors)) bending%n = size(equation%beam%floors%m)
+      bending%n_coef = bending_coefficients(bending%law, bending%n)
+      bending%coefficients => coefficients_of_bending
+      bending%states = 2*equation%beam%n
+      bending%sizes => mode_sizes
+      bending%land => land
+   end subroutine prepare_bending
+
+   !> Fill in the coefficients of the loops.
+   pure subroutine coefficients_of_bending(effect, model, state, coef)
+      type(contribution_t), intent(in) :: effect
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
+      real(wp), intent(out) :: coef(:)
+      integer :: i, first
+
+      associate (beam => model%beam, n => model%beam%n)
+         coef(:fixed_columns) = [model%p%R, beam%half_width, model%p%g_over_R, model%p%g, 0.0_wp]
+         coef(fixed_columns + 1:fixed_columns + 5*n) = [beam%area, beam%arm, beam%mass, &
+            beam%mass*beam%omega**2, beam%mass*beam%damping]
+         coef(fixed_columns + 5*n + 1:fixed_columns + (5 + n)*n) = reshape(beam%linked_mass, [n*n])
+         if (effect%n == 0) return
+         coef(fixed_columns) = beam%floors%viscous_time
+         do i = 1, effect%n
+            first = fixed_columns + (5 + n)*n + (i - 1)*(floor_columns + n)
+            coef(first + 1:first + floor_columns + n) = [beam%floors%share(i), beam%floors%m(i), &
+               beam%floors%k(i), beam%floors%load(i), beam%floors%phi(i, :)]
+         end do
+      end associate
+   end subroutine coefficients_of_bending
+
+   !> Expected sizes of the modes: the modes move about as much as the top of the wall.
+   subroutine mode_sizes(effect, equation, size_guess, sizes)
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: size_guess(2)
+      !! of theta and theta' [rad], [rad/s]
+      real(wp), intent(out) :: sizes(:)
+      !! of q_i [m] and q_i' [m/s]
+
+      associate (n => equation%beam%n)
+         sizes(:n) = frame_travel(equation)*size_guess(1)
+         sizes(n + 1:) = frame_travel(equation)*size_guess(2)
+      end associate
+   end subroutine mode_sizes
+
+   !> Apply an impact. Wall and modes share the impulse at the new corner. If the wall would turn
+   !> back into its base, it stays there.
+   subroutine land(effect, equation, y, after, stays)
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
+      !! equation on the side before the impact
+      real(wp), intent(inout) :: y(:)
+      !! (states) at theta = 0, with theta' before the impact; the modes change
+      real(wp), intent(inout) :: after
+      !! theta' after the impact [rad/s]
+      logical, intent(inout) :: stays
+
+      call landing(equation, effect%constants(1), y, after, stays)
+   end subroutine land
+
+   !> Refuse an element of a host program.
+   subroutine refuse_element(case, error)
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+
+      call fail(error, err_input, 'an element must not have &bending: it holds no state, ' &
+         //'and the modes are states; a stepping wall (create_stepping) allows it')
+   end subroutine refuse_element
+
+end module rwmf_model_effects_bending
