@@ -4,7 +4,6 @@ module rwmf_simulation_run
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_factory, only: new_integrator, run_method
-   use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_integrator, only: integrator_t, tolerance_t
    use rwmf_model_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t
@@ -28,7 +27,6 @@ module rwmf_simulation_run
       mode_overturned
    use rwmf_simulation_lanes_batch, only: batch_t
    use rwmf_problem_quantity_table, only: all_quantities, key_length
-   use rwmf_simulation_pair_choice, only: pair_for
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_force_envelopes, only: envelope_extremes
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
@@ -52,14 +50,12 @@ contains
    !> Integrate a case under a ground motion owned by the caller and shared by many runs.
    !>
    !> Errors: the frame has no period, or the integration fails.
-   subroutine run_once(case, motion, control, result, error, is_probe)
+   subroutine run_once(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in), target :: motion
       type(control_t), intent(in) :: control
       type(result_t), intent(out) :: result
       type(error_t), allocatable, intent(out) :: error
-      logical, intent(in), optional :: is_probe
-      !! step by the pair for the tolerance, as a spectrum does, not by the method of the case
       type(equation_t), target :: equation
       class(integrator_t), allocatable :: integrator
       integer(i8) :: started
@@ -70,15 +66,7 @@ contains
       if (allocated(error)) return
       call system_clock(started, rate)
       call build_equation(case, motion, equation)
-      if (present(is_probe)) then
-         allocate (explicit_pair_t :: integrator)
-         select type (integrator)
-         type is (explicit_pair_t)
-            integrator%pair = pair_for(case, equation)
-         end select
-      else
-         call new_integrator(case%solver%method, integrator)
-      end if
+      call new_integrator(case%solver%method, integrator)
       call repeat_until_scaled(case, equation, integrator, control, result, error)
       call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)

@@ -16,14 +16,14 @@ module rwmf_simulation_scalars
 
    public :: values_t, scalars_of, is_present, value_of, floors_of
 
-   !> Scalars, indexed by the numbers of the table.
+   !> Scalars, indexed by the numbers of the table and, behind them, of its sensitivities.
    type :: values_t
-      integer :: count(size(all_quantities)) = 0
+      integer :: count(2*size(all_quantities)) = 0
       !! number of the highest storey or floor for a list, 1 for a single number, 0 if not
       !! applicable
-      integer, private :: below(size(all_quantities)) = 0
+      integer, private :: below(2*size(all_quantities)) = 0
       !! number of the lowest storeys or floors without a value
-      integer, private :: first(size(all_quantities)) = 0
+      integer, private :: first(2*size(all_quantities)) = 0
       !! place of the first value
       integer, private :: n = 0
       !! number of values in use

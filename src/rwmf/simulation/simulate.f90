@@ -6,7 +6,7 @@ module rwmf_simulation_simulate
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
-   use rwmf_simulation_conditioning, only: measure_sensitivities, needs_probes
+   use rwmf_simulation_conditioning, only: measure_sensitivities, needs_probe
    use rwmf_simulation_error_control, only: run_to_accuracy, verify_run
    use rwmf_simulation_peak, only: ask_for_peak, list_reported, reports_peak
    use rwmf_problem_quantity_table, only: all_quantities, is_peak, key_length
@@ -75,7 +75,7 @@ contains
       if (allocated(error)) return
       if (case%solver%verify) call verify_run(case, motion, control, result, error)
       if (allocated(error)) return
-      if (needs_probes(case)) call measure_sensitivities(case, motion, control, result, error)
+      if (needs_probe(case)) call measure_sensitivities(case, motion, control, result, error)
    end subroutine run_requested
 
    !> Check that the scene has the peak of `accuracy_of`.

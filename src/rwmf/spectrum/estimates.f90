@@ -7,8 +7,7 @@ module rwmf_spectrum_estimates
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_problem_quantity_table, only: key_length
-   use rwmf_simulation_conditioning, only: has_motion, probe_step, round_off_of, &
-      sensitivity_of
+   use rwmf_simulation_conditioning, only: has_motion, probe_step, sensitivity_of
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
       next_tolerance, refinement, relative_change, tightest, verifying_tolerance
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, run_ordinates
@@ -132,80 +131,58 @@ contains
 
    !> Measure the sensitivities of all ordinates: of their peaks, and of the peak of `verify`.
    !>
-   !> A sensitivity is NaN without a motion, and where a probe fails.
+   !> Each ordinate runs again with a stronger motion. A sensitivity is NaN without a motion, and
+   !> where this run fails.
    subroutine condition_ordinates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
-      type(ordinate_t), allocatable :: weaker(:), stronger(:)
+      type(ordinate_t), allocatable :: stronger(:)
+      type(queue_t) :: trial
+      type(motion_t), target :: scaled
       type(control_t) :: silent
       real(wp) :: step
       integer :: i
 
-      associate (solver => queue%rows%case%solver)
-         silent%cancel => control%cancel
-         weaker = ordinates
-         if (.not. allocated(solver%accuracy)) then
-            step = probe_step(solver%rtol)
-         else
-            step = probe_step(first_tolerance(solver%accuracy))
-         end if
-      end associate
-      stronger = weaker
-      call run_probes(queue, threads, silent, 1 - step, weaker)
-      call run_probes(queue, threads, silent, 1 + step, stronger)
-      if (.not. has_motion(queue%rows%case) .and. .not. queue%request%is_verified) weaker%failure = &
-         'no_motion'
+      silent%cancel => control%cancel
+      step = probe_step(queue%rows%case%solver%rtol)
+      if (allocated(queue%rows%case%solver%accuracy)) step = probe_step( &
+         queue%rows%case%solver%accuracy)
+      trial = queue
+      trial%shaken = 1 + step
+      scaled = scaled_motion(queue%motion, trial%shaken)
+      trial%motion => scaled
+      stronger = ordinates
+      call run_ordinates(trial, threads, silent, stronger)
+      if (.not. has_motion(queue%rows%case) .and. .not. queue%request%is_verified) &
+         stronger%failure = 'no_motion'
       do i = 1, size(ordinates)
          if (ordinates(i)%failure /= '') cycle
-         call compare(queue%request, step, weaker(i), stronger(i), ordinates(i))
-         ordinates(i)%rhs_evaluations = stronger(i)%rhs_evaluations + weaker(i)%rhs_evaluations &
-            - ordinates(i)%rhs_evaluations
+         call compare(queue%request, step, stronger(i), ordinates(i))
+         ordinates(i)%rhs_evaluations = stronger(i)%rhs_evaluations
       end do
    end subroutine condition_ordinates
 
-   !> Run all ordinates with a multiple of the motion.
-   subroutine run_probes(queue, threads, control, factor, ordinates)
-      type(queue_t), intent(in) :: queue
-      integer, intent(in) :: threads
-      type(control_t), intent(in) :: control
-      real(wp), intent(in) :: factor
-      !! [-]
-      type(ordinate_t), intent(inout) :: ordinates(:)
-      type(queue_t) :: trial
-      type(motion_t), target :: scaled
-
-      trial = queue
-      trial%is_probe = .true.
-      trial%shaken = factor
-      scaled = scaled_motion(queue%motion, factor)
-      trial%motion => scaled
-      call run_ordinates(trial, threads, control, ordinates)
-   end subroutine run_probes
-
-   !> Compare the peaks of an ordinate with those of its probes.
-   pure subroutine compare(request, step, weaker, stronger, ordinate)
+   !> Compare the peaks of an ordinate with those of its probe.
+   pure subroutine compare(request, step, stronger, ordinate)
       type(request_t), intent(in) :: request
       real(wp), intent(in) :: step
       !! relative change of the motion [-]
-      type(ordinate_t), intent(in) :: weaker, stronger
+      type(ordinate_t), intent(in) :: stronger
       type(ordinate_t), intent(inout) :: ordinate
       logical :: are_alike
 
-      if (weaker%failure /= '' .or. stronger%failure /= '') then
-         if (allocated(ordinate%values)) where (request%is_sensitivity) ordinate%values = &
-            ieee_value(1.0_wp, ieee_quiet_nan)
-         return
-      end if
-      are_alike = end_alike(ordinate, weaker) .and. end_alike(ordinate, stronger)
+      are_alike = end_alike(ordinate, stronger)
       ordinate%sensitivity = 1/step
-      if (are_alike) ordinate%sensitivity = sensitivity_of(ordinate%peak, weaker%peak, &
-         stronger%peak, step, 0.0_wp)
-      if (.not. allocated(ordinate%values)) return
-      if (are_alike) then
+      if (are_alike) ordinate%sensitivity = sensitivity_of(ordinate%peak, stronger%peak, step, &
+         0.0_wp)
+      if (.not. any(request%is_sensitivity)) return
+      if (stronger%failure /= '') then
+         where (request%is_sensitivity) ordinate%values = ieee_value(1.0_wp, ieee_quiet_nan)
+      else if (are_alike) then
          where (request%is_sensitivity) ordinate%values = sensitivity_of(ordinate%values, &
-            weaker%values, stronger%values, step, round_off_of(abs(ordinate%values)))
+            stronger%values, step, ordinate%round_off)
       else
          where (request%is_sensitivity) ordinate%values = 1/step
       end if

@@ -9,19 +9,20 @@ module rwmf_spectrum_lanes
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: of_length
    use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, batch_width
-   use rwmf_integrator_pairs, only: pair_t
+   use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, &
+      tsitouras_papakostas_64, tsitouras_papakostas_75
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_model_scene, only: is_same_scene, scene_t
-   use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
+   use rwmf_motion_ground_motion, only: is_piecewise_linear, motion_t, refined_motion, &
+      scaled_motion
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_conditioning, only: make_probe
+   use rwmf_simulation_conditioning, only: perturb
    use rwmf_simulation_finite_check, only: is_finite
    use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_overturned
    use rwmf_simulation_lanes_loop, only: join_batch, step_batch
    use rwmf_simulation_lanes_batch, only: create_batch, lane_state_t, leave_batch, &
       tabulate_lines, batch_t
    use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
-   use rwmf_simulation_pair_choice, only: pair_for
    use rwmf_simulation_peak, only: peak_of
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
@@ -65,6 +66,8 @@ module rwmf_spectrum_lanes
       !! name of the error; blank: none
       real(wp), allocatable :: values(:)
       !! (quantities) requested values in their units; not allocated for the displacement only
+      real(wp), allocatable :: round_off(:)
+      !! (quantities) changes that round-off can cause; only if sensitivities are requested
    end type ordinate_t
 
    !> Common data of all runs of a queue.
@@ -77,8 +80,6 @@ module rwmf_spectrum_lanes
       !! runs use the pair of the highest order and the tolerance of the ordinate only
       integer :: parts = 1
       !! number of parts of each interval of the motion
-      logical :: is_probe = .false.
-      !! runs are probes (`rwmf_simulation_conditioning`)
       real(wp) :: shaken = 1
       !! factor on separate motions of rows, and on their initial states [-]
    end type queue_t
@@ -260,8 +261,7 @@ contains
          run%case%solver%method = 'dop853'
          if (allocated(run%case%solver%atol)) deallocate (run%case%solver%atol)
       end if
-      if (queue%is_probe) call make_probe(run%case%solver%rtol, queue%shaken, &
-         run%case%structure_t, run%case%solver)
+      call perturb(run%case, queue%shaken)
       if (allocated(run%case%output)) deallocate (run%case%output)
       if (allocated(queue%request%output)) run%case%output = queue%request%output
       motion => queue%motion
@@ -349,6 +349,28 @@ contains
       end associate
    end subroutine begin_lane
 
+   !> Runge-Kutta pair for a tolerance, unless the case names one.
+   !>
+   !> Some runs need the highest order: runs at several tolerances, motions without knots that limit
+   !> the steps, and laws with a corner. Frames without a wall need it, too, because they accumulate
+   !> the errors of many steps. For the same reason smooth hysteresis gets at least one order more.
+   pure type(pair_t) function pair_for(case, equation) result(pair)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+
+      if (case%solver%rtol < 1.0e-11_wp .or. case%solver%method == 'dop853' &
+          .or. allocated(case%solver%accuracy) &
+          .or. .not. is_piecewise_linear(equation%motion) .or. equation%creep > 0 &
+          .or. .not. equation%has_wall) then
+         pair = dormand_prince_853()
+      else if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
+               .or. equation%floors%free > 0) then
+         pair = tsitouras_papakostas_75()
+      else
+         pair = tsitouras_papakostas_64()
+      end if
+   end function pair_for
+
    !> Keep the result of a completed run, or restart it for a smaller response.
    subroutine finish_ordinate(request, control, run, error, ordinate)
       type(request_t), intent(in) :: request
@@ -399,7 +421,7 @@ contains
       allocate (result%warnings(0))
       call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
       if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(request%place)))
-      call take_values(request, run%case, result, ordinate%values, are_finite)
+      call take_values(request, run%case, result, ordinate%values, are_finite, ordinate%round_off)
       if (.not. are_finite) ordinate%failure = not_finite
       if (request%has_peak) ordinate%peak = peak_of(run%case, result)
    end subroutine report

@@ -8,12 +8,12 @@ module rwmf_spectrum_quantities
    use rwmf_problem_case, only: case_t, has_numbers, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
-   use rwmf_simulation_conditioning, only: is_conditioned
+   use rwmf_simulation_conditioning, only: is_conditioned, round_off_of
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
    use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, is_peak, key_length, &
-      look_up, of_demands, of_displacement, sensitivity_id, of_energy, of_envelopes, of_reactions, of_storeys, of_velocity, &
-      of_verification
+      look_up, of_demands, of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, &
+      of_velocity, of_verification, own_key, sensitivity_id
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    use rwmf_simulation_simulate, only: simulate_instant
@@ -48,7 +48,7 @@ module rwmf_spectrum_quantities
       logical :: is_verified = .false.
       !! `verify` must make a tighter run for them
       logical :: has_sensitivity = .false.
-      !! probes must run for them
+      !! rows must run again for them
       logical :: has_peak = .false.
       !! their error is that of a peak named by the case
    end type request_t
@@ -91,9 +91,9 @@ contains
       request%keys = keys
       allocate (request%place(size(request%keys)), request%storey(size(request%keys)))
       do i = 1, size(request%keys)
-         call look_up(trim(peak_key(request%keys(i))), request%place(i), request%storey(i))
+         call look_up(trim(own_key(request%keys(i))), request%place(i), request%storey(i))
       end do
-      request%is_sensitivity = peak_key(request%keys) /= request%keys
+      request%is_sensitivity = own_key(request%keys) /= request%keys
       call look_up(trim(case%solver%accuracy_of), place, number)
       request%has_peak = place > 0
       observed = all_quantities([request%place, pack([place], request%has_peak)])%observed
@@ -117,16 +117,6 @@ contains
       end if
       request%output = output
    end function request_of
-
-   !> Key of the peak of a sensitivity; any other key is unchanged.
-   elemental function peak_key(key) result(own)
-      character(*), intent(in) :: key
-      character(len(key)) :: own
-      character(*), parameter :: prefix = 'sensitivity_'
-
-      own = key
-      if (index(key, prefix) == 1) own = key(len(prefix) + 1:)
-   end function peak_key
 
    !> Quantities with the sensitivities of their peaks, if the case requests them.
    pure function with_sensitivities(case, keys) result(all_keys)
@@ -159,13 +149,19 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(key_length), allocatable :: keys(:)
       character(:), allocatable :: problem
-      integer :: i, j
+      integer :: i, j, place, number
+      logical :: is_known
 
       if (allocated(case%frame) .and. all(requested_keys == displacement)) return
       call list_applicable(case, motion, keys, error)
       if (allocated(error)) return
       do i = 1, size(requested_keys)
-         if (any(keys == peak_key(requested_keys(i)))) cycle
+         is_known = any(keys == own_key(requested_keys(i)))
+         if (is_known .and. own_key(requested_keys(i)) /= requested_keys(i)) then
+            call look_up(trim(own_key(requested_keys(i))), place, number)
+            is_known = is_peak(all_quantities(place))
+         end if
+         if (is_known) cycle
          problem = trim(requested_keys(i))//' does not apply to this scene; allowed:'
          do j = 1, size(keys)
             problem = problem//' '//trim(keys(j))
@@ -212,7 +208,7 @@ contains
       ! the method that is cheapest to start
       asking%solver%method = 'dop853'
       asking%output = output_t(energy=.true., reactions=.true., demands=.true., &
-         envelopes=.true.)
+         envelopes=.true., conditioning=.false.)
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) asking%output%friction_limit = &
             case%output%friction_limit
@@ -237,7 +233,7 @@ contains
    !> A result without sensitivities gives the peaks in their place.
    !> Counts and flags (1 or 0) are stored as reals. A quantity without a value, such as the time of
    !> an event that did not occur, is NaN.
-   pure subroutine take_values(request, case, result, values, are_finite)
+   pure subroutine take_values(request, case, result, values, are_finite, round_off)
       type(request_t), intent(in) :: request
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
@@ -245,6 +241,8 @@ contains
       !! (quantities, then others that stay unchanged) [unit of each]
       logical, intent(out) :: are_finite
       !! no value that is present is infinite or NaN
+      real(wp), allocatable, intent(inout), optional :: round_off(:)
+      !! (quantities) changes that round-off can cause; set if sensitivities are requested
       type(values_t) :: found
       integer, allocatable :: numbers(:)
       !! (quantities) index in the table
@@ -259,6 +257,8 @@ contains
             numbers, &
             request%storey))
       end associate
+      if (.not. (present(round_off) .and. any(request%is_sensitivity))) return
+      round_off = round_off_of(found, numbers)
    end subroutine take_values
 
 end module rwmf_spectrum_quantities

@@ -8,8 +8,8 @@ module rwmf_input_groups_spectrum
       has_key, integer_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_problem_quantity_table, only: all_quantities, canonical_key, &
-      is_of_ordinate, is_sensitivity, key_length, look_up
+   use rwmf_problem_quantity_table, only: all_quantities, canonical_key, is_of_ordinate, is_peak, &
+      key_length, look_up, own_key
    use rwmf_simulation_quantity_words, only: meant_quantity
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -91,22 +91,23 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: request(:)
       character(:), allocatable :: known
-      character(key_length) :: near
+      character(key_length) :: key, near
       integer :: place, storey
       integer :: i
 
       call get_texts(values, 'spectrum', 'quantities', request)
       if (.not. allocated(request)) return
       do i = 1, size(request)
-         call look_up(trim(canonical_key(request(i))), place, storey)
+         key = canonical_key(request(i))
+         call look_up(trim(own_key(key)), place, storey)
          if (place > 0) then
-            if (.not. is_of_ordinate(all_quantities(place))) place = 0
+            if (.not. is_of_ordinate(all_quantities(place)) .or. (own_key(key) /= key .and. .not. &
+               is_peak(all_quantities(place)))) place = 0
          end if
          if (place == 0) then
             known = ', where they apply:'
             do place = 1, size(all_quantities)
-               if (is_of_ordinate(all_quantities(place)) .and. .not. &
-                  is_sensitivity(all_quantities(place)%id)) known = known//' ' &
+               if (is_of_ordinate(all_quantities(place))) known = known//' ' &
                   //trim(all_quantities(place)%key)
             end do
             near = meant_quantity(trim(request(i)))
