@@ -162,7 +162,7 @@ def compute_wall(case: rwmf.Case, engine: Engine) -> tuple[dict[str, Any], Array
     history : numpy.ndarray, shape (n, 6)
         ``COLUMNS`` of `reproduce.engines`.
     """
-    found = _ask("wall.py", wall_scene(case), asdict(engine))
+    found = ask("wall.py", wall_scene(case), asdict(engine))
     rows = np.array(found["rows"])
     standing = rows[np.abs(rows[:, 1]) > 1e-4, 6]
     slip = float(np.ptp(standing)) if standing.size else 0.0
@@ -189,7 +189,7 @@ def compute_frame(case: rwmf.Case, engine: FrameEngine) -> tuple[dict[str, Any],
     peaks : numpy.ndarray, shape (2 m,)
         Largest values of all steps.
     """
-    found = _ask("frame.py", frame_scene(case, engine), asdict(engine))
+    found = ask("frame.py", frame_scene(case, engine), asdict(engine))
     facts = {"engine": found["engine"], **asdict(engine)}
     return facts, np.array(found["rows"]), np.array(found["peaks"])
 
@@ -259,7 +259,7 @@ def frame_scene(case: rwmf.Case, engine: FrameEngine) -> dict[str, Any]:
     }
 
 
-def _ask(program: str, scene: dict[str, Any], engine: dict[str, Any]) -> dict[str, Any]:
+def ask(program: str, scene: dict[str, Any], engine: dict[str, Any]) -> dict[str, Any]:
     """Compute a scene by a program in the Python that has OpenSees."""
     python = os.environ.get("RWMF_OPENSEES")
     if not python:

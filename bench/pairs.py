@@ -35,6 +35,7 @@ CABLE = {"eta_0": 1.0, "eta_alpha": 5.0}
 RECORD = {"file": "record.csv", "unit": "g"}
 SAMPLES = "0.0, 0.0\n0.2, 0.4\n0.5, -0.5\n0.8, 0.2\n1.0, 0.0\n"  # t (s), a (g)
 STOREYS = {"m_over_m_w": [2.5, 2.5], "k_over_m_w": [800.0, 800.0], "height": [2.0, 2.0]}
+LINKS = {"springs": {"k_link_over_m_w": [4e3, 6e3]}}
 LOSES = {"cap": 4.0, "post_cap": 10.0, "lambda": 100.0, "ultimate": 50.0}
 NO_PERIOD: Groups = {"frame": {"T_s": None, "gamma": None}}
 BALANCE = 1e-6  # of the energy ledger, relative
@@ -94,17 +95,17 @@ EFFECTS = [
     *(
         Effect(
             f"`&storeys`, {coupling}",
-            NO_PERIOD | {"storeys": STOREYS | {"coupling": coupling}},
+            NO_PERIOD | {"storeys": STOREYS | LINKS.get(coupling, {}) | {"coupling": coupling}},
             "storeys",
         )
-        for coupling in ("reduced", "every_floor", "full")
+        for coupling in ("reduced", "every_floor", "full", "springs")
     ),
     *(
         Effect(
             f"`&storeys`, {coupling}, {what}",
             NO_PERIOD
             | {
-                "storeys": STOREYS | {"coupling": coupling},
+                "storeys": STOREYS | LINKS.get(coupling, {}) | {"coupling": coupling},
                 "yielding": {"storey_u_y": [0.006, 0.004], "law": law},
             },
             "yielding" if law == "bouc_wen" else "storeys",
@@ -113,6 +114,8 @@ EFFECTS = [
             ("every_floor", "each yields", "elastic_plastic"),
             ("full", "each yields", "elastic_plastic"),
             ("full", "Bouc-Wen", "bouc_wen"),
+            ("springs", "each yields", "elastic_plastic"),
+            ("springs", "Bouc-Wen", "bouc_wen"),
         )
     ),
     Effect("`&p_delta`", {"p_delta": {}}, "p_delta", "the frame is the host's"),

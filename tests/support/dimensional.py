@@ -45,10 +45,15 @@ SCENES: dict[str, dict[str, Any]] = {
 } | {
     f"storeys {coupling}": {
         "frame": {"xi_s": 0.05},
-        "storeys": STOREYS | {"coupling": coupling},
+        "storeys": STOREYS | {"coupling": coupling} | links,
         "yielding": {"storey_u_y": [0.01, 0.02, 0.03]} if coupling != "reduced" else {"u_y": 0.02},
     }
-    for coupling in ("reduced", "every_floor", "full")
+    for coupling, links in (
+        ("reduced", {}),
+        ("every_floor", {}),
+        ("full", {}),
+        ("springs", {"k_link_over_m_w": [4e3, 5e3, 6e3]}),
+    )
 }
 SCENES["p_delta"] = {"p_delta": {"m_g_over_m_s": 1.2}}
 SCENES["storeys p_delta"] = SCENES["storeys full"] | SCENES["p_delta"]
@@ -119,11 +124,12 @@ def in_units(groups: Groups) -> Groups:
     for group, ratio, key, unit in (
         ("storeys", "m_over_m_w", "m", m_w),
         ("storeys", "k_over_m_w", "k", m_w),
+        ("storeys", "k_link_over_m_w", "k_link", m_w),
         ("damper", "c_over_m_w", "c", m_w),
         ("inerter", "inertance_over_m_w", "inertance", m_w),
         ("fuse", "eta_y", "F_y", m_w * G),
     ):
-        if group in found:
+        if ratio in found.get(group, {}):
             value = found[group].pop(ratio)
             many = isinstance(value, list)
             found[group][key] = [unit * item for item in value] if many else unit * value

@@ -90,6 +90,8 @@ def building(n: int, coupling: str, law: str | None, method: str) -> str:
     """
     text = _WALL.format(h=2.0 * n, b=100.0) + _PULSE
     text += f"&storeys n = {n}, m_over_m_w = 0.001, k_over_m_w = 1000.0, height = 4.0, "
+    if coupling == "springs":
+        text += "k_link_over_m_w = 1e4, "
     text += f"coupling = '{coupling}' /\n&frame xi_s = 0.02 /\n"
     if law is not None:
         text += f"&yielding storey_u_y = 0.01, hardening = 0.05, law = '{law}'"

@@ -84,6 +84,8 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "storeys.height": [3.0, 3.0, 3.0],
     "storeys.m": [20000.0],
     "storeys.k": [4e6],
+    "storeys.k_link_over_m_w": [1e4],
+    "storeys.k_link": [2e8],
     "storeys.n": 3,
     "storeys.T_1": 1.0,
     "storeys.distribution": "linear",
@@ -164,6 +166,7 @@ _ALTERNATIVES = (
     ("storeys.m_over_m_w", "storeys.m"),
     ("storeys.k_over_m_w", "storeys.k"),
     ("storeys.k_over_m_w", "storeys.m"),
+    ("storeys.k_link_over_m_w", "storeys.k_link"),
     ("damper.c_over_m_w", "damper.c"),
     ("inerter.inertance_over_m_w", "inerter.inertance"),
     ("fuse.eta_y", "fuse.F_y"),
@@ -193,6 +196,7 @@ _BRINGS: dict[str, tuple[str, ...]] = {
     "frame.k_s": ("frame.m_s", _MASS),
     "storeys.m": ("storeys.k|T_1", _MASS),
     "storeys.k": ("storeys.m", _MASS),
+    "storeys.k_link": (_MASS,),
     "storeys.distribution": ("storeys.n",),
     "damper.c": (_MASS,),
     "inerter.inertance": (_MASS,),
@@ -214,14 +218,15 @@ _BRINGS: dict[str, tuple[str, ...]] = {
     **{key: tuple(other for other in _AXIS if other != key) for key in _AXIS},
     "spectrum.spacing": _AXIS,
 }  # fmt: skip
+_EACH_STOREY = tuple(f"storeys.coupling={word}" for word in ("full", "springs", "every_floor"))
 # keys that require one of these, or none of them (!), but not for completeness
 _ONLY_BESIDE: dict[str, tuple[str, ...]] = {
     "cable.length": ("cable.strands", "cable.rupture_strain"),
     "cable.hardening": ("cable.eta_y", "cable.yield_stress"),
     "output.friction_limit": ("output.reactions=true",),
     "solver.accuracy_of": ("solver.accuracy", "solver.verify=true"),
-    "yielding.storey_u_y": ("storeys.coupling=full", "storeys.coupling=every_floor"),
-    "yielding.storey_F_y": ("storeys.coupling=full", "storeys.coupling=every_floor"),
+    "yielding.storey_u_y": _EACH_STOREY,
+    "yielding.storey_F_y": _EACH_STOREY,
     **dict.fromkeys(
         ("yielding.u_y", "yielding.f_y_over_m_s_g", "yielding.F_y"),
         ("!storeys.coupling", "storeys.coupling=reduced", "storeys.coupling=every_floor"),
@@ -249,6 +254,12 @@ _BELONGING: dict[str, dict[str, dict[str, bool]]] = {
         "ricker": {"a_max_g": True, "T_p|omega_p": True, "t_0": False},
         "ricker_antisymmetric": {"a_max_g": True, "T_p|omega_p": True, "t_0": False},
         "record": {"dt": False, "unit": False, "scale": False},
+    },
+    "storeys.coupling": {
+        "reduced": {},
+        "every_floor": {},
+        "full": {},
+        "springs": {"k_link_over_m_w|k_link": True},
     },
     "impact.rule": {
         "constant": {"e|r": True},

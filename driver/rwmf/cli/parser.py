@@ -51,6 +51,7 @@ def make_parser() -> argparse.ArgumentParser:
         _add_merge,
         add_study,
         _add_reproduce,
+        _add_export,
         _add_animate,
         _add_explore,
     ):
@@ -244,6 +245,28 @@ def _add_reproduce(commands: Subcommands) -> None:
         parser.add_argument(
             f"--{name}", type=Path, metavar="DIR", help=f"folder {what} of the checkout)"
         )
+
+
+def _add_export(commands: Subcommands) -> None:
+    parser = commands.add(
+        "export",
+        "Write the building of a case for another program.",
+        "opensees inputs/storeys_full.nml storeys.py",
+    )
+    opensees = Subcommands(parser, "PROGRAM").add(
+        "opensees",
+        "Write a script for OpenSeesPy: model, analysis, and the same demands.",
+        "inputs/storeys_full.nml storeys.py --run",
+        "export.write_opensees",
+    )
+    add_case(opensees)
+    opensees.add_argument("file", metavar="FILE", type=written_file, help="script to write")
+    opensees.add_argument(
+        "--run",
+        dest="run_it",
+        action="store_true",
+        help="run it where openseespy is installed, and print the demands of both programs",
+    )
 
 
 def _add_animate(commands: Subcommands) -> None:

@@ -92,7 +92,7 @@ def find_building(case: Case, dataset: xr.Dataset) -> Building | None:
         beyond = np.abs(drifts) > first[:, np.newaxis]
         has_yielded = np.logical_or.accumulate(beyond, axis=1)
     linked = np.full(levels.size, case.wall is not None)
-    if case.storeys is None or case.storeys.coupling != "every_floor":
+    if case.storeys is None or case.storeys.coupling not in ("every_floor", "springs"):
         linked[:-1] = False
     return Building(levels, sway, has_yielded, linked)
 

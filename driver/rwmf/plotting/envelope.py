@@ -156,8 +156,8 @@ def _sections(case: Case, name: str) -> list[_Section]:
     """List the sections of a panel from the base to the roof."""
     top, floors = _height(case), _floors(case)
     if name.startswith("link"):
-        lowest = 0 if case.storeys is not None and case.storeys.coupling == "every_floor" else -1
-        return floors[lowest:]
+        links = case.storeys.coupling if case.storeys is not None else ""
+        return floors if links in ("every_floor", "springs") else floors[-1:]
     found = [_Section("base", 0.0)]
     for number, z in floors:
         found += [_Section(number, z), _Section(f"{number}_above", z)]

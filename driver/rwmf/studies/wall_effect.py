@@ -60,8 +60,10 @@ def without_wall(case: CaseLike) -> Case:
     )
 
 
-def _free_floors(case: Case) -> dict[str, dict[str, str]]:
-    """Choose the modes of storeys without a wall that keeps them on a straight line."""
+def _free_floors(case: Case) -> dict[str, dict[str, str | None]]:
+    """Choose the modes of storeys without a wall that every floor is linked to."""
+    if case.storeys is not None and case.storeys.coupling == "springs":
+        return {"storeys": {"coupling": "full", "k_link_over_m_w": None, "k_link": None}}
     if case.storeys is None or case.storeys.coupling != "every_floor":
         return {}
     one_by_one = case.yielding is not None and "storey_u_y" in case.yielding

@@ -21,7 +21,7 @@ module rwmf_embedding_stepping
       second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
-   use rwmf_model_effects_storeys_shear_building, only: resistance
+   use rwmf_model_effects_storeys_shear_building, only: link_pulls, resistance
    use rwmf_model_hysteresis_spring_set, only: uneven_plastic_part
    use rwmf_model_equation, only: frame_acceleration, frame_motion
    use rwmf_model_reactions, only: plastic_part
@@ -386,8 +386,8 @@ contains
 
    !> Return the forces at the current time.
    !>
-   !> The link force balances the frame's inertia force and the force of its spring and damper. This
-   !> applies to a resting wall, too.
+   !> The force of rigid links balances the frame's inertia force and the force of its spring and
+   !> damper. This applies to a resting wall, too.
    subroutine query_forces(stepping, forces, error)
       type(stepping_t), intent(in) :: stepping
       type(wall_forces_t), intent(out) :: forces
@@ -421,7 +421,9 @@ contains
             forces%frame_shear = sum(floor_forces)
             restoring = floor_forces(size(floor_forces))
          end if
-         if (equation%floors%are_linked .and. equation%has_wall) then
+         if (allocated(equation%floors%k_link)) then
+            forces%link = instance%mass*sum(link_pulls(equation, y))
+         else if (equation%floors%are_linked .and. equation%has_wall) then
             ! links at every floor: inertia forces of the floors plus the base shear
             forces%link = &
                instance%mass*(p%gamma*(equation%floors%excited_mass_ratio*state%u_s_ddot &

@@ -129,7 +129,7 @@ contains
          p%cos_alpha = cos(p%alpha)
       end if
       if (allocated(case%frame)) then
-         if (allocated(case%frame%gamma)) p%gamma = case%frame%gamma
+         if (allocated(case%frame%gamma) .and. case%frame%is_linked) p%gamma = case%frame%gamma
          p%omega_s = 2*pi/case%frame%T_s
          p%xi_s = case%frame%xi_s
       end if

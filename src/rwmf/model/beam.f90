@@ -7,7 +7,8 @@ module rwmf_model_beam
    implicit none
    private
 
-   public :: beam_t, linked_floors_t, set_beam, set_floors, tip_deflection, tip_rate
+   public :: beam_t, linked_floors_t, set_beam, set_floors, set_links
+   public :: tip_deflection, tip_rate, link_deflections
 
    !> Floors that are linked to a bending wall one by one. All values are over m_w.
    type :: linked_floors_t
@@ -49,6 +50,8 @@ module rwmf_model_beam
       !! (modes) damping coefficient over modal mass [1/s]
       real(wp), allocatable :: linked_mass(:, :)
       !! (modes, modes) mass matrix of frame or floors at theta = 0 [-]
+      real(wp), allocatable :: link_phi(:, :)
+      !! (floors, modes) deflections at link springs; allocated only with them
       type(linked_floors_t), allocatable :: floors
       !! allocated only if every floor is linked
    end type beam_t
@@ -104,6 +107,29 @@ contains
          end do
       end associate
    end subroutine set_floors
+
+   !> Compute the deflections of the modes at link springs.
+   pure subroutine set_links(beam, share)
+      type(beam_t), intent(inout) :: beam
+      real(wp), intent(in) :: share(:)
+      !! (floors) height over the height of the wall [-]
+      integer :: i, j
+
+      allocate (beam%link_phi(size(share), beam%n))
+      do i = 1, beam%n
+         beam%link_phi(:, i) = [(deflection(beam%modes(i), share(j)), j=1, size(share))]
+      end do
+   end subroutine set_links
+
+   !> Deflections of the wall at its link springs, positive as theta [m].
+   pure function link_deflections(beam, y) result(w)
+      type(beam_t), intent(in) :: beam
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: w(size(beam%link_phi, 1))
+
+      w = matmul(beam%link_phi, y(beam%first:beam%first + beam%n - 1))
+   end function link_deflections
 
    !> Deflection of the top from the straight axis, positive as theta [m].
    pure real(wp) function tip_deflection(beam, y) result(w)

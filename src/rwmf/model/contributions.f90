@@ -6,7 +6,7 @@ module rwmf_model_contributions
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_model_hysteresis_spring_set, only: choose_springs, has_branches
    use rwmf_model_scene, only: add_term, elsewhere, term_t, through_link
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_all_modes
    implicit none
    private
 
@@ -45,16 +45,18 @@ contains
          if (allocated(equation%beam%floors)) is_left = scene%terms%effect == bending_effect
          scene%bent = count(is_left)
          scene%terms = [pack(scene%terms, is_left), pack(scene%terms, .not. is_before)]
+         if (allocated(equation%floors%k_link)) scene%terms(scene%bent)%floors &
+            = equation%floors%first
       end associate
    end subroutine order_terms
 
-   !> True if the frame as a whole yields with a law of linear branches. Coupling 'full', with laws
-   !> for the single storeys, is excluded.
+   !> True if the frame as a whole yields with a law of linear branches. Frames with all modes have
+   !> laws for the single storeys.
    pure logical function frame_yields(case)
       type(case_t), intent(in) :: case
 
       frame_yields = allocated(case%yielding)
-      if (frame_yields .and. allocated(case%storeys)) frame_yields = case%storeys%coupling /= 'full'
+      if (frame_yields) frame_yields = .not. has_all_modes(case%storeys)
       if (frame_yields) frame_yields = has_branches(case%yielding)
    end function frame_yields
 

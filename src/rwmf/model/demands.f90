@@ -7,15 +7,15 @@
 !> relative acceleration. A single degree of freedom is one floor without a storey.
 module rwmf_model_demands
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_beam, only: tip_deflection
+   use rwmf_model_beam, only: link_deflections, tip_deflection
    use rwmf_model_bent_sections, only: bent_sections_t, create_bent_sections, find_bent_extremes
    use rwmf_model_bent_wall, only: bent_overturning, forces_of_linked_floors, &
       linked_floor_accelerations, linked_floor_motion
    use rwmf_model_effects_p_delta, only: leaning_height, leaning_loads
-   use rwmf_model_effects_storeys_shear_building, only: column_shears
-   use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, frame_motion, &
-      ground, kinematics_at, place_frame
-   use rwmf_model_floor_motion, only: floor_motion
+   use rwmf_model_effects_storeys_shear_building, only: column_shears, link_pulls
+   use rwmf_model_equation, only: equation_t, frame_acceleration, frame_displacement, frame_mass, &
+      frame_motion, ground, kinematics_at, place_frame
+   use rwmf_model_floor_motion, only: floor_accelerations, floor_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
    use rwmf_model_hysteresis_laws, only: spring_force
    use rwmf_model_kinematics, only: kinematics_t
@@ -198,11 +198,9 @@ contains
          demands%shear = u_ddot
          return
       end if
-      associate (n => building%floors, first => equation%floors%first)
-         u_ddot(n) = y_dot(2)
-         if (equation%has_wall) u_ddot(n) = roof_acceleration(equation, kin, y, y_dot)
+      associate (n => building%floors)
          if (equation%floors%n > 0) then
-            u_ddot(:n - 1) = y_dot(first + n - 1:first + 2*n - 3)
+            u_ddot = floor_accelerations(equation, equation%state%side, y, y_dot)
             call floor_motion(equation, equation%state%side, y, u, v)
             demands%shear = equation%floors%unit*column_shears(equation, y)
          else if (allocated(equation%beam%floors)) then
@@ -211,7 +209,7 @@ contains
             u = [0.0_wp, u_linked]
             demands%shear = equation%beam%floors%k*(u(1:) - u(:n - 1))
          else
-            u_ddot = building%share*u_ddot(n)
+            u_ddot = building%share*frame_acceleration(equation, equation%state%side, y, y_dot)
             u(0) = 0
             u(1:) = building%share*frame_displacement(equation, equation%state%side, y)
             demands%shear = building%k*building%bend*resisting_displacements(building, equation, y)
@@ -249,9 +247,10 @@ contains
 
    !> Compute the forces of the links on the wall.
    !>
-   !> With links at every floor, each link force balances the inertia of its floor and the
-   !> difference of the storey forces above and below. The storey forces include shears and storey
-   !> dampers, less the P-Delta force of leaning loads.
+   !> Link springs have the forces of their elongations. With rigid links at every floor, each link
+   !> force balances the inertia of its floor and the difference of the storey forces above and
+   !> below. The storey forces include shears and storey dampers, less the P-Delta force of leaning
+   !> loads.
    subroutine links_of(building, equation, kin, t, y, y_dot, links)
       type(building_t), intent(in) :: building
       type(equation_t), intent(in) :: equation
@@ -286,6 +285,14 @@ contains
                beam%first + beam%n - 1))
          end associate
          links%force(1, :) = forces_of_linked_floors(equation, t, y, y_dot)
+         links%force(2, :) = 0
+         return
+      end if
+      if (allocated(equation%floors%k_link)) then
+         links%place(:, :) = link_places(equation, equation%floors%share)
+         if (equation%beam%n > 0) links%place(1, :) = links%place(1, :) &
+            + link_deflections(equation%beam, y)
+         links%force(1, :) = -link_pulls(equation, y)
          links%force(2, :) = 0
          return
       end if

@@ -105,9 +105,9 @@ contains
       integer, intent(in) :: law
       !! hysteresis law of the storeys
       real(wp), intent(in) :: building(lane_count, demand_constants(n, n))
-      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
+      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, n - 1, law))
       !! coefficients of `add_floors`
-      real(wp), intent(in) :: y(lane_count, floor_states(n, law))
+      real(wp), intent(in) :: y(lane_count, floor_states(n, n - 1, law))
       !! states of the floors
       real(wp), intent(in) :: roof(lane_count)
       !! [m]

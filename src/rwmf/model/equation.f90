@@ -110,13 +110,19 @@ module rwmf_model_equation
       !! part of the floor mass that does not move with the roof, over m_w; without a wall over the
       !! roof mass [-]
       logical :: are_linked = .false.
-      !! every floor is linked to the wall, not only the roof
+      !! every floor is linked to the wall, rigidly or by a spring, not only the roof
       real(wp) :: base_shear_ratio = 1
       !! shear of the lowest storey over the resisting force at the roof [-]
       real(wp) :: max_frequency = 0
       !! largest frequency of floors with states [rad/s]
       integer :: n = 0
-      !! number of floors with states; if 0 the following components are not allocated
+      !! number of storeys with all modes; if 0 the following components are not allocated
+      integer :: free = 0
+      !! number of floors with states: n - 1 below a linked roof, n with link springs
+      real(wp), allocatable :: k_link(:)
+      !! (n) stiffness of the link springs over m_w [1/s2]; not allocated with rigid links
+      real(wp), allocatable :: share(:)
+      !! (n) height of each floor over that of the wall, with link springs [-]
       real(wp), allocatable :: m(:)
       !! (n) mass of each floor over m_w; without a wall over that of the roof [-]
       real(wp), allocatable :: k(:)

@@ -5,7 +5,7 @@ module rwmf_model_floor_motion
    implicit none
    private
 
-   public :: floor_motion, storey_motion, storey_accelerations
+   public :: floor_motion, floor_accelerations, storey_motion, storey_accelerations
 
 contains
 
@@ -20,15 +20,13 @@ contains
       !! (0:n) [m]
       real(wp), intent(out) :: v(:)
       !! (n) [m/s]
-      integer :: n
 
-      n = size(v)
       u(0) = 0
-      associate (first => model%floors%first)
-         u(1:n - 1) = y(first:first + n - 2)
-         v(:n - 1) = y(first + n - 1:first + 2*n - 3)
+      associate (first => model%floors%first, n => model%floors%free)
+         u(1:n) = y(first:first + n - 1)
+         v(:n) = y(first + n:first + 2*n - 1)
+         if (n < size(v)) call frame_motion(model, side, y, u(n + 1), v(n + 1))
       end associate
-      call frame_motion(model, side, y, u(n), v(n))
    end subroutine floor_motion
 
    !> Compute the displacements of the storeys and their rates.
@@ -53,6 +51,22 @@ contains
       d_dot(2:) = v(2:) - v(:n - 1)
    end subroutine storey_motion
 
+   !> Accelerations of the floors relative to the ground.
+   pure function floor_accelerations(model, side, y, y_dot) result(u_ddot)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! current side, +1 or -1
+      real(wp), intent(in) :: y(:), y_dot(:)
+      !! (states) states and their rates
+      real(wp) :: u_ddot(model%floors%n)
+      !! [m/s2]
+
+      associate (first => model%floors%first, n => model%floors%free)
+         u_ddot(:n) = y_dot(first + n:first + 2*n - 1)
+         if (n < model%floors%n) u_ddot(n + 1) = frame_acceleration(model, side, y, y_dot)
+      end associate
+   end function floor_accelerations
+
    !> Second derivatives of the displacements of the storeys.
    pure function storey_accelerations(model, side, y, y_dot) result(d_ddot)
       class(model_t), intent(in) :: model
@@ -63,9 +77,8 @@ contains
       real(wp) :: d_ddot(model%floors%n)
       !! [m/s2]
 
-      associate (first => model%floors%first, n => model%floors%n)
-         d_ddot(:n - 1) = y_dot(first + n - 1:first + 2*n - 3)
-         d_ddot(n) = frame_acceleration(model, side, y, y_dot)
+      d_ddot = floor_accelerations(model, side, y, y_dot)
+      associate (n => model%floors%n)
          d_ddot(2:) = d_ddot(2:) - d_ddot(:n - 1)
       end associate
    end function storey_accelerations

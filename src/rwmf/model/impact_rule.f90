@@ -57,12 +57,14 @@ contains
       e = restitution_momentum(alpha, mass_ratio(case), beta)
    end function balanced_restitution
 
-   !> Mass ratio of frame and wall, 0 without a frame [-].
+   !> Mass ratio of the frame's mass that moves with the wall, 0 without a frame or with link
+   !> springs [-].
    pure real(wp) function mass_ratio(case) result(gamma)
       type(case_t), intent(in) :: case
 
       gamma = 0
       if (.not. allocated(case%frame)) return
+      if (.not. case%frame%is_linked) return
       if (allocated(case%frame%gamma)) gamma = case%frame%gamma
    end function mass_ratio
 

@@ -6,7 +6,7 @@ module rwmf_model_reactions
       mean_acceleration
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
-   use rwmf_model_effects_storeys_shear_building, only: floor_inertia, resistance
+   use rwmf_model_effects_storeys_shear_building, only: floor_inertia, link_pulls, resistance
    use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, tip_acceleration, &
       tip_displacement, tip_velocity, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
@@ -89,8 +89,8 @@ contains
       end if
    end function friction_demand
 
-   !> Force of the link on the wall: the inertia force of the frame less the forces of its spring
-   !> and damper. The rise of its corner tilts a link of finite length.
+   !> Force of the links on the wall. That of a rigid link is the inertia force of the frame less
+   !> the forces of its spring and damper. The rise of its corner tilts a link of finite length.
    function link_force(equation, kin, t, y, y_dot) result(force)
       type(equation_t), intent(in) :: equation
       type(kinematics_t), intent(in) :: kin
@@ -113,6 +113,9 @@ contains
       if (.not. equation%has_frame) return
       if (allocated(equation%beam%floors)) then
          force(1) = sum(forces_of_linked_floors(equation, t, y, y_dot))
+         return
+      else if (allocated(equation%floors%k_link)) then
+         force(1) = -sum(link_pulls(equation, y))
          return
       end if
       associate (p => equation%p)

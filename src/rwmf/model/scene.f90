@@ -38,6 +38,8 @@ module rwmf_model_scene
       !! column of its first coefficient
       integer :: state = 1
       !! index of its first state
+      integer :: floors = 0
+      !! index of the first state of floors on link springs beside a bending wall; 0 for none
       integer :: acts = elsewhere
       !! path of its force to the wall
    end type term_t

@@ -15,7 +15,7 @@ module rwmf_problem_case
    public :: spring_law_t
    public :: impact_t, motion_spec_t, inerter_t, vertical_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t, structure_t
-   public :: keep_numbers, has_numbers, numbers_of
+   public :: keep_numbers, has_numbers, numbers_of, has_all_modes
 
    !> Rocking wall, `&wall`.
    type :: wall_t
@@ -45,6 +45,8 @@ module rwmf_problem_case
       !! mass ratio m_s/m_w [-]; absent for the bare frame
       real(wp) :: xi_s
       !! viscous damping ratio [-]
+      logical :: is_linked = .true.
+      !! its mass moves with the wall; false with link springs between them
    end type frame_t
 
    !> Storeys of the frame, `&storeys`; they determine the period and the mass ratio of `frame_t`.
@@ -53,7 +55,9 @@ module rwmf_problem_case
       !! shear frame with its modes
       character(:), allocatable :: coupling
       !! 'reduced': first mode only; 'every_floor': straight line enforced by the wall; 'full': all
-      !! modes, with the roof linked to the wall
+      !! modes, with the roof linked to the wall; 'springs': all modes, with link springs
+      real(wp), allocatable :: k_link(:)
+      !! (floors) stiffness of the link springs over m_w [1/s2]; only with 'springs'
    end type storeys_t
 
    !> Viscous dampers at the corners of the base, `&damper`.
@@ -321,6 +325,16 @@ module rwmf_problem_case
    end type case_t
 
 contains
+
+   !> True if a case has storeys whose floors move independently.
+   pure logical function has_all_modes(storeys)
+      type(storeys_t), intent(in), optional :: storeys
+      !! storeys of the case; absent without them
+
+      has_all_modes = .false.
+      if (present(storeys)) has_all_modes = storeys%coupling == 'full' .or. storeys%coupling &
+         == 'springs'
+   end function has_all_modes
 
    !> Keep the numbers of the group of an effect.
    pure subroutine keep_numbers(case, group, values)

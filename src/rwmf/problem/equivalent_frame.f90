@@ -15,7 +15,8 @@ contains
    !>
    !> The mass ratio refers to the displacement of the roof, which is linked to the wall. With one
    !> mode it is the modal mass 1/phi_n**2. With all modes it is the mass of the roof alone, because
-   !> only the deformable storeys connect the lower floors to it. Fails with `err_numerical`.
+   !> only the deformable storeys connect the lower floors to it. With link springs, no mass moves
+   !> with the wall, and it is that of all floors. Fails with `err_numerical`.
    subroutine set_equivalent_frame(case, error)
       type(case_t), intent(inout) :: case
       !! with frame and storeys
@@ -29,8 +30,10 @@ contains
          if (case%storeys%coupling == 'every_floor') call enforce_straight_line(frame)
          case%frame%T_s = 2*pi/frame%omega(1)
          if (.not. allocated(case%wall)) return
-         case%frame%gamma = frame%m(n)
-         if (case%storeys%coupling /= 'full') case%frame%gamma = 1/frame%shape(n, 1)**2
+         case%frame%gamma = 1/frame%shape(n, 1)**2
+         if (case%storeys%coupling == 'full') case%frame%gamma = frame%m(n)
+         case%frame%is_linked = case%storeys%coupling /= 'springs'
+         if (.not. case%frame%is_linked) case%frame%gamma = sum(frame%m)
       end associate
    end subroutine set_equivalent_frame
 

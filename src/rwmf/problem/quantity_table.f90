@@ -168,7 +168,7 @@ module rwmf_problem_quantity_table
       'cable', of_rows, '`m_w` of `&wall`', 'cable force', id%cable_force_over_m_w_g), &
       quantity_t(id%frame_force_over_m_s_g, 'frame_force_over_m_s_g', 'frame_force_over_m_s_g', &
       '1', 'real', 'row', 'history', 'yielding', of_rows, &
-      'not with `storey_u_y` and `coupling = ''full''`', &
+      'not with `coupling` `full` or `springs`', &
       'force of the yielding frame over weight of its mass'), &
       quantity_t(id%fuse_left_force_over_m_w_g, 'fuse_left_force_over_m_w_g', &
       'fuse_left_force_over_m_w_g', '1', 'real', 'row', 'history', 'fuse', of_rows, '', &
@@ -177,15 +177,15 @@ module rwmf_problem_quantity_table
       'fuse_right_force_over_m_w_g', '1', 'real', 'row', 'history', 'fuse', of_rows, '', &
       'force of the right fuse over weight of wall'), &
       quantity_t(id%floor_i_m, 'floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', &
-      'storeys', of_rows, '`coupling = ''full''`', 'displacement of floor {i}'), &
+      'storeys', of_rows, '`coupling` `full` or `springs`', 'displacement of floor {i}'), &
       quantity_t(id%q_i_m, 'q_{i}_m', 'q_{i}', 'm', 'real', 'row', 'history', 'bending', of_rows, &
       '', 'deflection of the top in mode i of the wall'), &
       quantity_t(id%storey_i_drift, 'storey_{i}_drift', 'storey_{i}_drift', '1', 'real', 'row', &
-      'history', 'storeys', of_rows, '`coupling = ''full''` or `reactions`', &
+      'history', 'storeys', of_rows, '`coupling` `full`, `springs`; or `reactions`', &
       'drift of storey {i} over its height'), &
       quantity_t(id%storey_i_shear_over_m_w_g, 'storey_{i}_shear_over_m_w_g', &
       'storey_{i}_shear_over_m_w_g', '1', 'real', 'row', 'history', 'storeys', of_rows, &
-      '`reactions`, or `storey_u_y` with `full`', &
+      '`reactions`, or `storey_u_y` with `full`, `springs`', &
       'shear of the columns of storey {i} over the weight that its mass is over'), &
       quantity_t(id%base_shear_over_weight, 'base_shear_over_weight', 'base_shear_over_weight', &
       '1', 'real', 'row', 'history', '', of_reactions, '', &
@@ -233,7 +233,7 @@ module rwmf_problem_quantity_table
       'link_{i}_force_over_m_w_g', '1', 'real', 'row', 'history', 'frame', of_envelopes, &
       '`&wall`', 'axial force of the link at floor {i} over weight of wall'), &
       quantity_t(id%frame_force_N, 'frame_force_N', 'frame_force', 'N', 'real', 'row', 'history', &
-      'yielding', of_rows, 'a mass; not with `storey_u_y` and `full`', &
+      'yielding', of_rows, 'a mass; not with `full`, `springs`', &
       'force of the yielding frame', id%frame_force_over_m_s_g), &
       quantity_t(id%fuse_left_force_N, 'fuse_left_force_N', 'fuse_left_force', 'N', 'real', 'row', &
       'history', 'fuse', of_rows, 'a mass', 'force of the left fuse', &
@@ -242,7 +242,7 @@ module rwmf_problem_quantity_table
       'row', 'history', 'fuse', of_rows, 'a mass', 'force of the right fuse', &
       id%fuse_right_force_over_m_w_g), &
       quantity_t(id%storey_i_shear_N, 'storey_{i}_shear_N', 'storey_{i}_shear', 'N', 'real', &
-      'row', 'history', 'storeys', of_rows, 'a mass; `reactions`, or `storey_u_y` with `full`', &
+      'row', 'history', 'storeys', of_rows, 'as storey_{i}_shear_over_m_w_g; a mass', &
       'shear of the columns of storey {i}', id%storey_i_shear_over_m_w_g), &
       quantity_t(id%base_shear_N, 'base_shear_N', 'base_shear', 'N', 'real', 'row', 'history', '', &
       of_reactions, 'a mass', 'base shear', id%base_shear_over_weight), &

@@ -112,6 +112,10 @@ contains
       select case (structure%storeys%coupling)
       case ('full')
          gamma%meaning = 'mass of the roof over that of the wall'//scaled
+      case ('springs')
+         T_s%meaning = 'first period of the storeys alone; the stiffnesses of storeys follow'
+         gamma%meaning = 'mass of all floors over that of the wall; the stiffnesses of storeys ' &
+            //'follow'
       case ('every_floor')
          T_s%meaning = 'period of the storeys on a straight line; all stiffnesses follow'
          gamma%meaning = 'mass ratio of the storeys on a straight line'//scaled

@@ -126,14 +126,14 @@ contains
       if (allocated(model%floors%laws)) z = model%floors%laws%place
    end subroutine list_smooth
 
-   !> List the free positions: the wall or the bare frame, and the floors below the roof. Set their
+   !> List the free positions: the wall or the bare frame, and the floors with states. Set their
    !> velocities to zero.
    pure subroutine free_positions(model, path)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
       integer :: i
 
-      associate (first => model%floors%first, n => max(0, model%floors%n - 1))
+      associate (first => model%floors%first, n => model%floors%free)
          path%q = [1, (first + i, i=0, n - 1)]
          path%v = [2, (first + n + i, i=0, n - 1)]
       end associate

@@ -34,6 +34,7 @@ program test_storeys
    end do
    if (checks%wants('every_floor')) call check_every_floor()
    if (checks%wants('links_of_every_floor')) call check_links_of_every_floor()
+   if (checks%wants('link_spring')) call check_link_spring()
    if (checks%wants('modal_superposition')) call check_modal_superposition()
    if (checks%wants('reduced_bare_frame')) call check_reduced_bare_frame()
    if (checks%wants('stiff_storeys')) call check_stiff_storeys()
@@ -219,6 +220,40 @@ contains
          + a)) + shear), 'all links', rtol=1.0e-13_wp)
       call destroy_stepping(stepping)
    end subroutine check_links_of_every_floor
+
+   !> Check that a host obtains the force of the link spring. The force follows from the rotation of
+   !> the wall alone; less the elongation k_link, the undamped storey bears the rest.
+   subroutine check_link_spring()
+      type(case_t) :: case
+      type(stepping_t) :: stepping
+      type(wall_state_t) :: state
+      type(wall_forces_t) :: forces
+      type(error_t), allocatable :: error
+      real(wp), parameter :: a = 3.0_wp, k_link = 4000.0_wp
+      real(wp) :: alpha, R, moment, slope
+
+      case = uniform_case(1, 2.0_wp, 1.0_wp, 'springs', 'exact', 'dop853')
+      case%wall%m_w = 1000
+      case%frame%xi_s = 0
+      case%storeys%k_link = [k_link]
+      deallocate (case%cable)
+      call create_stepping(stepping, case, error)
+      call advance_stepping(stepping, [0.0_wp, 0.2_wp], [a, a], error)
+      call checks%no_error(error, 'advance')
+      call query_state(stepping, state, error)
+      call query_forces(stepping, forces, error)
+      call checks%that(state%theta < 0 .and. .not. state%at_rest, 'the wall rocks')
+      alpha = atan2(case%wall%b, case%wall%h)
+      R = hypot(case%wall%b, case%wall%h)
+      ! about the left corner, the frame is linked to the corner above it
+      slope = 2*case%wall%h*cos(state%theta)
+      moment = case%model%g*R*sin(alpha + state%theta) - a*R*cos(alpha + state%theta) &
+         - 4*R**2/3*state%theta_ddot
+      call checks%close_to(forces%link*slope, 1000*moment, 'force of the spring', rtol=1.0e-12_wp)
+      call checks%close_to(forces%frame_shear, 1000*case%storeys%frame%k(1)*(state%u_s &
+         - forces%link/(1000*k_link)), 'shear of the storey', rtol=1.0e-12_wp)
+      call destroy_stepping(stepping)
+   end subroutine check_link_spring
 
    !> Compare the roof displacement without wall with modal superposition. Each mode contributes the
    !> response of an oscillator of its period, times its participation factor.

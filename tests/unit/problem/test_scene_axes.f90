@@ -15,6 +15,7 @@ program test_scene_axes
    if (checks%wants('storeys')) call check_storeys('reduced')
    if (checks%wants('storeys')) call check_storeys('every_floor')
    if (checks%wants('storeys')) call check_storeys('full')
+   if (checks%wants('storeys')) call check_storeys('springs')
    if (checks%wants('block')) call check_block()
    if (checks%wants('pinned')) call check_pinned()
    call checks%finish()

@@ -135,16 +135,16 @@ export class Stage {
     }
   }
 
-  // Portal whose roof follows the corner of the wall (`corner`), or its own displacement.
+  // Portal whose roof follows the corner of the wall (`corner`), or its own displacement; each
+  // link is drawn.
   frame(foot, sway, corner, t) {
     const H = this.height;
     const right = corner ? foot - 0.5 * H : foot + 0.3 * H;
     const left = right - 0.6 * H;
     const floors = this.scene.heights ? levels(this.scene.heights) : [H];
-    const roof = this.columns.u_s ? this.at(this.columns.u_s, t) : 0;
     const moves = floors.map((y, i) => {
       const floor = this.columns[`floor_${i + 1}`];
-      return floor && roof ? sway * this.at(floor, t) / roof : sway * y / H;
+      return floor ? this.factor * this.at(floor, t) : sway * y / H;
     });
     const shape = this.scene.heights
       ? [[0, 0], ...floors.map((y, i) => [moves[i], y])]
@@ -153,7 +153,13 @@ export class Stage {
         [sway * (3 * (i / 12) ** 2 - 2 * (i / 12) ** 3), H * i / 12]);
     for (const x of [left, right]) this.path(shape.map(([u, y]) => [x + u, y]), "c0", 3);
     floors.forEach((y, i) => this.path([[left + moves[i], y], [right + moves[i], y]], "c0", 4));
-    if (corner) this.path([[right + sway, H], corner], "ink", 1.2);
+    if (!corner) return;
+    const lowest = ["every_floor", "springs"].includes(this.scene.coupling) ? 0 : floors.length - 1;
+    for (let i = lowest; i < floors.length; i++) {
+      const share = floors[i] / H;
+      this.path([[right + moves[i], floors[i]],
+        [foot + share * (corner[0] - foot), share * corner[1]]], "ink", 1.2);
+    }
   }
 }
 

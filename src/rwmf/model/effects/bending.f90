@@ -3,7 +3,7 @@
 module rwmf_model_effects_bending
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_beam, only: beam_t, set_beam, set_floors
+   use rwmf_model_beam, only: beam_t, set_beam, set_floors, set_links
    use rwmf_model_bent_wall, only: landing
    use rwmf_model_effects_bending_loop, only: bending_coefficients, fixed_columns, floor_columns
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
@@ -166,6 +166,11 @@ contains
       equation%beam%first = equation%scene%n + 1
       if (allocated(equation%beam%floors)) then
          call set_floors(equation%beam)
+      else if (allocated(equation%floors%k_link)) then
+         call set_links(equation%beam, equation%floors%share)
+         bending%n = equation%floors%n
+         equation%floors%max_frequency = sqrt(equation%floors%max_frequency**2 + maxval( &
+            equation%beam%omega)**2 + sum(equation%floors%k_link)/minval(equation%beam%mass))
       else if (equation%has_frame) then
          equation%beam%linked_mass = equation%p%gamma
       end if
@@ -196,12 +201,18 @@ contains
          coef(fixed_columns + 1:fixed_columns + 5*n) = [beam%area, beam%arm, beam%mass, &
             beam%mass*beam%omega**2, beam%mass*beam%damping]
          coef(fixed_columns + 5*n + 1:fixed_columns + (5 + n)*n) = reshape(beam%linked_mass, [n*n])
-         if (effect%n == 0) return
-         coef(fixed_columns) = beam%floors%viscous_time
          do i = 1, effect%n
             first = fixed_columns + (5 + n)*n + (i - 1)*(floor_columns + n)
-            coef(first + 1:first + floor_columns + n) = [beam%floors%share(i), beam%floors%m(i), &
-               beam%floors%k(i), beam%floors%load(i), beam%floors%phi(i, :)]
+            associate (own => coef(first + 1:first + floor_columns + n))
+               if (allocated(beam%link_phi)) then
+                  own = [model%floors%share(i), 1/model%floors%m(i), model%floors%k_link(i), &
+                     0.0_wp, beam%link_phi(i, :)]
+               else
+                  coef(fixed_columns) = beam%floors%viscous_time
+                  own = [beam%floors%share(i), beam%floors%m(i), beam%floors%k(i), &
+                     beam%floors%load(i), beam%floors%phi(i, :)]
+               end if
+            end associate
          end do
       end associate
    end subroutine coefficients_of_bending

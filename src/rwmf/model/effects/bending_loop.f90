@@ -13,6 +13,7 @@ module rwmf_model_effects_bending_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_bending, of_input, of_viscous, &
       power_count
+   use rwmf_model_scene, only: term_t
    implicit none
    private
 
@@ -27,7 +28,8 @@ module rwmf_model_effects_bending_loop
    !! of each mode: A_i [-], S_i [m], m_i [-], stiffness [1/s2], damping [1/s]
    integer, parameter :: floor_columns = 4
    !! of each linked floor: share of the height [-], mass [-], stiffness [1/s2] and P-Delta
-   !! stiffness [1/s2] of the storey below. The deflections of the modes follow.
+   !! stiffness [1/s2] of the storey below. The deflections of the modes follow. With link springs:
+   !! share [-], reciprocal mass [-], stiffness of the spring [1/s2], 0.
 
 contains
 
@@ -89,31 +91,31 @@ contains
    !> Subtract the share of the modes from inertia and moment. The loops so far act through the link
    !> on the top. The accelerations of the modes, per phi'' and for phi'' = 0, are stored in y_dot
    !> for `release_modes`.
-   pure subroutine add_modes(n, floors, coef, y, inertia, motion, y_dot)
-      integer, intent(in) :: n
-      !! number of modes
-      integer, intent(in) :: floors
-      !! number of floors that are linked one by one
-      real(wp), intent(in) :: coef(lane_count, bending_coefficients(n, floors))
+   pure subroutine add_modes(term, coef, y, inertia, motion, y_dot)
+      type(term_t), intent(in) :: term
+      !! its law is the number of modes n, its n the number of floors that are linked one by one
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
       !! columns as above; after those of the modes, the linked mass matrix at phi = 0 by rows [-]
-      real(wp), intent(in) :: y(lane_count, 2*n)
-      !! q_i [m] and q_i' [m/s]
+      real(wp), intent(in) :: y(lane_count, *)
+      !! states
       real(wp), intent(in) :: inertia(lane_count)
       !! inertia of the rigid wall over m_w R**2 [-]
       type(lane_motion_t), intent(inout) :: motion
-      real(wp), intent(inout) :: y_dot(lane_count, 2*n)
-      !! accelerations of the modes per phi'' [m] and for phi'' = 0 [m/s2]
+      real(wp), intent(inout) :: y_dot(lane_count, *)
+      !! rates of the states, for the modes accelerations per phi'' [m] and for phi'' = 0 [m/s2]
       real(wp) :: mass(lane_count, most_modes, most_modes), own(lane_count, most_modes, 2)
       real(wp), dimension(lane_count) :: sine, cosine, force, linked, drag, push
-      integer :: i, j
+      integer :: i, j, n, q
 
+      n = term%law
+      q = term%state - 1
       associate (A => fixed_columns, S => fixed_columns + n, m => fixed_columns + 2*n, &
          k => fixed_columns + 3*n, c => fixed_columns + 4*n)
          drag = 0
          do j = 1, n
             !$omp simd
             do i = 1, lane_count
-               drag(i) = drag(i) + y(i, n + j)*(coef(i, m + j)*motion%side(i)*y(i, j) &
+               drag(i) = drag(i) + y(i, q + n + j)*(coef(i, m + j)*motion%side(i)*y(i, q + j) &
                   - coef(i, 2)*coef(i, A + j))
             end do
          end do
@@ -128,30 +130,35 @@ contains
             motion%moment(i) = motion%moment(i) - 2*motion%side(i)*drag(i)*motion%rate(i) &
                /(coef(i, 1)*coef(i, 1))
          end do
-         call find_linked_mass(n, coef, y, inertia, motion, linked)
+         call find_linked_mass(n, coef, y(1, q + 1), inertia, motion, linked)
          do j = 1, n
             !$omp simd
             do i = 1, lane_count
                own(i, j, 1) = coef(i, S + j) + linked(i)*coef(i, 1)*motion%j(i)*cosine(i)
-               own(i, j, 2) = motion%rate(i)*motion%rate(i)*(coef(i, m + j)*motion%side(i)*y(i, j) &
-                  - coef(i, 2)*coef(i, A + j)) &
-                  - motion%side(i)*(coef(i, k + j)*y(i, j) + coef(i, c + j)*y(i, n + j)) &
+               own(i, j, 2) = motion%rate(i)*motion%rate(i)*(coef(i, m + j)*motion%side(i) &
+                  *y(i, q + j) - coef(i, 2)*coef(i, A + j)) &
+                  - motion%side(i)*(coef(i, k + j)*y(i, q + j) + coef(i, c + j)*y(i, q + n + j)) &
                   + ((coef(i, 4) + motion%vertical(i))*sine(i) - push(i)*cosine(i))*coef(i, A + j) &
                   - cosine(i)*force(i)
             end do
          end do
-      end associate
-      if (floors > 0) call link_floors(n, floors, coef, y, sine, cosine, motion, own)
-      call put_masses(n, coef, cosine, mass)
-      call solve_for_modes(n, mass, own, y_dot)
-      do j = 1, n
-         !$omp simd
-         do i = 1, lane_count
-            motion%inertia(i) = motion%inertia(i) - own(i, j, 1)*y_dot(i, j)/(coef(i, 1)*coef(i, 1))
-            motion%moment(i) = motion%moment(i) - own(i, j, 1)*y_dot(i, n + j)/(coef(i, 1) &
-               *coef(i, 1))
+         if (term%floors > 0) then
+            call add_bent_springs(term, coef, y, sine, cosine, motion, own, y_dot)
+         else if (term%n > 0) then
+            call add_linked_floors(term, coef, y(1, q + 1), sine, cosine, motion, own)
+         end if
+         call put_masses(n, coef, cosine, mass)
+         call solve_for_modes(n, mass, own, y_dot(1, q + 1))
+         do j = 1, n
+            !$omp simd
+            do i = 1, lane_count
+               motion%inertia(i) = motion%inertia(i) - own(i, j, 1)*y_dot(i, q + j)/(coef(i, 1) &
+                  *coef(i, 1))
+               motion%moment(i) = motion%moment(i) - own(i, j, 1)*y_dot(i, q + n + j)/(coef(i, 1) &
+                  *coef(i, 1))
+            end do
          end do
-      end do
+      end associate
    end subroutine add_modes
 
    !> Mass over m_w that moves with the top, from the inertia that the loops so far have added.
@@ -181,11 +188,11 @@ contains
    end subroutine find_linked_mass
 
    !> Add masses, storeys and dampers of floors that are linked one by one.
-   pure subroutine link_floors(n, floors, coef, y, sine, cosine, motion, own)
-      integer, intent(in) :: n
-      integer, intent(in) :: floors
-      real(wp), intent(in) :: coef(lane_count, bending_coefficients(n, floors))
-      real(wp), intent(in) :: y(lane_count, 2*n)
+   pure subroutine add_linked_floors(term, coef, y, sine, cosine, motion, own)
+      type(term_t), intent(in) :: term
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
+      real(wp), intent(in) :: y(lane_count, 2*term%law)
+      !! q_i [m] and q_i' [m/s]
       real(wp), intent(in) :: sine(lane_count), cosine(lane_count)
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: own(lane_count, most_modes, 2)
@@ -195,52 +202,129 @@ contains
       real(wp) :: phi_below
       integer :: i, j, floor, first
 
-      tip = 0
-      tip_rate = 0
-      do j = 1, n
-         tip = tip + motion%side*y(:, j)
-         tip_rate = tip_rate + motion%side*y(:, n + j)
-      end do
-      below = 0
-      rate_below = 0
-      j_below = 0
-      do floor = 1, floors
-         first = fixed_columns + (mode_columns + n)*n + (floor - 1)*(floor_columns + n)
-         w = 0
-         w_rate = 0
-         do j = 1, n
-            w = w + coef(:, first + floor_columns + j)*motion%side*y(:, j)
-            w_rate = w_rate + coef(:, first + floor_columns + j)*motion%side*y(:, n + j)
-         end do
-         associate (R => coef(:, 1), share => coef(:, first + 1))
-            u = share*(R*motion%u - cosine*tip) + cosine*w
-            j_floor = share*(R*motion%j + sine*tip) - sine*w
-            rate = j_floor*motion%rate + cosine*w_rate
-            force = (share*(R*motion%k + cosine*tip) - cosine*w)*motion%rate**2 &
-               - 2*sine*motion%rate*w_rate + R*motion%push
-            force = coef(:, first + 2)*force
-            d = u - below
-            d_rate = rate - rate_below
-            shear = (coef(:, first + 3) - coef(:, first + 4))*d + coef(:, 5)*coef(:, first + 3) &
-               *d_rate
-            motion%moment = motion%moment - (j_floor*force + (j_floor - j_below)*shear)/R**2
-            motion%inertia = motion%inertia + coef(:, first + 2)*j_floor**2/R**2
-         end associate
-         do j = 1, n
-            do i = 1, lane_count
-               phi_below = 0
-               if (floor > 1) phi_below = coef(i, first - n + j)
-               own(i, j, 1) = own(i, j, 1) + cosine(i)*coef(i, first + 2)*j_floor(i) &
-                  *coef(i, first + floor_columns + j)
-               own(i, j, 2) = own(i, j, 2) - cosine(i)*(coef(i, first + floor_columns + j) &
-                  *force(i) + (coef(i, first + floor_columns + j) - phi_below)*shear(i))
+      associate (n => term%law, R => coef(:, 1))
+         call deflect_top(n, y, motion%side, tip, tip_rate)
+         below = 0
+         rate_below = 0
+         j_below = 0
+         do floor = 1, term%n
+            first = first_of_floor(n, floor)
+            call deflect(n, coef(1, first + floor_columns + 1), y, motion%side, w, w_rate)
+            associate (share => coef(:, first + 1), mass => coef(:, first + 2), &
+                       k => coef(:, first + 3))
+               u = share*(R*motion%u - cosine*tip) + cosine*w
+               j_floor = share*(R*motion%j + sine*tip) - sine*w
+               rate = j_floor*motion%rate + cosine*w_rate
+               force = (share*(R*motion%k + cosine*tip) - cosine*w)*motion%rate**2 &
+                  - 2*sine*motion%rate*w_rate + R*motion%push
+               force = mass*force
+               d = u - below
+               d_rate = rate - rate_below
+               shear = (k - coef(:, first + 4))*d + coef(:, 5)*k*d_rate
+               motion%moment = motion%moment - (j_floor*force + (j_floor - j_below)*shear)/R**2
+               motion%inertia = motion%inertia + mass*j_floor**2/R**2
+            end associate
+            do j = 1, n
+               do i = 1, lane_count
+                  phi_below = 0
+                  if (floor > 1) phi_below = coef(i, first - n + j)
+                  own(i, j, 1) = own(i, j, 1) + cosine(i)*coef(i, first + 2)*j_floor(i) &
+                     *coef(i, first + floor_columns + j)
+                  own(i, j, 2) = own(i, j, 2) - cosine(i)*(coef(i, first + floor_columns + j) &
+                     *force(i) + (coef(i, first + floor_columns + j) - phi_below)*shear(i))
+               end do
             end do
+            below = u
+            rate_below = rate
+            j_below = j_floor
          end do
-         below = u
-         rate_below = rate
-         j_below = j_floor
+      end associate
+   end subroutine add_linked_floors
+
+   !> Add the forces of springs between wall and floors, on both.
+   pure subroutine add_bent_springs(term, coef, y, sine, cosine, motion, own, y_dot)
+      type(term_t), intent(in) :: term
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
+      real(wp), intent(in) :: y(lane_count, *)
+      !! states
+      real(wp), intent(in) :: sine(lane_count), cosine(lane_count)
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(inout) :: own(lane_count, most_modes, 2)
+      !! coupling and force of each mode [m], [m/s2]
+      real(wp), intent(inout) :: y_dot(lane_count, *)
+      !! rates of the states; the springs add to those of the floors' velocities [m/s2]
+      real(wp), dimension(lane_count) :: tip, tip_rate, w, w_rate, pull
+      integer :: j, floor, first
+
+      associate (n => term%law, R => coef(:, 1), last => term%floors + term%n - 1)
+         call deflect_top(n, y(1, term%state), motion%side, tip, tip_rate)
+         do floor = 1, term%n
+            first = first_of_floor(n, floor)
+            call deflect(n, coef(1, first + floor_columns + 1), y(1, term%state), motion%side, w, &
+               w_rate)
+            associate (share => coef(:, first + 1))
+               pull = coef(:, first + 3)*(share*(R*motion%u - cosine*tip) + cosine*w &
+                  - motion%side*y(:, term%floors - 1 + floor))
+               motion%moment = motion%moment - (share*(R*motion%j + sine*tip) - sine*w)*pull/R**2
+            end associate
+            do j = 1, n
+               own(:, j, 2) = own(:, j, 2) - cosine*coef(:, first + floor_columns + j)*pull
+            end do
+            y_dot(:, last + floor) = y_dot(:, last + floor) + motion%side*pull*coef(:, first + 2)
+         end do
+      end associate
+   end subroutine add_bent_springs
+
+   !> Number of coefficients before those of a floor.
+   pure integer function first_of_floor(n, floor) result(first)
+      integer, intent(in) :: n
+      !! number of modes
+      integer, intent(in) :: floor
+      !! number of the floor
+
+      first = fixed_columns + (mode_columns + n)*n + (floor - 1)*(floor_columns + n)
+   end function first_of_floor
+
+   !> Deflection and its rate at a place of the wall.
+   pure subroutine deflect(n, phi, y, side, w, w_rate)
+      integer, intent(in) :: n
+      !! number of modes
+      real(wp), intent(in) :: phi(lane_count, n)
+      !! deflection of each mode at this place [-]
+      real(wp), intent(in) :: y(lane_count, 2*n)
+      !! q_i [m] and q_i' [m/s]
+      real(wp), intent(in) :: side(lane_count)
+      !! +1 or -1 [-]
+      real(wp), intent(out) :: w(lane_count)
+      !! [m]
+      real(wp), intent(out) :: w_rate(lane_count)
+      !! [m/s]
+      integer :: j
+
+      w = 0
+      w_rate = 0
+      do j = 1, n
+         w = w + phi(:, j)*side*y(:, j)
+         w_rate = w_rate + phi(:, j)*side*y(:, n + j)
       end do
-   end subroutine link_floors
+   end subroutine deflect
+
+   !> Deflection and its rate at the top of the wall, where every mode is 1.
+   pure subroutine deflect_top(n, y, side, w, w_rate)
+      integer, intent(in) :: n
+      !! number of modes
+      real(wp), intent(in) :: y(lane_count, 2*n)
+      !! q_i [m] and q_i' [m/s]
+      real(wp), intent(in) :: side(lane_count)
+      !! +1 or -1 [-]
+      real(wp), intent(out) :: w(lane_count)
+      !! [m]
+      real(wp), intent(out) :: w_rate(lane_count)
+      !! [m/s]
+
+      w = side*sum(y(:, :n), dim=2)
+      w_rate = side*sum(y(:, n + 1:), dim=2)
+   end subroutine deflect_top
 
    !> Compute the mass matrix of the modes with the linked masses.
    pure subroutine put_masses(n, coef, cosine, mass)
@@ -334,49 +418,58 @@ contains
    end subroutine release_modes
 
    !> Add the powers of the ground motion on the modes, of their dampers and of linked floors.
-   pure subroutine add_mode_power(n, floors, weight, coef, y, motion, total)
-      integer, intent(in) :: n
-      !! number of modes
-      integer, intent(in) :: floors
-      !! number of floors that are linked one by one
+   pure subroutine add_mode_power(term, weight, coef, y, motion, total)
+      type(term_t), intent(in) :: term
       real(wp), intent(in) :: weight
       !! weight of the powers in the sum [-]
-      real(wp), intent(in) :: coef(lane_count, bending_coefficients(n, floors))
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
       !! coefficients of `add_modes`
-      real(wp), intent(in) :: y(lane_count, 2*n)
+      real(wp), intent(in) :: y(lane_count, 2*term%law)
       !! q_i [m] and q_i' [m/s]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
-      real(wp), dimension(lane_count) :: sine, cosine, lean_rate, own, tip, tip_rate, w, w_rate, &
-         rate, below
-      integer :: j, floor, first
+      real(wp), dimension(lane_count) :: sine, cosine, lean_rate, own
+      integer :: j
 
       lean_rate = 0
       own = 0
-      tip = 0
-      tip_rate = 0
-      do j = 1, n
-         lean_rate = lean_rate + coef(:, fixed_columns + j)*motion%side*y(:, n + j)
-         own = own + coef(:, fixed_columns + 4*n + j)*y(:, n + j)**2
-         tip = tip + motion%side*y(:, j)
-         tip_rate = tip_rate + motion%side*y(:, n + j)
-      end do
-      sine = 2*motion%half_sine*motion%half_cosine
-      cosine = 1 - 2*motion%half_sine**2
-      associate (R => coef(:, 1))
+      associate (n => term%law, R => coef(:, 1))
+         do j = 1, n
+            lean_rate = lean_rate + coef(:, fixed_columns + j)*motion%side*y(:, n + j)
+            own = own + coef(:, fixed_columns + 4*n + j)*y(:, n + j)**2
+         end do
+         sine = 2*motion%half_sine*motion%half_cosine
+         cosine = 1 - 2*motion%half_sine**2
          total(:, of_bending) = total(:, of_bending) + weight*own/R**2
          total(:, of_input) = total(:, of_input) + weight*lean_rate*(motion%vertical*sine &
             - R*motion%push*cosine)/R**2
+      end associate
+      if (term%floors == 0) call add_linked_floor_power(term, weight, coef, y, motion, total)
+   end subroutine add_mode_power
+
+   !> Add the powers of the ground motion on linked floors and of their dampers.
+   pure subroutine add_linked_floor_power(term, weight, coef, y, motion, total)
+      type(term_t), intent(in) :: term
+      real(wp), intent(in) :: weight
+      !! weight of the powers in the sum [-]
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
+      real(wp), intent(in) :: y(lane_count, 2*term%law)
+      !! q_i [m] and q_i' [m/s]
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      real(wp), dimension(lane_count) :: sine, cosine, tip, tip_rate, w, w_rate, rate, below
+      integer :: floor, first
+
+      sine = 2*motion%half_sine*motion%half_cosine
+      cosine = 1 - 2*motion%half_sine**2
+      associate (n => term%law, R => coef(:, 1))
+         call deflect_top(n, y, motion%side, tip, tip_rate)
          below = 0
-         do floor = 1, floors
-            first = fixed_columns + (mode_columns + n)*n + (floor - 1)*(floor_columns + n)
-            w = 0
-            w_rate = 0
-            do j = 1, n
-               w = w + coef(:, first + floor_columns + j)*motion%side*y(:, j)
-               w_rate = w_rate + coef(:, first + floor_columns + j)*motion%side*y(:, n + j)
-            end do
+         do floor = 1, term%n
+            first = first_of_floor(n, floor)
+            call deflect(n, coef(1, first + floor_columns + 1), y, motion%side, w, w_rate)
             rate = (coef(:, first + 1)*(R*motion%j + sine*tip) - sine*w)*motion%rate &
                + cosine*w_rate
             total(:, of_viscous) = total(:, of_viscous) + weight*coef(:, 5)*coef(:, first + 3) &
@@ -386,6 +479,6 @@ contains
             below = rate
          end do
       end associate
-   end subroutine add_mode_power
+   end subroutine add_linked_floor_power
 
 end module rwmf_model_effects_bending_loop

@@ -51,7 +51,7 @@ contains
                call add_straight_cable(coef(1, own), motion)
             case (storeys_effect)
                if (term%n > 0) then
-                  call add_floors(term%n, term%law, coef(1, own), y(1, term%state), motion, &
+                  call add_floors(term, coef(1, own), y(1, term%state), motion, &
                      y_dot(1, term%state))
                else
                   call add_excited_mass(coef(1, own), motion)
@@ -71,13 +71,12 @@ contains
                call add_vertical(coef(1, own), motion)
             case (p_delta_effect)
                ! a term with one coordinate has no states and reads none of y
-               call add_p_delta(term%n, coef(1, own), y(1, min(term%state, scene%n)), motion, &
-                  y_dot(1, min(term%state, scene%n)))
+               call add_p_delta(term%n, term%n_states/2, coef(1, own), &
+                  y(1, min(term%state, scene%n)), motion, y_dot(1, min(term%state, scene%n)))
             case (nl_damper_effect)
                call add_nl_damper(coef(1, own), motion)
             case (bending_effect)
-               call add_modes(term%law, term%n, coef(1, own), y(1, term%state), &
-                  coef(1, first_wall + 6), motion, y_dot(1, term%state))
+               call add_modes(term, coef(1, own), y, coef(1, first_wall + 6), motion, y_dot)
             case default
                ! this effect has no loop and therefore no term
             end select
@@ -143,8 +142,8 @@ contains
                call add_frame_power(weight, coef(1, own), motion, total)
             case (storeys_effect)
                if (term%n > 0) then
-                  call add_floor_power(term%n, term%law, weight, coef(1, own), &
-                     y(1, term%state), y_dot(1, term%state), motion, total)
+                  call add_floor_power(term, weight, coef(1, own), y(1, term%state), &
+                     y_dot(1, term%state), motion, total)
                else
                   call add_excited_mass_power(weight, coef(1, own), motion, total)
                end if
@@ -158,8 +157,7 @@ contains
             case (nl_damper_effect)
                call add_nl_damper_power(weight, coef(1, own), motion, total)
             case (bending_effect)
-               call add_mode_power(term%law, term%n, weight, coef(1, own), y(1, term%state), &
-                  motion, total)
+               call add_mode_power(term, weight, coef(1, own), y(1, term%state), motion, total)
             case default
                ! this term stores energy only, or dissipates on straight lines
             end select

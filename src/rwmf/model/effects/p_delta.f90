@@ -166,7 +166,7 @@ contains
                1/(limit*numbers(of_height))]
          end if
       end associate
-      effect%n_coef = max(1, 2*effect%n)
+      effect%n_coef = 1 + effect%n + effect%reads/2
    end subroutine prepare_p_delta
 
    !> Set the constants of a frame with storeys, in this order.
@@ -190,7 +190,7 @@ contains
          if (equation%floors%n > 0) then
             effect%n = n
             effect%first = equation%floors%first
-            effect%reads = 2*n - 2
+            effect%reads = 2*equation%floors%free
             effect%constants = [load/equation%floors%unit, 1/(limit*frame%height)]
             return
          end if
@@ -213,9 +213,9 @@ contains
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
-      associate (n => model%floors%n)
+      associate (n => model%floors%n, free => model%floors%free)
          if (n > 0) then
-            coef = [model%p%R, effect%constants(:n), 1/model%floors%m(:n - 1)]
+            coef = [model%p%R, effect%constants(:n), 1/model%floors%m(:free)]
          else
             coef = effect%constants(:1)
          end if
@@ -244,8 +244,14 @@ contains
 
       call displacements(equation, y, d, rate)
       associate (n => size(d))
-         if (n > 1) then
-            force = [-effect%constants(n)*d(n), effect%constants(n)*d(n) - effect%constants(1)*d(1)]
+         if (equation%floors%n > 0) then
+            ! link springs let the uppermost storey push a floor with states
+            force(1) = -effect%constants(n)*d(n)
+            if (equation%floors%free == n) force(1) = 0
+            force(2) = -effect%constants(1)*d(1) - force(1)
+         else if (allocated(equation%beam%floors)) then
+            ! part of the forces of the linked floors
+            force = 0
          else
             force = [-effect%constants(2)*d(1), 0.0_wp]
          end if

@@ -12,7 +12,7 @@ module rwmf_model_effects_yielding
    use rwmf_model_hysteresis_spring_set, only: has_branches, storey_strengths, &
       yield_displacement, yielding_energy
    use rwmf_model_scene, only: through_link
-   use rwmf_problem_case, only: case_t, spring_law_t
+   use rwmf_problem_case, only: case_t, has_all_modes, spring_law_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
       has_key, real_of, text_of
@@ -41,7 +41,7 @@ contains
             'or its yield force over the weight of its mass: u_y = f_y_over_m_s_g g/omega_s**2')), &
          usually('[1e-4, 0.5]', &
             optional_key('yielding', 'storey_u_y', 'real list', 'm', '', positive, &
-            'or, &storeys full and every_floor, u_i - u_(i-1) at which storeys yield: one for ' &
+            'or, &storeys unless reduced, u_i - u_(i-1) at which storeys yield: one for ' &
             //'all or one each')), &
          usually('[1e3, 1e10]', dimensional('yielding', 'F_y', 'real', 'N', 'f_y_over_m_s_g', '', &
             'or the yield force of a frame without &storeys')), &
@@ -99,8 +99,9 @@ contains
       if (has_key(values, 'yielding', 'F_y')) then
          if (has_group(values, 'storeys')) then
             call fail_key(values, 'yielding', 'F_y', 'must not be given with &storeys: ' &
-               //"storey_F_y says the forces of storeys (coupling = 'full' or 'every_floor'), " &
-               //"u_y the displacement of the roof ('reduced', 'every_floor')", error)
+               //"storey_F_y says the forces of storeys (coupling = 'full', 'springs' or " &
+               //"'every_floor'), u_y the displacement of the roof ('reduced', 'every_floor')", &
+               error)
          else if (mass_of_frame(values) > 0) then
             call derive(values, 'yielding', 'f_y_over_m_s_g', 'F_y', [real_of(values, 'yielding', &
                'F_y')/(mass_of_frame(values)*real_of(values, 'model', 'g'))])
@@ -155,10 +156,11 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
 
-      if (text_of(values, 'yielding', 'law') /= 'bouc_wen' .or. coupling(values) /= 'full') return
+      if (text_of(values, 'yielding', 'law') /= 'bouc_wen' .or. .not. has_modes(values)) return
       if (abs(real_of(values, 'initial', 'theta_over_alpha')) <= 0) return
       call fail_key(values, 'initial', 'theta_over_alpha', "must be 0 with &yielding law = " &
-         //"'bouc_wen' and &storeys coupling = 'full', whose hysteresis begins at zero", error)
+         //"'bouc_wen' and &storeys coupling = '"//trim(coupling(values))//"', whose hysteresis " &
+         //'begins at zero', error)
    end subroutine check_law
 
    !> Check that keys of a law are given only with it, and that its required keys are present.
@@ -234,6 +236,13 @@ contains
       if (has_group(values, 'storeys')) coupling = text_of(values, 'storeys', 'coupling')
    end function coupling
 
+   !> True if the storeys move independently (`has_all_modes`).
+   pure logical function has_modes(values)
+      type(group_values_t), intent(in) :: values
+
+      has_modes = coupling(values) == 'full' .or. coupling(values) == 'springs'
+   end function has_modes
+
    !> Check that the frame has mass: its springs follow from its period and mass.
    subroutine check_mass(values, error)
       type(group_values_t), intent(in) :: values
@@ -256,7 +265,7 @@ contains
    pure logical function yields_by_storey(values)
       type(group_values_t), intent(in) :: values
 
-      yields_by_storey = has_key(values, 'yielding', 'storey_u_y') .or. coupling(values) == 'full'
+      yields_by_storey = has_key(values, 'yielding', 'storey_u_y') .or. has_modes(values)
    end function yields_by_storey
 
    !> Check the frames that allow yielding storeys, and the number of strengths.
@@ -268,31 +277,33 @@ contains
       real(wp), allocatable :: u_y(:)
       integer :: i
 
-      if (coupling(values) /= 'full' .and. coupling(values) /= 'every_floor') then
+      if (.not. has_modes(values) .and. coupling(values) /= 'every_floor') then
          call fail_key(values, 'yielding', 'storey_u_y', "must not be given without &storeys " &
-            //"coupling = 'full' or 'every_floor': other frames yield as one spring, u_y", error)
+            //"coupling = 'full', 'springs' or 'every_floor': other frames yield as one spring, " &
+            //'u_y', error)
          return
       end if
       do i = 1, size(keys)
          if (.not. has_key(values, 'yielding', trim(keys(i)))) cycle
          call fail_key(values, 'yielding', trim(keys(i)), "must not be given where the storeys " &
-            //"yield one by one (&storeys coupling = 'full', or storey_u_y): storey_u_y says " &
-            //'when', error)
+            //"yield one by one (&storeys coupling = 'full' or 'springs', or storey_u_y): " &
+            //'storey_u_y says when', error)
          return
       end do
       call get_list(values, 'storeys', 'm_over_m_w', m)
       call get_list(values, 'yielding', 'storey_u_y', u_y)
       if (.not. allocated(u_y)) then
          call fail_group(values, 'yielding', "the key storey_u_y is missing (u_i - u_(i-1) at " &
-            //"first yield): must be given with &storeys coupling = 'full', numbers > 0 [m]", error)
+            //"first yield): must be given with &storeys coupling = '"//trim(coupling(values)) &
+            //"', numbers > 0 [m]", error)
       else if (size(u_y) /= 1 .and. size(u_y) /= size(m)) then
          call fail_key(values, 'yielding', 'storey_u_y', 'has ' &
             //trim(integer_to_text(size(u_y)))//' values, must have one for all storeys or one ' &
             //'for each of the '//trim(integer_to_text(size(m)))//' of m_over_m_w', error)
       else if (text_of(values, 'yielding', 'law') == 'bouc_wen' &
-               .and. coupling(values) /= 'full') then
+               .and. .not. has_modes(values)) then
          call fail_key(values, 'yielding', 'law', "must not be 'bouc_wen' with storey_u_y and " &
-            //"&storeys coupling = 'every_floor'; coupling = 'full' allows all laws", error)
+            //"&storeys coupling = 'every_floor'; 'full' and 'springs' allow all laws", error)
       end if
    end subroutine check_storey_strengths
 
@@ -307,7 +318,7 @@ contains
       if (text_of(values, 'model', 'formulation') /= 'exact' &
           .and. text_of(values, 'wall', 'base') /= 'pinned') return
       ! with all modes, storeys do not follow the rotation
-      if (coupling(values) == 'full') return
+      if (has_modes(values)) return
       limit = turning_rotation(real_of(values, 'wall', 'h'), real_of(values, 'link', 'L'))
       if (real_of(values, 'model', 'overturning_angle') <= limit) return
       call fail_key(values, 'link', 'L', 'needs &model overturning_angle <= ' &
@@ -473,14 +484,11 @@ contains
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)
       character(name_length), allocatable :: states(:)
-      logical :: is_full
       integer :: i
 
       if (.not. allocated(case%yielding%law)) return
       if (case%yielding%law /= 'bouc_wen') return
-      is_full = .false.
-      if (allocated(case%storeys)) is_full = case%storeys%coupling == 'full'
-      if (is_full) then
+      if (has_all_modes(case%storeys)) then
          allocate (states(size(case%storeys%frame%m)))
          do i = 1, size(states)
             states(i) = 'z_'//trim(integer_to_text(i))

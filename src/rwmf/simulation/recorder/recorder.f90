@@ -495,7 +495,7 @@ contains
       real(wp), intent(out) :: y_dot(:)
 
       y_dot = 0
-      if (equation%floors%n > 1 .or. equation%beam%n > 0) call rates_at(equation, t, y, y_dot)
+      if (equation%floors%free > 0 .or. equation%beam%n > 0) call rates_at(equation, t, y, y_dot)
       y_dot(2) = 0
    end subroutine find_rates_at_rest
 

@@ -83,7 +83,7 @@ contains
 
       allocate (displacement(equation%n), source=0)
       displacement(2) = 1
-      associate (n => equation%floors%n - 1, first => equation%floors%first)
+      associate (n => equation%floors%free, first => equation%floors%first)
          do j = 0, n - 1
             displacement(first + n + j) = first + j
          end do

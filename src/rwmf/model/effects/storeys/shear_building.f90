@@ -1,29 +1,34 @@
-!> Frame of several storeys with all its modes, whose roof is linked to the wall.
+!> Frame of several storeys with all its modes. Its roof is linked to the wall, or each floor by a
+!> link spring.
 !>
-!> The rotation of the wall moves the roof; the floors below it are free. Their displacements u_i
-!> and velocities v_i relative to the ground are states. An impact changes the roof's velocity
+!> The rotation of the wall moves a linked roof; the floors below it are free. Their displacements
+!> u_i and velocities v_i relative to the ground are states. An impact changes the roof's velocity
 !> suddenly and leaves these states unchanged:
 !>
-!>    m_i (v_i' + u_g'') = k_(i+1) (u_(i+1) - u_i) - k_i (u_i - u_(i-1)) - (C v)_i,   i < n
+!>    m_i (v_i' + u_g'') = k_(i+1) (u_(i+1) - u_i) - k_i (u_i - u_(i-1)) - (C v)_i + l_i,   i < n
 !>
 !> The frame of `equation_t` (gamma and omega_s) represents the roof's mass and the stiffness of
-!> the uppermost storey. Each yielding storey is on one of the branches of `yielding_storeys`.
+!> the uppermost storey. With link springs the roof is a free floor as well, the frame of
+!> `equation_t` has no mass, and l_i = k_link_i (z_i/(2h) u_s - u_i). Each yielding storey is on one
+!> of the branches of `yielding_storeys`.
 module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
+   use rwmf_model_beam, only: link_deflections
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, floors_t, &
-      frame_displacement, frame_mass, frame_motion, frame_travel, ground, model_t
+      frame_displacement, frame_mass, frame_motion, frame_travel, ground, model_t, &
+      straight_displacement
    use rwmf_model_floor_motion, only: floor_motion
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_laws, only: spring_energy
    use rwmf_model_hysteresis_spring, only: branch_t
-   use rwmf_problem_case, only: case_t, has_numbers
+   use rwmf_problem_case, only: case_t, has_all_modes, has_numbers
    use rwmf_problem_quantity_table, only: id
    use rwmf_problem_shear_frame, only: base_shear_share, damping_matrix, roof_factor, shear_frame_t
    implicit none
    private
 
    public :: set_storeys, storey_coefficients, excited_mass_coefficients
-   public :: storey_sizes, storey_energy, resistance, floor_inertia
+   public :: storey_sizes, storey_energy, resistance, floor_inertia, link_pulls
    public :: put_floors, column_shears
 
 contains
@@ -42,7 +47,7 @@ contains
 
       frame = case%storeys%frame
       n = size(frame%m)
-      if (case%storeys%coupling /= 'full') then
+      if (.not. has_all_modes(case%storeys)) then
          equation%floors%excited_mass_ratio = roof_factor(frame, 1)
          equation%floors%base_shear_ratio = equation%floors%excited_mass_ratio
          equation%floors%are_linked = case%storeys%coupling == 'every_floor'
@@ -57,6 +62,7 @@ contains
       if (.not. allocated(case%wall)) unit = frame%m(n)
       pace = 2*pi/case%frame%T_s/frame%omega(1)
       equation%floors%n = n
+      equation%floors%free = n - 1
       equation%floors%unit = unit
       equation%floors%m = frame%m/unit
       equation%floors%height = frame%height
@@ -72,7 +78,8 @@ contains
       equation%state%frame_slope = 0
       equation%p%xi_s = 0
       equation%p%two_xi_omega = 0
-      equation%moves_at_rest = equation%has_impacts .and. n > 1
+      if (allocated(case%storeys%k_link)) call set_link_springs(case%storeys%k_link, equation)
+      equation%moves_at_rest = equation%has_impacts .and. equation%floors%free > 0
    end subroutine set_storeys
 
    !> Collect the floors that are linked to a bending wall one by one.
@@ -95,6 +102,26 @@ contains
       end associate
    end subroutine set_linked_floors
 
+   !> Release the roof from the wall and link each floor to the wall by a spring. No mass of the
+   !> frame moves with the wall (`is_linked` of the case's frame).
+   subroutine set_link_springs(k_link, equation)
+      real(wp), intent(in) :: k_link(:)
+      !! stiffness of each spring over m_w [1/s2]
+      type(equation_t), intent(inout) :: equation
+      integer :: i
+
+      associate (floors => equation%floors)
+         floors%free = floors%n
+         floors%are_linked = .true.
+         floors%k_link = k_link
+         floors%share = [(sum(floors%height(:i)), i=1, floors%n)]/sum(floors%height)
+         floors%mass = sum(floors%m)
+         ! no energy of the springs exceeds the sum of those with the wall and with the floors held
+         floors%max_frequency = sqrt(floors%max_frequency**2 + maxval(k_link/floors%m) &
+            + sum(k_link*floors%share**2)*4*equation%p%cos_alpha**2/equation%inertia)
+      end associate
+   end subroutine set_link_springs
+
    !> Coefficients of `add_floors`, for all modes.
    pure subroutine storey_coefficients(effect, model, state, coef)
       type(contribution_t), intent(in) :: effect
@@ -110,9 +137,13 @@ contains
          do i = 1, n
             coef(3*n + 2 + (i - 1)*n:3*n + 1 + i*n) = floors%c(i, :)
          end do
-         if (.not. allocated(floors%laws)) return
-         coef(3*n + 2 + n**2:) = [floors%laws%force_at_z1, 1/floors%laws%u_y, &
-            state%storey_signs%lost, floors%laws%exponent]
+         if (allocated(floors%laws)) coef(3*n + 2 + n**2:7*n + 1 + n**2) = &
+            [floors%laws%force_at_z1, 1/floors%laws%u_y, state%storey_signs%lost, &
+            floors%laws%exponent]
+         if (.not. allocated(floors%k_link)) return
+         coef(effect%n_coef - 2*n + 1:) = [floors%share, floors%k_link]
+         ! the loop of the modes applies the springs of a bending wall
+         if (model%beam%n > 0) coef(effect%n_coef - n + 1:) = 0
       end associate
    end subroutine storey_coefficients
 
@@ -141,6 +172,21 @@ contains
       force = resistance_to(equation%floors, equation%state%storeys, y, u_roof, v_roof)
    end function resistance
 
+   !> Forces with which the link springs pull the floors along with the wall [m/s2].
+   pure function link_pulls(equation, y) result(pull)
+      type(equation_t), intent(in) :: equation
+      !! equation with link springs
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: pull(equation%floors%n)
+
+      associate (floors => equation%floors)
+         pull = floors%share*straight_displacement(equation, equation%state%side, y(1))
+         if (equation%beam%n > 0) pull = pull + cos(y(1))*link_deflections(equation%beam, y)
+         pull = floors%k_link*(pull - y(floors%first:floors%first + floors%n - 1))
+      end associate
+   end function link_pulls
+
    !> Shears of the storeys' columns, without dampers [m/s2].
    pure function column_shears(equation, y) result(shear)
       type(equation_t), intent(in) :: equation
@@ -165,11 +211,11 @@ contains
       real(wp) :: shear(floors%n)
       real(wp) :: u(0:floors%n)
 
-      associate (n => floors%n, first => floors%first)
+      associate (n => floors%n, free => floors%free, first => floors%first)
          ! one by one: an array constructor would fetch memory
          u(0) = 0
-         u(1:n - 1) = y(first:first + n - 2)
          u(n) = u_roof
+         u(1:free) = y(first:first + free - 1)
          shear = branches%slope*(u(1:) - u(:n - 1))
          if (allocated(floors%laws)) then
             shear = shear + floors%laws%force_at_z1*y(floors%laws%place)
@@ -194,19 +240,19 @@ contains
       real(wp), dimension(floors%n) :: shear, v
 
       shear = shears_at(floors, branches, y, u_roof)
-      associate (n => floors%n, first => floors%first)
-         v(:n - 1) = y(first + n - 1:first + 2*n - 3)
+      associate (n => floors%n, free => floors%free, first => floors%first)
          v(n) = v_roof
+         v(:free) = y(first + free:first + 2*free - 1)
          force = matmul(floors%c, v) + shear
          force(:n - 1) = force(:n - 1) - shear(2:)
       end associate
    end function resistance_to
 
-   !> Rate of momentum of the floors below the roof beyond that implied by the roof's motion
-   !> [m/s2].
+   !> Rate of momentum of the floors beyond that implied by the motion of a linked roof [m/s2].
    !>
    !> One mode: the floors move in proportion to the roof, and the omitted modes follow the ground.
-   !> All modes: the sum of the storeys' forces on the floors. Without storeys it is zero.
+   !> All modes: the sum of the forces of storeys and link springs on the floors with states.
+   !> Without storeys it is zero.
    real(wp) function floor_inertia(equation, t, y, u_ddot) result(inertia)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -219,7 +265,8 @@ contains
 
       if (allocated(equation%floors%m)) then
          force = resistance(equation, y)
-         inertia = -sum(force(:size(force) - 1))
+         inertia = -sum(force(:equation%floors%free))
+         if (allocated(equation%floors%k_link)) inertia = inertia + sum(link_pulls(equation, y))
       else
          inertia = frame_mass(equation)*(equation%floors%excited_mass_ratio - 1)*u_ddot &
             + equation%floors%mass*ground(equation, t)
@@ -240,7 +287,7 @@ contains
 
       n = size(v)
       call floor_motion(equation, equation%state%side, y, u, v)
-      call put(row, id%floor_i_m, u(1:n - 1))
+      call put(row, id%floor_i_m, u(1:equation%floors%free))
       call put(row, id%storey_i_drift, (u(1:) - u(:n - 1))/equation%floors%height)
    end subroutine put_floors
 
@@ -255,7 +302,7 @@ contains
       !! (states of the effect) sizes of displacements [m] and velocities [m/s] of the floors, and
       !! of z [-]
 
-      associate (n => equation%floors%n - 1)
+      associate (n => equation%floors%free)
          sizes(:n) = frame_travel(equation)*size_guess(1)
          sizes(n + 1:2*n) = frame_travel(equation)*size_guess(2)
          if (allocated(equation%floors%laws)) sizes(2*n + 1:) = min(1.0_wp, &
@@ -263,9 +310,9 @@ contains
       end associate
    end subroutine storey_sizes
 
-   !> Kinetic energy of the floors below the roof, and strain energy of the storeys [J/kg]. The
-   !> latter excludes the energy of the frame of `equation_t`, the uppermost spring at the roof's
-   !> displacement.
+   !> Kinetic energy of the floors with states, and strain energy of storeys and link springs
+   !> [J/kg]. The latter excludes the energy of the frame of `equation_t`, the uppermost spring at
+   !> the displacement of a linked roof.
    function storey_energy(effect, equation, y) result(energy)
       type(contribution_t), intent(in) :: effect
       type(equation_t), intent(in) :: equation
@@ -278,8 +325,14 @@ contains
 
       n = size(v)
       call floor_motion(equation, equation%state%side, y, u, v)
-      energy(1) = sum(equation%floors%m(:n - 1)*v(:n - 1)**2)/2
-      energy(2) = -equation%floors%k(n)*u(n)**2/2
+      associate (free => equation%floors%free)
+         energy(1) = sum(equation%floors%m(:free)*v(:free)**2)/2
+      end associate
+      if (allocated(equation%floors%k_link)) then
+         energy(2) = sum(link_pulls(equation, y)**2/equation%floors%k_link)/2
+      else
+         energy(2) = -equation%floors%k(n)*u(n)**2/2
+      end if
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
             energy(2) = energy(2) + sum(equation%state%storeys%slope*(u(1:) - u(:n - 1))**2 &

@@ -10,7 +10,7 @@ module rwmf_model_effects_storeys_storeys
    use rwmf_model_effects_storeys_yielding_storeys, only: choose_storey_springs
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_model_scene, only: through_link
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_all_modes
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_group_values, only: derive, get_list, group_values_t, has_group, has_key, &
@@ -60,8 +60,12 @@ contains
             dimensional('storeys', 'T_1', 'real', 's', 'k_over_m_w', '', &
             'period of the first mode of the frame by itself: it scales all stiffnesses'))), &
          optional_key('storeys', 'coupling', 'choice', '', 'reduced', &
-            'reduced every_floor full', &
-            'roof linked: first mode or all modes; every floor linked: a straight line')]
+            'reduced every_floor full springs', &
+            'roof linked: first mode or all modes; each floor: a straight line, or by a spring'), &
+         with_si('N/m', optional_key('storeys', 'k_link_over_m_w', 'real list', '1/s2', '', &
+            positive, 'stiffness of each link spring, or one for all, over the same mass')), &
+         usually('[1e5, 1e12]', dimensional('storeys', 'k_link', 'real list', 'N/m', &
+            'k_link_over_m_w', '', 'or the stiffnesses'))]
       group%derive => derive_storeys
       group%check => check_storeys
       group%fill => fill_storeys
@@ -86,6 +90,9 @@ contains
       real(wp), allocatable :: k(:)
       character(10) :: m_key, k_key
 
+      ! without a wall its stiffness is over no mass
+      if (has_key(values, 'storeys', 'k_link')) call check_coupling(values, error)
+      if (allocated(error)) return
       if (has_key(values, 'storeys', 'm') .and. has_key(values, 'storeys', 'k_over_m_w')) then
          if (.not. has_key(values, 'storeys', 'k')) then
             call fail_key(values, 'storeys', 'k_over_m_w', 'must not be given beside m: k [N/m] ' &
@@ -178,11 +185,42 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
 
-      call check_excluded(values, error)
+      call check_coupling(values, error)
+      if (.not. allocated(error)) call check_excluded(values, error)
       if (.not. allocated(error)) call check_lists(values, error)
    end subroutine check_storeys
 
-   !> Refuse keys that the storeys determine, and floors linked to the wall in a case without one.
+   !> Check that floors are linked to a wall, and that link springs have their stiffnesses.
+   subroutine check_coupling(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      character(15), parameter :: keys(2) = [character(15) :: 'k_link_over_m_w', 'k_link']
+      character(:), allocatable :: coupling
+      integer :: i
+
+      coupling = text_of(values, 'storeys', 'coupling')
+      if (any(coupling == [character(11) :: 'every_floor', 'springs']) &
+          .and. .not. has_group(values, 'wall')) then
+         call fail_key(values, 'storeys', 'coupling', "must not be '"//coupling//"' without " &
+            //'&wall, which the floors are linked to', error)
+      else if (coupling == 'springs' .and. .not. has_key(values, 'storeys', trim(keys(1)))) then
+         call fail_group(values, 'storeys', 'the key k_link_over_m_w is missing (stiffness of ' &
+            //"the link springs): must be given with coupling = 'springs', numbers > 0 " &
+            //'[1/s2]; or k_link [N/m]', error)
+      else if (coupling == 'springs' .and. has_group(values, 'link')) then
+         call fail_group(values, 'link', "must not be given with &storeys coupling = " &
+            //"'springs', whose links are springs", error)
+      else if (coupling /= 'springs') then
+         do i = size(keys), 1, -1
+            if (.not. has_key(values, 'storeys', trim(keys(i)))) cycle
+            call fail_key(values, 'storeys', trim(keys(i)), "must not be given with coupling " &
+               //"= '"//coupling//"', whose links are rigid; 'springs' needs it", error)
+            return
+         end do
+      end if
+   end subroutine check_coupling
+
+   !> Refuse keys that the storeys determine.
    subroutine check_excluded(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
@@ -190,12 +228,6 @@ contains
       real(wp), allocatable :: gamma(:)
       integer :: i
 
-      if (text_of(values, 'storeys', 'coupling') == 'every_floor' &
-          .and. .not. has_group(values, 'wall')) then
-         call fail_key(values, 'storeys', 'coupling', "must not be 'every_floor' without &wall, " &
-            //'which the floors are linked to', error)
-         return
-      end if
       do i = 1, size(keys)
          if (.not. has_key(values, 'frame', trim(keys(i)))) cycle
          call fail_key(values, 'frame', trim(keys(i)), 'must not be given with &storeys, which ' &
@@ -214,13 +246,14 @@ contains
       type(error_t), allocatable, intent(out) :: error
       real(wp), allocatable :: m(:)
       real(wp), allocatable :: k(:)
-      real(wp), allocatable :: height(:)
+      real(wp), allocatable :: height(:), k_link(:)
       real(wp) :: top
       character(:), allocatable :: problem
 
       call get_list(values, 'storeys', 'm_over_m_w', m)
       call get_list(values, 'storeys', 'k_over_m_w', k)
       call get_list(values, 'storeys', 'height', height)
+      call get_list(values, 'storeys', 'k_link_over_m_w', k_link)
       if (.not. allocated(k)) then
          call fail_group(values, 'storeys', 'the key k_over_m_w is missing (stiffness of the ' &
             //'storey below each floor over the same mass): must be numbers > 0 [1/s2]; or k ' &
@@ -233,6 +266,7 @@ contains
       call check_period(minval(sqrt(m/2)/sqrt(k/2 + [k(2:)/2, 0.0_wp])), 1.0_wp, problem)
       if (allocated(problem)) call fail_key(values, 'storeys', 'k_over_m_w', 'between its ' &
          //'storeys a floor is too stiff: '//problem, error)
+      if (.not. allocated(error) .and. allocated(k_link)) call check_links(values, m, k_link, error)
       if (allocated(error) .or. .not. has_group(values, 'wall')) return
       top = 2*real_of(values, 'wall', 'h')
       if (abs(sum(height) - top) <= 1.0e-6_wp*top) return
@@ -252,16 +286,48 @@ contains
       end subroutine check_length
    end subroutine check_lists
 
+   !> Check the number of link springs, and their periods with floor or wall.
+   subroutine check_links(values, m, k_link, error)
+      type(group_values_t), intent(in) :: values
+      real(wp), intent(in) :: m(:)
+      !! (floors) mass over m_w [-]
+      real(wp), intent(in) :: k_link(:)
+      !! (1 or floors) stiffness over m_w [1/s2]
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: wall_share = 1.0_wp/3
+      !! mass at the roof with about the inertia of the wall, over m_w [-]
+      character(:), allocatable :: problem, key
+
+      key = 'k_link_over_m_w'
+      if (has_key(values, 'storeys', 'k_link')) key = 'k_link'
+      if (size(k_link) == 1) then
+         call check_period(sqrt(min(minval(m), wall_share)), sqrt(k_link(1)), problem)
+      else if (size(k_link) == size(m)) then
+         call check_period(minval(sqrt(min(m, wall_share))/sqrt(k_link)), 1.0_wp, problem)
+      else
+         problem = 'has '//trim(integer_to_text(size(k_link)))//' values, must have one for all ' &
+            //'floors or one for each of the '//trim(integer_to_text(size(m)))//' of m_over_m_w'
+      end if
+      if (allocated(problem)) call fail_key(values, 'storeys', key, problem, error)
+   end subroutine check_links
+
    !> Read the storeys and compute their modes, which set the period and mass ratio of the frame.
    subroutine fill_storeys(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: k_link(:)
+      !! (1 or floors) [1/s2]
 
       allocate (case%storeys)
       call get_list(case%values, 'storeys', 'm_over_m_w', case%storeys%frame%m)
       call get_list(case%values, 'storeys', 'k_over_m_w', case%storeys%frame%k)
       call get_list(case%values, 'storeys', 'height', case%storeys%frame%height)
       case%storeys%coupling = text_of(case%values, 'storeys', 'coupling')
+      call get_list(case%values, 'storeys', 'k_link_over_m_w', k_link)
+      if (allocated(k_link)) then
+         allocate (case%storeys%k_link, source=0*case%storeys%frame%m + k_link(1))
+         if (size(k_link) > 1) case%storeys%k_link(:) = k_link
+      end if
       call set_equivalent_frame(case, error)
    end subroutine fill_storeys
 
@@ -275,20 +341,20 @@ contains
       if (.not. storeys%is_present) return
       equation%floors%first = equation%scene%n + 1
       call set_storeys(case, equation)
-      if (case%storeys%coupling /= 'full') then
+      if (.not. has_all_modes(case%storeys)) then
          storeys%n_coef = 1
          storeys%coefficients => excited_mass_coefficients
          return
       end if
-      storeys%acts = through_link
+      if (.not. equation%floors%are_linked) storeys%acts = through_link
       storeys%n = equation%floors%n
       storeys%law = no_hysteresis
       if (allocated(case%yielding)) then
          call choose_storey_springs(case, equation)
          if (allocated(equation%floors%laws)) storeys%law = equation%floors%laws(1)%factors
       end if
-      storeys%states = floor_states(storeys%n, storeys%law)
-      storeys%n_coef = floor_coefficients(storeys%n, storeys%law)
+      storeys%states = floor_states(storeys%n, equation%floors%free, storeys%law)
+      storeys%n_coef = floor_coefficients(storeys%n, equation%floors%free, storeys%law)
       storeys%coefficients => storey_coefficients
       storeys%frame_energy => storey_energy
       storeys%sizes => storey_sizes
@@ -300,14 +366,18 @@ contains
       has_storeys = allocated(case%storeys)
    end function has_storeys
 
-   !> Add the names of the floor states: with all modes, displacement and velocity of each floor.
+   !> Add the names of the floor states: with all modes, displacement and velocity of each floor
+   !> below a linked roof, or of all floors with link springs.
    pure subroutine add_floor_states(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)
-      character(name_length) :: states(size(case%storeys%frame%m) - 1, 2)
-      integer :: i
+      character(name_length), allocatable :: states(:, :)
+      integer :: i, n
 
-      if (case%storeys%coupling /= 'full') return
+      if (.not. has_all_modes(case%storeys)) return
+      n = size(case%storeys%frame%m)
+      if (.not. allocated(case%storeys%k_link)) n = n - 1
+      allocate (states(n, 2))
       do i = 1, size(states, 1)
          states(i, 1) = 'floor_'//trim(integer_to_text(i))//'_m'
          states(i, 2) = 'floor_'//trim(integer_to_text(i))//'_dot_m_s'

@@ -1,15 +1,16 @@
-!> Frame with storeys in the equation of motion, for all lanes. The floors below the roof have
-!> states with all modes, and none with one mode.
+!> Frame with storeys in the equation of motion, for all lanes. With all modes, the floors below the
+!> roof have states, and with link springs the roof, too; with one mode no floor has.
 module rwmf_model_effects_storeys_storeys_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_input, of_plastic, of_viscous, &
       power_count
+   use rwmf_model_scene, only: term_t
    implicit none
    private
 
    public :: add_floors, add_excited_mass, add_floor_power, add_excited_mass_power
-   public :: no_hysteresis, floor_coefficients, floor_states
+   public :: no_hysteresis, floor_coefficients, floor_states, free_floors
 
    integer, parameter :: no_hysteresis = -1
    !! law of storeys on straight lines; other values are the factors of Bouc and Wen's power
@@ -17,54 +18,72 @@ module rwmf_model_effects_storeys_storeys_loop
 contains
 
    !> Number of coefficients of `add_floors`.
-   pure integer function floor_coefficients(n, law) result(n_coef)
+   pure integer function floor_coefficients(n, free, law) result(n_coef)
       integer, intent(in) :: n
       !! number of storeys
+      integer, intent(in) :: free
+      !! number of floors with states
       integer, intent(in) :: law
       !! `no_hysteresis`, or smooth storeys
 
       n_coef = 1 + 3*n + n**2
       if (law /= no_hysteresis) n_coef = n_coef + 4*n
+      if (free == n) n_coef = n_coef + 2*n
    end function floor_coefficients
 
    !> Number of states of the floors and of smooth storeys in `add_floors`.
-   pure integer function floor_states(n, law) result(n_states)
+   pure integer function floor_states(n, free, law) result(n_states)
       integer, intent(in) :: n
       !! number of storeys
+      integer, intent(in) :: free
+      !! number of floors with states
       integer, intent(in) :: law
       !! `no_hysteresis`, or smooth storeys
 
-      n_states = 2*n - 2
+      n_states = 2*free
       if (law /= no_hysteresis) n_states = n_states + n
    end function floor_states
 
-   !> Compute the rates of the floors below the roof and add the uppermost storey's force to the
-   !> moment.
-   pure subroutine add_floors(n, law, coef, y, motion, y_dot)
-      integer, intent(in) :: n
-      !! number of storeys, from the ground to the roof
-      integer, intent(in) :: law
-      !! `no_hysteresis`, or the factors of the power of smooth storeys (`raise_state`)
-      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
+   !> Number of floors with states: n - 1 below a linked roof, n with link springs.
+   pure integer function free_floors(term) result(free)
+      type(term_t), intent(in) :: term
+      !! loop of storeys with all modes
+
+      free = term%n_states
+      if (term%law /= no_hysteresis) free = free - term%n
+      free = free/2
+   end function free_floors
+
+   !> Compute the rates of the floors with states, and add the force of the uppermost storey, or of
+   !> the link springs, to the moment.
+   pure subroutine add_floors(term, coef, y, motion, y_dot)
+      type(term_t), intent(in) :: term
+      !! n storeys, from the ground to the roof; law: `no_hysteresis`, or the factors of the power
+      !! of smooth storeys (`raise_state`)
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
       !! R [m]; slope [1/s2] and offset [m/s2] of each storey's line, over the unit of mass;
       !! reciprocal mass of each floor [-]; damping by rows [1/s]. Smooth storeys append the
-      !! force at z = 1 [m/s2], reciprocal yield displacement [1/m], lost part [-], exponent [-]
-      real(wp), intent(in) :: y(lane_count, floor_states(n, law))
-      !! displacements [m] and velocities [m/s] of the floors below the roof, states z of smooth
-      !! storeys [-]
+      !! force at z = 1 [m/s2], reciprocal yield displacement [1/m], lost part [-], exponent [-].
+      !! Link springs append their relative height [-] and stiffness [1/s2]
+      real(wp), intent(in) :: y(lane_count, term%n_states)
+      !! displacements [m] and velocities [m/s] of these floors, states z of smooth storeys [-]
       type(lane_motion_t), intent(inout) :: motion
-      real(wp), intent(inout) :: y_dot(lane_count, floor_states(n, law))
+      real(wp), intent(inout) :: y_dot(lane_count, term%n_states)
       !! rates of these states, all set here [m/s], [m/s2], [1/s]
       real(wp) :: u_roof(lane_count), v_roof(lane_count)
       !! displacement and velocity of the roof [m], [m/s]
-      real(wp) :: shear(lane_count, n + 1)
+      real(wp) :: shear(lane_count, term%n + 1)
       !! shear of the columns of each storey; zero above the roof [m/s2]
       real(wp) :: force(lane_count)
       !! resisting force on a floor [m/s2]
+      integer :: n, free
+      !! numbers of storeys and of floors with states
       integer :: damping
       !! index of the column before those of a floor's damping
       integer :: i, j, k
 
+      n = term%n
+      free = free_floors(term)
       damping = 3*n + 1
       !$omp simd
       do i = 1, lane_count
@@ -72,45 +91,81 @@ contains
          v_roof(i) = coef(i, 1)*(motion%side(i)*motion%u_rate(i))
          shear(i, n + 1) = 0
       end do
-      call find_shears(n, coef, y, u_roof, shear)
-      if (law /= no_hysteresis) call add_smooth_shears(n, law, coef(1, 3*n + 2 + n**2), y, v_roof, &
-         shear, y_dot)
+      call find_shears(n, free, coef, y, u_roof, shear)
+      if (term%law /= no_hysteresis) call add_smooth_shears(n, free, term%law, &
+         coef(1, 3*n + 2 + n**2), y, v_roof, shear, y_dot)
       do j = 1, n
          !$omp simd
          do i = 1, lane_count
             force(i) = shear(i, j) - shear(i, j + 1)
          end do
-         do k = 1, n - 1
+         do k = 1, free
             !$omp simd
             do i = 1, lane_count
-               force(i) = force(i) + coef(i, damping + k)*y(i, n - 1 + k)
+               force(i) = force(i) + coef(i, damping + k)*y(i, free + k)
             end do
          end do
          damping = damping + n
+         if (free < n) then
+            !$omp simd
+            do i = 1, lane_count
+               force(i) = force(i) + coef(i, damping)*v_roof(i)
+            end do
+            if (j == n) exit
+         end if
          !$omp simd
          do i = 1, lane_count
-            force(i) = force(i) + coef(i, damping)*v_roof(i)
-         end do
-         if (j == n) exit
-         !$omp simd
-         do i = 1, lane_count
-            y_dot(i, j) = y(i, n - 1 + j)
-            y_dot(i, n - 1 + j) = -(coef(i, 2*n + 1 + j)*force(i) + motion%ground(i))
+            y_dot(i, j) = y(i, free + j)
+            y_dot(i, free + j) = -(coef(i, 2*n + 1 + j)*force(i) + motion%ground(i))
          end do
       end do
+      if (free == n) call add_link_springs(n, coef(1, 2*n + 2), coef(1, term%n_coef - 2*n + 1), y, &
+         u_roof, force, y_dot)
       !$omp simd
       do i = 1, lane_count
          motion%moment(i) = motion%moment(i) - motion%lever(i)*(motion%side(i)*force(i)/coef(i, 1))
       end do
    end subroutine add_floors
 
-   !> Compute the shears of storeys on straight lines.
-   pure subroutine find_shears(n, coef, u, u_roof, shear)
+   !> Add the forces of the link springs to the rates of the floors, and compute the force at the
+   !> roof that has the same moment on the wall.
+   pure subroutine add_link_springs(n, per_mass, coef, y, u_roof, force, y_dot)
       integer, intent(in) :: n
+      !! number of floors
+      real(wp), intent(in) :: per_mass(lane_count, n)
+      !! reciprocal mass of each floor [-]
+      real(wp), intent(in) :: coef(lane_count, 2*n)
+      !! relative height [-] and stiffness [1/s2] of each spring
+      real(wp), intent(in) :: y(lane_count, 2*n)
+      !! displacements [m] and velocities [m/s] of the floors
+      real(wp), intent(in) :: u_roof(lane_count)
+      !! displacement of the wall at the roof [m]
+      real(wp), intent(out) :: force(lane_count)
+      !! force of the springs on the floors, at the roof [m/s2]
+      real(wp), intent(inout) :: y_dot(lane_count, 2*n)
+      !! rates of these states [m/s], [m/s2]; the springs add to those of the velocities
+      real(wp) :: pull
+      integer :: i, j
+
+      force = 0
+      do j = 1, n
+         !$omp simd private(pull)
+         do i = 1, lane_count
+            pull = coef(i, n + j)*(coef(i, j)*u_roof(i) - y(i, j))
+            y_dot(i, n + j) = y_dot(i, n + j) + per_mass(i, j)*pull
+            force(i) = force(i) + coef(i, j)*pull
+         end do
+      end do
+   end subroutine add_link_springs
+
+   !> Compute the shears of storeys on straight lines.
+   pure subroutine find_shears(n, free, coef, u, u_roof, shear)
+      integer, intent(in) :: n
+      integer, intent(in) :: free
       real(wp), intent(in) :: coef(lane_count, 2*n + 1)
       !! first coefficients of `add_floors`
-      real(wp), intent(in) :: u(lane_count, n - 1)
-      !! displacements of the floors below the roof [m]
+      real(wp), intent(in) :: u(lane_count, free)
+      !! displacements of the floors with states [m]
       real(wp), intent(in) :: u_roof(lane_count)
       !! displacement of the roof [m]
       real(wp), intent(inout) :: shear(lane_count, n + 1)
@@ -118,13 +173,14 @@ contains
       integer :: i, j
 
       below = 0
-      do j = 1, n - 1
+      do j = 1, free
          !$omp simd
          do i = 1, lane_count
             shear(i, j) = coef(i, 1 + j)*(u(i, j) - below(i)) + coef(i, n + 1 + j)
             below(i) = u(i, j)
          end do
       end do
+      if (free == n) return
       !$omp simd
       do i = 1, lane_count
          shear(i, n) = coef(i, 1 + n)*(u_roof(i) - below(i)) + coef(i, 2*n + 1)
@@ -132,29 +188,30 @@ contains
    end subroutine find_shears
 
    !> Add the hysteretic shears of smooth storeys and compute the rates of their states.
-   pure subroutine add_smooth_shears(n, factors, coef, y, v_roof, shear, y_dot)
+   pure subroutine add_smooth_shears(n, free, factors, coef, y, v_roof, shear, y_dot)
       integer, intent(in) :: n
+      integer, intent(in) :: free
       integer, intent(in) :: factors
       real(wp), intent(in) :: coef(lane_count, 4*n)
       !! coefficients of smooth storeys, see `add_floors`
-      real(wp), intent(in) :: y(lane_count, 3*n - 2)
+      real(wp), intent(in) :: y(lane_count, 2*free + n)
       !! states of `add_floors`
       real(wp), intent(in) :: v_roof(lane_count)
       !! velocity of the roof [m/s]
       real(wp), intent(inout) :: shear(lane_count, n + 1)
-      real(wp), intent(inout) :: y_dot(lane_count, 3*n - 2)
+      real(wp), intent(inout) :: y_dot(lane_count, 2*free + n)
       real(wp) :: rate(lane_count), power(lane_count)
       integer :: i, j
 
       do j = 1, n
          rate = v_roof
-         if (j < n) rate = y(:, n - 1 + j)
-         if (j > 1) rate = rate - y(:, n - 2 + j)
-         call raise_state(factors, coef(1, 3*n + j), y(1, 2*n - 2 + j), power)
+         if (j <= free) rate = y(:, free + j)
+         if (j > 1) rate = rate - y(:, free + j - 1)
+         call raise_state(factors, coef(1, 3*n + j), y(1, 2*free + j), power)
          !$omp simd
          do i = 1, lane_count
-            shear(i, j) = shear(i, j) + coef(i, j)*y(i, 2*n - 2 + j)
-            y_dot(i, 2*n - 2 + j) = coef(i, n + j)*rate(i)*(1 - coef(i, 2*n + j)*power(i))
+            shear(i, j) = shear(i, j) + coef(i, j)*y(i, 2*free + j)
+            y_dot(i, 2*free + j) = coef(i, n + j)*rate(i)*(1 - coef(i, 2*n + j)*power(i))
          end do
       end do
    end subroutine add_smooth_shears
@@ -191,39 +248,41 @@ contains
       end do
    end subroutine add_excited_mass_power
 
-   !> Add the powers of the ground motion on the floors below the roof, of the frame's dampers, and
-   !> of the plastic flow of smooth storeys.
-   pure subroutine add_floor_power(n, law, weight, coef, y, y_dot, motion, total)
-      integer, intent(in) :: n
-      !! number of storeys, from the ground to the roof
-      integer, intent(in) :: law
-      !! `no_hysteresis`, or smooth storeys
+   !> Add the powers of the ground motion on the floors with states, of the frame's dampers, and of
+   !> the plastic flow of smooth storeys.
+   pure subroutine add_floor_power(term, weight, coef, y, y_dot, motion, total)
+      type(term_t), intent(in) :: term
+      !! term of `add_floors`
       real(wp), intent(in) :: weight
       !! weight of the powers in the sum [-]
-      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, law))
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
       !! coefficients of `add_floors`
-      real(wp), intent(in) :: y(lane_count, floor_states(n, law))
+      real(wp), intent(in) :: y(lane_count, term%n_states)
       !! states of `add_floors`
-      real(wp), intent(in) :: y_dot(lane_count, floor_states(n, law))
+      real(wp), intent(in) :: y_dot(lane_count, term%n_states)
       !! rates of these states
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
       real(wp) :: own(lane_count, power_count)
       !! powers of this frame over m_w [W/kg]
-      real(wp) :: v(lane_count, 0:n)
+      real(wp) :: v(lane_count, 0:term%n)
       !! velocities from the ground to the roof [m/s]
       real(wp) :: force(lane_count)
       !! force of the dampers on a floor [m/s2]
+      integer :: n, free
+      !! numbers of storeys and of floors with states
       integer :: i, j, k, m
 
+      n = term%n
+      free = free_floors(term)
       own = 0
       v(:, 0) = 0
-      v(:, 1:n - 1) = y(:, n:2*n - 2)
       !$omp simd
       do i = 1, lane_count
          v(i, n) = coef(i, 1)*(motion%side(i)*motion%u_rate(i))
       end do
+      v(:, 1:free) = y(:, free + 1:2*free)
       do j = 1, n
          force = 0
          do k = 1, n
@@ -236,14 +295,14 @@ contains
          do i = 1, lane_count
             own(i, of_viscous) = own(i, of_viscous) + force(i)*v(i, j)
          end do
-         if (j == n) exit
+         if (j > free) exit
          !$omp simd
          do i = 1, lane_count
             own(i, of_input) = own(i, of_input) - motion%ground(i)*v(i, j)/coef(i, 2*n + 1 + j)
          end do
       end do
-      if (law /= no_hysteresis) call add_smooth_power(n, coef(1, 3*n + 2 + n**2), v, &
-         y(1, 2*n - 1), y_dot(1, 2*n - 1), own(1, of_plastic))
+      if (term%law /= no_hysteresis) call add_smooth_power(n, coef(1, 3*n + 2 + n**2), v, &
+         y(1, 2*free + 1), y_dot(1, 2*free + 1), own(1, of_plastic))
       do m = 1, power_count
          !$omp simd
          do i = 1, lane_count

@@ -59,7 +59,7 @@ contains
       allocate (floors%laws(floors%n))
       do i = 1, floors%n
          floors%laws(i) = new_hysteresis(case%yielding, u_y(i), floors%k(i))
-         floors%laws(i)%place = floors%first + 2*floors%n - 3 + i
+         floors%laws(i)%place = floors%first + 2*floors%free - 1 + i
       end do
    end subroutine choose_laws
 
@@ -126,8 +126,8 @@ contains
 
    !> Update the coefficients of the loops after branches of storeys have changed.
    !>
-   !> Only the uppermost storey acts on the wall, and a smooth one acts through its state. So the
-   !> cached uplift quantities remain valid unless the uppermost storey has changed its branch. The
+   !> Only the storey below a linked roof acts on the wall, and a smooth one acts through its state.
+   !> So the cached uplift quantities remain valid unless that storey has changed its branch. The
    !> time to recompute them grows with the cube of the number of storeys.
    pure subroutine renew_storeys(model, state, highest)
       type(model_t), intent(in) :: model
@@ -137,7 +137,7 @@ contains
       logical :: is_known
 
       is_known = state%capacity_is_known .and. (allocated(state%storey_signs) &
-         .or. highest < model%floors%n)
+         .or. highest <= model%floors%free)
       call renew_coefficients(model, state)
       state%capacity_is_known = is_known
    end subroutine renew_storeys

@@ -1,0 +1,47 @@
+"""Subcommand ``rwmf export``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from rwmf._files import files
+from rwmf.case import Case
+from rwmf.export.opensees import opensees_script
+from rwmf.export.opensees_run import compare_with_opensees, run_opensees
+
+__all__ = ["write_opensees"]
+
+
+def write_opensees(options: argparse.Namespace) -> int:
+    """Write a case as a script for OpenSeesPy (``rwmf export opensees``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the computation and the writers of files; InputError names a group that OpenSees lacks.
+    """
+    case = Case.from_namelist(options.case)
+    path = Path(options.file)
+    files.check_outputs([path], case.inputs)
+    script = opensees_script(case)
+    files.write_bytes(path, script.encode())
+    print(f"written: {path}, {len(script.splitlines())} lines")
+    if not options.run_it:
+        return 0
+    print(f"{'demand':34s} {'rwmf':>12s} {'OpenSees':>12s}  difference")
+    for demand in compare_with_opensees(case, run_opensees(path)):
+        scale, unit = (1e3, "ms") if demand.name.startswith("impact") else (100, "%")
+        difference = f"{scale * demand.difference:+8.3f} {unit}"
+        print(f"{demand.name:34s} {demand.ours:12.6g} {demand.theirs:12.6g}  {difference}")
+    return 0

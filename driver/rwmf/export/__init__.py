@@ -1,0 +1,1 @@
+"""Cases as input of other programs."""

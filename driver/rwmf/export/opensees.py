@@ -1,0 +1,401 @@
+"""Scripts for OpenSeesPy of the building of a case."""
+
+from __future__ import annotations
+
+import json
+import math
+from importlib.resources import files
+
+import numpy as np
+
+from rwmf.case import Case
+from rwmf.export.si_building import Building, Frame, Law, read_building
+
+__all__ = ["opensees_script"]
+
+# angular frequency of the wall on both its corners [rad/s], and the step that resolves it [s]
+_CORNER_RATE = 8000.0
+_STEP_OF_WALL, _STEP_OF_FRAME = 2.5e-5, 2e-4
+# angular frequency of the frame on the mast that keeps its line straight [rad/s]
+_MAST_RATE = 2000.0
+# accelerations do not count for so long after a corner lands [s]
+_BLOW = 25e-3
+# length of a link that remains horizontal [m]
+_LONG = 100.0
+_HEAD = '''"""Building of {source}, written by `rwmf export opensees`.
+
+`python FILE [ANSWER.json]` needs openseespy alone. It prints the largest demands with the names of
+rwmf, and writes them into ANSWER.json. Units: N, kg, m, s{scale}.
+
+Differences from rwmf:
+{notes}
+"""
+
+import json
+import math
+import sys
+
+import openseespy.opensees as ops
+
+'''
+
+
+def opensees_script(case: Case) -> str:
+    """Write a script for OpenSeesPy.
+
+    Parameters
+    ----------
+    case : rwmf.Case
+        A case with a rocking wall, a frame, or both.
+
+    Returns
+    -------
+    str
+        Text of the script: model, analysis, and the largest demands by the names of rwmf.
+
+    Raises
+    ------
+    InputError
+        When the case has an effect that OpenSees lacks: names the group.
+    """
+    return _Script(case, read_building(case)).text()
+
+
+def _shown(x: object) -> str:
+    """Return a value as Python: numbers with nine digits."""
+    return f"{float(x):.9g}" if isinstance(x, float | np.floating) else json.dumps(x)
+
+
+class _Script:
+    """Lines of a script.
+
+    Parameters
+    ----------
+    case : rwmf.Case
+        The case.
+    building : Building
+        Its numbers.
+    """
+
+    def __init__(self, case: Case, building: Building) -> None:
+        self.case, self.building = case, building
+        self.lines: list[str] = []
+        self.notes: list[str] = []
+        self.k = building.m_w * _CORNER_RATE**2 / 2  # of the pad below a corner
+        self.materials = self.elements = 0
+        self.tendon: tuple[int, str, int] | None = None
+        self.floors: list[tuple[int, float, float]] = []
+
+    def text(self) -> str:
+        """Return the script."""
+        given = self.building
+        self._title("model")
+        self.lines += ["ops.wipe()"]
+        self._do("model", "basic", "-ndm", 2, "-ndf", 3)
+        if given.m_w:
+            self._wall()
+            self._corners()
+            self._devices()
+            self._tendon()
+        if given.frame is not None:
+            self._frame(given.frame)
+        self._start()
+        self._motion()
+        has_mass = self.case.wall is None or self.case.wall.get("m_w") is not None
+        analysis = files("rwmf.export").joinpath("opensees_analysis.txt").read_text("utf-8")
+        head = _HEAD.format(
+            source=self.case.label,
+            scale="" if has_mass else "; masses and forces over the mass of the wall",
+            notes="\n".join(self.notes or ["* nothing"]),
+        )
+        return head + self._constants() + "\n".join(self.lines) + "\n" + analysis
+
+    def _constants(self) -> str:
+        given = self.building
+        values = {
+            "G": given.g,
+            "DT": _STEP_OF_WALL if given.m_w else _STEP_OF_FRAME,
+            "T_END": given.t_end,
+            "ALPHA": given.alpha if given.m_w else 0.0,
+            "WEIGHT": given.m_w * given.g,
+            "INTERVAL": given.dt,
+            "BLOW": _BLOW,
+            "DRIFT_LIMIT": 0.0 if self.case.p_delta is None else self.case.p_delta.drift_limit,
+        }
+        lines = [f"{name} = {value!r}" for name, value in values.items()]
+        lines += [
+            f"TENDON = {list(self.tendon[:2]) if self.tendon else []!r}",
+            f"TENDON_ENTRY = {self.tendon[2] if self.tendon else 0}",
+            "# node, displacement over that of the node, height of the storey below",
+            f"FLOORS = {[(n, float(s), float(z)) for n, s, z in self.floors]!r}",
+            *self._samples("A", given.a, "horizontal"),
+        ]
+        if given.a_v.size:
+            lines += self._samples("A_V", given.a_v, "vertical")
+        return "\n".join(lines) + "\n"
+
+    def _samples(self, name: str, values: np.ndarray, way: str) -> list[str]:
+        rows = [", ".join(f"{x:.9g}" for x in values[i : i + 8]) for i in range(0, values.size, 8)]
+        return [f"# {way} acceleration of the ground [m/s2]", f"{name} = [",
+                *(f"    {row}," for row in rows), "]"]  # fmt: skip
+
+    def _do(self, name: str, *words: object) -> None:
+        self.lines.append(f"ops.{name}({', '.join(map(_shown, words))})")
+
+    def _title(self, words: str) -> None:
+        self.lines += ["", f"# {words}"]
+
+    def _note(self, *lines: str) -> None:
+        self.notes += [f"* {lines[0]}", *(f"  {line}" for line in lines[1:])]
+
+    def _material(self, kind: str, *words: object) -> int:
+        self.materials += 1
+        self._do("uniaxialMaterial", kind, self.materials, *words)
+        return self.materials
+
+    def _element(self, kind: str, *words: object) -> int:
+        self.elements += 1
+        self._do("element", kind, self.elements, *words)
+        return self.elements
+
+    def _node(self, node: int, x: float, z: float, *fixed: int) -> None:
+        self._do("node", node, x, z)
+        if fixed:
+            self._do("fix", node, *fixed)
+
+    # wall: nodes 1 base, 2 and 3 corners, 4 middle, 5 top, 6 corner of the link; 11 to 13 ground
+
+    def _wall(self) -> None:
+        given = self.building
+        h, b, m = given.h, given.b, given.m_w
+        self._note(
+            "the wall is a frame of stiff beams with its mass in the middle. Each corner is on a",
+            "pad of spring and dashpot that absorbs the blow; rwmf balances momenta at an instant.",
+            f"Accelerations do not count for {1e3 * _BLOW:g} ms after a corner lands",
+        )
+        self._title("wall: base, corners, middle, top, corner of the link; ground below")
+        places = ((0.0, 0.0), (-b, 0.0), (b, 0.0), (0.0, h), (0.0, 2 * h), (-b, 2 * h))
+        for node, place in enumerate(places, start=1):
+            self._node(node, *place)
+        self._do("mass", 4, m, m, m * (h * h + b * b) / 3)
+        self._do("geomTransf", "Corotational", 1)
+        area = 1e4 * self.k * b
+        for ends in ((1, 2), (1, 3), (1, 4), (4, 5), (5, 6)):
+            self._element("elasticBeamColumn", *ends, area, 1.0, area * b * b, 1)
+        for node, x in ((11, 0.0), (12, -b), (13, b)):
+            self._node(node, x, 0.0, 1, 1, 1)
+
+    def _corners(self) -> None:
+        given, k = self.building, self.k
+        if given.is_pinned:
+            self._title("hinge of the base")
+            self._do("fix", 1, 1, 1, 0)
+            return
+        self._title("corners: no-tension springs in a groove, on a pad with critical damping")
+        slope = math.sqrt(0.5)
+        groove = ("-orient", slope, slope, 0.0, -slope, slope, 0.0)
+        spring = self._material("ENT", 100 * k)
+        pad = self._material("Elastic", k, 2 * k / math.sqrt(2 * k / given.m_w))
+        for side, x in ((0, -given.b), (1, given.b)):
+            self._node(22 + side, x, 0.0, 0, 0, 1)
+            pads = ("-mat", pad, pad, "-dir", 1, 2)
+            self._element("zeroLength", 12 + side, 22 + side, *pads)
+            springs = ("-mat", spring, spring, "-dir", 1, 2, *groove)
+            self._element("zeroLength", 22 + side, 2 + side, *springs)
+
+    def _devices(self) -> None:
+        """Put fuses and dampers between the corners and the ground."""
+        given = self.building
+        constant, exponent = given.damper
+        if given.fuse is None and not constant:
+            return
+        self._title("devices under the corners, on their vertical displacement")
+        self._note("devices under the corners follow the vertical displacement of the corner")
+        for side in (0, 1):
+            materials = [self._law(given.fuse)] if given.fuse is not None else []
+            if constant and exponent == 1:
+                materials.append(self._material("Elastic", 0.0, constant))
+            elif constant:
+                materials.append(self._material("Viscous", constant, exponent))
+            for material in materials:
+                words = ("-mat", material, "-dir", 2)
+                self._element("zeroLength", 12 + side, 2 + side, *words)
+
+    def _tendon(self) -> None:
+        tendon, length = self.building.tendon, 2 * self.building.h
+        if tendon is None:
+            return
+        self._title("tendon")
+        # strain of the truss, displacement of the vertical spring
+        unit = length if tendon.is_straight else 1.0
+        k = max(tendon.k, 1e-9 * self.k) * unit
+        if math.isinf(tendon.force_y):
+            material = self._material("Elastic", k)
+        else:
+            material = self._material("Steel01", tendon.force_y, k, tendon.hardening)
+            self._note("a tendon that has gone slack pushes")
+        material = self._material("InitStressMaterial", material, tendon.force)
+        if not math.isinf(tendon.elongation_at_rupture):
+            strain = tendon.elongation_at_rupture / unit
+            material = self._material("MinMax", material, "-max", strain)
+            self._note("accelerations ring in the link when the tendon breaks")
+        if tendon.is_straight:
+            tag = self._element("corotTruss", 11, 5, 1.0, material)
+            self.tendon = (tag, "axialForce", 0)
+            return
+        self._note("the cable of Eq. (1) follows the uplift b sin(theta) of the middle of the base")
+        tag = self._element("zeroLength", 11, 1, "-mat", material, "-dir", 2)
+        self.tendon = (tag, "force", 4)
+
+    def _law(self, law: Law) -> int:
+        """Write the material of a spring."""
+        if math.isinf(law.force_y):
+            return self._material("Elastic", law.k)
+        values, hardening = law.values, float(law.values["hardening"])
+        if values["law"] == "elastic_plastic":
+            return self._material("Steel01", law.force_y, law.k, hardening)
+        if values["law"] == "flag":
+            flag = (law.k, hardening * law.k, law.force_y, float(values["flag_height"]))
+            return self._material("SelfCentering", *flag)
+        u_y = law.force_y / law.k
+        cap, post_cap = float(values["cap"]), float(values["post_cap"])
+        side = ((cap - 1) * u_y, post_cap * u_y, 1e3, law.force_y, 1 + hardening * (cap - 1))
+        wear = [float(x) * u_y for x in _four(values.get("lambda") or 0.0)]
+        powers = [float(x) for x in _four(values["lambda_exponent"])]
+        words = [law.k, *2 * (*side, float(values["residual"])), *wear, *powers, 1.0, 1.0]
+        if values["law"] == "peak_oriented":
+            return self._material("IMKPeakOriented", *words)
+        pinch = float(values["pinch_force"]), float(values["pinch_displacement"])
+        return self._material("IMKPinching", *words, *pinch)
+
+    # frame: nodes 100 ground, 101 and so on floors, 201 and so on the mast
+
+    def _frame(self, frame: Frame) -> None:
+        given, n = self.building, frame.m.size
+        link = given.link if math.isfinite(given.link) else _LONG
+        x = -given.b - link if given.m_w else 0.0
+        self._title("frame: floors, springs of the storeys")
+        self._node(100, x, 0.0, 1, 1, 1)
+        z = np.cumsum(frame.height)
+        if given.m_w:
+            z *= 2 * given.h / z[-1]
+        for i in range(n):
+            node = 101 + i
+            self._node(node, x, float(z[i]), 0, 1, 1)
+            self._do("mass", node, float(frame.m[i]), 0.0, 0.0)
+            ends = (node - 1, node)
+            self._element("twoNodeLink", *ends, "-mat", self._law(frame.laws[i]), "-dir", 2)
+            if frame.lean[i]:
+                lean = self._material("Elastic", -float(frame.lean[i]))
+                self._element("twoNodeLink", *ends, "-mat", lean, "-dir", 2)
+        if any(frame.lean):
+            self._note("gravity leans on the frame by springs of negative stiffness, W/h")
+        self._dashpots(frame.c)
+        if frame.coupling == "every_floor" and given.m_w:
+            self._mast(frame, x, z)
+        if given.m_w:
+            self._link(frame, 100 + n)
+        nodes = [101] * frame.floors if frame.coupling == "reduced" else range(101, 101 + n)
+        self.floors = list(zip(nodes, frame.share, frame.floor_heights, strict=True))
+
+    def _dashpots(self, c: np.ndarray) -> None:
+        """Put a dashpot between every pair of masses, and from each to the ground."""
+        self._title("dashpots for the matrix of damping")
+        if c.shape[0] > 1:
+            self._note("damping has a dashpot between each pair of floors, some of them negative")
+        for i in range(c.shape[0]):
+            for j in range(i, c.shape[0]):
+                value = float(c[i].sum() if i == j else -c[i, j])
+                if abs(value) > 1e-9 * c[i, i]:
+                    dashpot = self._material("Elastic", 0.0, value)
+                    ends = (101 + i, 100 if i == j else 101 + j)
+                    self._element("twoNodeLink", *ends, "-mat", dashpot, "-dir", 2)
+
+    def _mast(self, frame: Frame, x: float, z: np.ndarray) -> None:
+        """Keep the floors on a straight line by a stiff mast with a hinge."""
+        self._title("mast that keeps the floors on a line, as the wall does")
+        self._note(
+            "a stiff mast with a hinge keeps the floors on a straight line, and its top is linked",
+            "to the wall; forces of single links are not reported",
+        )
+        self._do("geomTransf", "Linear", 2)
+        self._do("damping", "SecStif", 1, 2 / _MAST_RATE)
+        stiffness = float(frame.m.sum()) * _MAST_RATE**2 * float(z[-1]) ** 3
+        self._node(200, x, 0.0, 1, 1, 0)
+        for i, height in enumerate(z, start=1):
+            self._node(200 + i, x, float(height), 0, 1, 0)
+            self._do("equalDOF", 200 + i, 100 + i, 1)
+            ends = (199 + i, 200 + i)
+            shape = (1.0, stiffness, 1.0)
+            self._element("elasticBeamColumn", *ends, *shape, 2, "-damp", 1)
+
+    def _link(self, frame: Frame, roof: int) -> None:
+        given = self.building
+        self._title("link from the roof to the left top corner of the wall")
+        length = given.link if math.isfinite(given.link) else _LONG
+        if not math.isfinite(given.link):
+            self._note(f"the link is {length:g} m long, with a dashpot against vibrations")
+        both = 1 / (1 / float(frame.m[-1]) + 1 / given.m_w)
+        damping = 2 * math.sqrt(self.k * both)
+        link = self._material("Elastic", self.k * length, damping * length)
+        self._element("corotTruss", roof, 6, 1.0, link)
+
+    # loads and motion
+
+    def _start(self) -> None:
+        """Load the wall with its weight, and turn it."""
+        given = self.building
+        if not given.m_w:
+            return
+        self._title("weight of the wall")
+        self._do("timeSeries", "Constant", 1)
+        self._do("pattern", "Plain", 1, 1)
+        self._do("load", 4, 0.0, -given.m_w * given.g, 0.0)
+        if given.theta or given.theta_dot:
+            self._turn()
+            return
+        for name, *words in (
+            ("constraints", "Plain"), ("numberer", "RCM"), ("system", "BandGeneral"),
+            ("test", "NormDispIncr", 1e-10, 50, 0), ("algorithm", "Newton"),
+            ("integrator", "LoadControl", 1.0), ("analysis", "Static"),
+        ):  # fmt: skip
+            self._do(name, *words)
+        self.lines.append('assert ops.analyze(1) == 0, "the wall finds no rest"')
+        self._do("wipeAnalysis")
+        self._do("setTime", 0.0)
+
+    def _turn(self) -> None:
+        """Rotate the wall about a corner, and give it its velocity."""
+        given = self.building
+        theta, rate = given.theta, given.theta_dot
+        side = math.copysign(1.0, theta or rate)
+        pivot = 0.0 if given.is_pinned else side * given.b
+        s, c = math.sin(theta), math.cos(theta)
+        b, h = given.b, given.h
+        places = ((0.0, 0.0), (-b, 0.0), (b, 0.0), (0.0, h), (0.0, 2 * h), (-b, 2 * h))
+        for node, (x, z) in enumerate(places, start=1):
+            arm = x - pivot
+            moved = (pivot + arm * c + z * s - x, -arm * s + z * c - z, -theta)
+            speeds = (rate * (z * c - arm * s), -rate * (arm * c + z * s), -rate)
+            for dof in (1, 2, 3):
+                self._do("setNodeDisp", node, dof, moved[dof - 1], "-commit")
+                self._do("setNodeVel", node, dof, speeds[dof - 1], "-commit")
+
+    def _motion(self) -> None:
+        given, frame = self.building, self.building.frame
+        self._title("motion of the ground")
+        self.lines.append('ops.timeSeries("Path", 2, "-dt", INTERVAL, "-values", *A)')
+        self._do("pattern", "UniformExcitation", 2, 1, "-accel", 2)
+        if given.a_v.size:
+            self.lines.append('ops.timeSeries("Path", 3, "-dt", INTERVAL, "-values", *A_V)')
+            self._do("pattern", "UniformExcitation", 3, 2, "-accel", 3)
+        if frame is not None and frame.coupling == "reduced":
+            self._title("the first mode is pushed with more mass than it has")
+            self._do("pattern", "Plain", 4, 2)
+            self._do("load", 101, float(frame.m[0] - frame.push[0]), 0.0, 0.0)
+
+
+def _four(values: object) -> list[float]:
+    """Return four numbers for one or four."""
+    found = np.atleast_1d(np.asarray(values, dtype=float))
+    return [float(x) for x in np.broadcast_to(found, 4)]

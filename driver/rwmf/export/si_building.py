@@ -1,0 +1,408 @@
+"""Masses, springs and motions of a case in SI units, for programs with finite elements."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._simulation import simulate
+from rwmf.case import Case
+from rwmf.errors import InputError
+
+__all__ = ["Building", "Frame", "Law", "Tendon", "read_building"]
+
+Array = npt.NDArray[np.float64]
+
+# interval at which a record is read, before samples on straight lines are left out [s]
+_STEP = 1e-3
+
+
+@dataclass(frozen=True)
+class Law:
+    """Force over the displacement of a spring.
+
+    Attributes
+    ----------
+    k : float
+        Elastic stiffness [N/m].
+    force_y : float
+        Force at first yield [N]; infinite for an elastic spring.
+    values : dict
+        Other keys of the group, ``law`` included; of an elastic spring none.
+    """
+
+    k: float
+    force_y: float = math.inf
+    values: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A frame of one mass or of storeys, from the ground up.
+
+    Attributes
+    ----------
+    coupling : str
+        ``single``, or the coupling of `&storeys`.
+    m, height, share : numpy.ndarray, shape (n,)
+        Masses [kg], heights of the storeys [m], displacements of the floors over those of the
+        masses [-].
+    push : numpy.ndarray, shape (n,)
+        Masses with which the ground pushes [kg]; they differ from `m` for a first mode alone.
+    laws : list of Law
+        Springs of the storeys.
+    c : numpy.ndarray, shape (n, n)
+        Damping between the masses and the ground [N s/m].
+    lean : numpy.ndarray, shape (n,)
+        Stiffness that gravity takes from each storey [N/m].
+    floors : int
+        Number of floors; of a first mode alone more than the number of masses.
+    floor_heights : numpy.ndarray, shape (floors,)
+        Heights of all storeys [m].
+    """
+
+    coupling: str
+    m: Array
+    height: Array
+    share: Array
+    push: Array
+    laws: list[Law]
+    c: Array
+    lean: Array
+    floor_heights: Array
+
+    @property
+    def floors(self) -> int:
+        """Number of floors."""
+        return int(self.floor_heights.size)
+
+
+@dataclass(frozen=True)
+class Tendon:
+    """The tendon.
+
+    Attributes
+    ----------
+    is_straight : bool
+        True for the length of a straight cable, False for Eq. (1).
+    k : float
+        Stiffness over its elongation [N/m].
+    force, force_y : float
+        Forces at rest and at first yield [N].
+    hardening : float
+        Stiffness after yielding over the elastic one [-].
+    elongation_at_rupture : float
+        Elongation beyond that at rest at which it breaks [m].
+    """
+
+    is_straight: bool
+    k: float
+    force: float
+    force_y: float
+    hardening: float
+    elongation_at_rupture: float
+
+
+@dataclass(frozen=True)
+class Building:
+    """A case in SI units.
+
+    Attributes
+    ----------
+    h, b, m_w : float
+        Half height [m], half width [m], mass of the wall [kg]; zero without wall.
+    g : float
+        Gravity [m/s2].
+    is_pinned : bool
+        Whether the wall is hinged.
+    link : float
+        Length of the link [m]; infinite when absent.
+    frame : Frame or None
+        The frame.
+    tendon : Tendon or None
+        The tendon.
+    fuse : Law or None
+        Spring under each corner.
+    damper : tuple
+        Constant [N s/m] or [N (s/m)^a], and the exponent a of the damper under each corner.
+    theta, theta_dot : float
+        Rotation [rad] and angular velocity [rad/s] at the start.
+    dt : float
+        Interval of the samples [s].
+    a, a_v : numpy.ndarray, shape (n,)
+        Horizontal and vertical ground acceleration [m/s2]; the latter may be empty.
+    t_end : float
+        End [s].
+    """
+
+    h: float
+    b: float
+    m_w: float
+    g: float
+    is_pinned: bool
+    link: float
+    frame: Frame | None
+    tendon: Tendon | None
+    fuse: Law | None
+    damper: tuple[float, float]
+    theta: float
+    theta_dot: float
+    dt: float
+    a: Array
+    a_v: Array
+    t_end: float
+
+    @property
+    def alpha(self) -> float:
+        """Slenderness of the wall [rad]."""
+        return math.atan2(self.b, self.h)
+
+
+def read_building(case: Case) -> Building:
+    """Read a case.
+
+    Parameters
+    ----------
+    case : rwmf.Case
+        The case.
+
+    Returns
+    -------
+    Building
+        Its numbers. A case without masses has those over the wall's.
+
+    Raises
+    ------
+    InputError
+        When the case has an effect that finite elements of OpenSees lack: names the group.
+    """
+    _refuse(case)
+    wall, g = case.wall, case.model.g
+    m_w = 0.0 if wall is None else wall.get("m_w") or 1.0
+    h, b = (0.0, 0.0) if wall is None else (wall.h, wall.b)
+    weight = m_w * g
+    damper = (case.damper.c_over_m_w * m_w, 1.0) if case.damper is not None else (0.0, 1.0)
+    if case.nl_damper is not None:
+        damper = (case.nl_damper.eta_1 * weight, case.nl_damper.exponent)
+    fuse = None
+    if case.fuse is not None:
+        force = case.fuse.eta_y * weight
+        fuse = Law(force / case.fuse.stroke_y, force, dict(case.fuse))
+    initial = case.initial
+    dt, a, a_v, t_end = _motions(case)
+    return Building(
+        h=h,
+        b=b,
+        m_w=m_w,
+        g=g,
+        is_pinned=wall is not None and wall.base == "pinned",
+        link=math.inf if case.link is None else case.link.L,
+        frame=None if case.frame is None else _frame(case, m_w),
+        tendon=None if case.cable is None else _tendon(case, weight),
+        fuse=fuse,
+        damper=damper,
+        theta=0.0 if initial is None else initial.theta_over_alpha * math.atan2(b, h),
+        theta_dot=0.0 if initial is None else initial.theta_dot,
+        dt=dt,
+        a=a,
+        a_v=a_v,
+        t_end=t_end,
+    )
+
+
+_LAWS = ("elastic_plastic", "flag", "peak_oriented", "pinched")
+
+
+def _refuse(case: Case) -> None:
+    """Stop at the first group that the finite elements lack."""
+
+    def stop(group: str, why: str) -> None:
+        raise InputError(f"{case.label}: &{group}: OpenSees lacks {why}")
+
+    if case.inerter is not None:
+        stop("inerter", "an inerter; leave the group out")
+    for name in ("yielding", "fuse"):
+        group = getattr(case, name)
+        if group is not None and group.law not in _LAWS:
+            stop(name, f"law = '{group.law}'; it has {', '.join(_LAWS)}")
+    rocks = case.wall is not None and case.wall.base == "rocking"
+    if rocks and (case.impact is None or case.impact.rule not in ("coupled", "housner")):
+        found = "no rule" if case.impact is None else f"rule = '{case.impact.rule}'"
+        stop("impact", f"a prescribed e ({found}); its impacts follow rule = 'coupled'")
+    if rocks and case.impact.rule == "housner" and case.frame is not None:
+        stop("impact", "rule = 'housner' beside a frame; its impacts follow rule = 'coupled'")
+    if case.wall is not None and case.model.formulation != "exact":
+        stop("model", f"formulation = '{case.model.formulation}'; use 'exact'")
+    if case.initial is not None and case.frame is not None:
+        stop("initial", "a rotated start of a wall with a frame in this export")
+    if case.storeys is not None and case.storeys.coupling == "springs":
+        stop("storeys", "coupling = 'springs' in this export")
+
+
+def _frame(case: Case, m_w: float) -> Frame:
+    """Return the frame; `m_w` scales the ratios."""
+    frame, storeys, p_delta = case.frame, case.storeys, case.p_delta
+    weight = 0.0 if p_delta is None else p_delta.m_g_over_m_s * case.model.g
+    if storeys is None:
+        mass = frame.gamma * m_w if m_w else frame.get("m_s") or 1.0
+        omega = 2 * math.pi / frame.T_s
+        height = (p_delta.get("h_f") if p_delta is not None else None) or 2 * (
+            case.wall.h if case.wall is not None else 0.5
+        )
+        return Frame(
+            coupling="single",
+            m=np.array([mass]),
+            height=np.array([height]),
+            share=np.ones(1),
+            push=np.array([mass]),
+            laws=[_law(case, mass * omega**2, case.yielding and case.yielding.get("u_y"))],
+            c=np.array([[2 * frame.xi_s * omega * mass]]),
+            lean=np.array([mass * weight / height]),
+            floor_heights=np.array([height]),
+        )
+    unit = m_w or 1.0
+    if not m_w and "m_over_m_w" in storeys.in_si:
+        unit = storeys.in_si["m_over_m_w"][0][0] / storeys.m_over_m_w[0]
+    return _storeys(case, unit, weight)
+
+
+def _storeys(case: Case, unit: float, weight: float) -> Frame:
+    """Return the frame of storeys; `unit` is the mass of ratio 1."""
+    storeys, xi = case.storeys, case.frame.xi_s
+    m, k = (np.array(storeys[x]) * unit for x in ("m_over_m_w", "k_over_m_w"))
+    heights = np.array(storeys.height)
+    n = m.size
+    drift = np.eye(n) - np.eye(n, k=-1)
+    stiff = drift.T @ np.diag(k) @ drift
+    lean = weight * np.cumsum(m[::-1])[::-1] / heights
+    root = np.sqrt(m)
+    squares, modes = np.linalg.eigh(stiff / np.outer(root, root))
+    momentum = root[:, None] * modes
+    c = momentum @ np.diag(2 * xi * np.sqrt(squares)) @ momentum.T
+    if storeys.coupling == "reduced":
+        share = modes[:, 0] / root
+        share /= share[-1]
+        mass = float(m @ share**2)
+        leaning = float(share @ drift.T @ np.diag(lean) @ drift @ share)
+        u_y = case.yielding and case.yielding.get("u_y")
+        return Frame(
+            coupling="reduced",
+            m=np.array([mass]),
+            height=np.array([heights.sum()]),
+            share=share,
+            push=np.array([float(m @ share)]),
+            laws=[_law(case, mass * squares[0], u_y)],
+            c=np.array([[2 * xi * math.sqrt(squares[0]) * mass]]),
+            lean=np.array([leaning]),
+            floor_heights=heights,
+        )
+    if storeys.coupling == "every_floor" and case.wall is not None:
+        line = np.cumsum(heights) / heights.sum()
+        c = 2 * xi / math.sqrt(line @ stiff @ line / (m @ line**2)) * stiff
+    u_y = None if case.yielding is None else np.broadcast_to(case.yielding["storey_u_y"], n)
+    return Frame(
+        coupling="every_floor" if storeys.coupling == "every_floor" else "full",
+        m=m,
+        height=heights,
+        share=np.ones(n),
+        push=m,
+        laws=[_law(case, float(k[i]), None if u_y is None else float(u_y[i])) for i in range(n)],
+        c=c,
+        lean=lean,
+        floor_heights=heights,
+    )
+
+
+def _law(case: Case, k: float, u_y: float | None) -> Law:
+    if case.yielding is None or u_y is None:
+        return Law(k)
+    return Law(k, k * u_y, dict(case.yielding))
+
+
+def _tendon(case: Case, weight: float) -> Tendon:
+    """Return the tendon; `weight` is that of the wall."""
+    h, b, cable = case.wall.h, case.wall.b, case.cable
+    alpha, first = math.atan2(b, h), cable.eta_0 * weight
+    is_straight = cable.law == "truss"
+    end = b * alpha
+    if is_straight:
+        # about a corner, the middle of the top rises and moves sideways
+        rise = 2 * h * math.cos(alpha) + b * math.sin(alpha)
+        aside = b * (1 - math.cos(alpha)) + 2 * h * math.sin(alpha)
+        end = math.hypot(aside, rise) - 2 * h
+    last = cable.get("eta_alpha", cable.eta_0)
+    k = (last - cable.eta_0) * weight / end
+    rupture = math.inf
+    if cable.get("rupture_strain") is not None:
+        length = cable.get("length") or 2 * h
+        rupture = cable.rupture_strain * length - (first / k if k > 0 else 0.0)
+    return Tendon(
+        is_straight=is_straight,
+        k=k,
+        force=first,
+        force_y=math.inf if cable.get("eta_y") is None else cable.eta_y * weight,
+        hardening=cable.hardening,
+        elongation_at_rupture=rupture,
+    )
+
+
+def _motions(case: Case) -> tuple[float, Array, Array, float]:
+    """Return interval [s], both ground accelerations [m/s2] and the end [s]."""
+    motion, vertical = case.motion, case.vertical
+    t_end = case.solver.get("t_end") or case.kernel.end_of_motion()
+    if motion.kind == "none":
+        return t_end, np.zeros(2), np.zeros(0), t_end
+    step = _STEP if motion.kind == "record" else _STEP / 4
+    a = _sampled(case, {}, step, t_end)
+    a_v = np.zeros(0)
+    if vertical is not None and vertical.get("ratio") is not None:
+        a_v = vertical.ratio * a
+    elif vertical is not None:
+        given = dict(vertical.as_given()) | {"kind": "record"}
+        if "vertical" in case.motions:
+            given["file"] = case.motions["vertical"]
+        a_v = _sampled(case, given, step, t_end)
+    stride = _widest_stride(a, a_v)
+    a, a_v = _without_end(a[::stride]), _without_end(a_v[::stride])
+    return stride * step, a, a_v, t_end
+
+
+def _sampled(case: Case, motion: dict[str, Any], step: float, t_end: float) -> Array:
+    """Return a ground acceleration at equal steps, by the history of an oscillator [m/s2]."""
+    groups: dict[str, Any] = dict.fromkeys(set(case.groups) - {"motion", "model", "solver"})
+    groups["frame"] = None
+    groups |= {"solver": {"t_end": t_end}, "model": {"g": case.model.g}}
+    if motion:
+        groups["motion"] = dict.fromkeys(case.motion.as_given()) | motion
+    frame = dict.fromkeys(case.frame.as_given() if case.frame is not None else ())
+    groups["frame"] = frame | {"T_s": 1.0, "xi_s": 0.05}
+    groups["output"] = None
+    history = simulate(case.replace(**groups), dt=step)
+    found: Array = np.nan_to_num(history["u_g_ddot"].to_numpy())
+    return found
+
+
+def _widest_stride(*motions: Array) -> int:
+    """Return the largest stride of samples between which all motions are straight."""
+    for stride in (200, 100, 50, 40, 25, 20, 10, 8, 5, 4, 2):
+        if all(_is_straight(a, stride) for a in motions if a.size):
+            return stride
+    return 1
+
+
+def _is_straight(a: Array, stride: int) -> bool:
+    at = np.arange(a.size)
+    last = (a.size - 1) // stride * stride
+    between = np.interp(at[: last + 1], at[: last + 1 : stride], a[: last + 1 : stride])
+    return bool(np.abs(between - a[: last + 1]).max() <= 1e-9 * np.abs(a).max())
+
+
+def _without_end(a: Array) -> Array:
+    """Return a motion up to its last value, and a zero."""
+    if not a.any():
+        return np.zeros(2) if a.size else a
+    return np.append(a[: int(np.flatnonzero(a)[-1]) + 1], 0.0)
