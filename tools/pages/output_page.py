@@ -48,15 +48,14 @@ relative change of the motion, at least 1. Each peak of a run has a real number
 `&output conditioning = .false.` omits these numbers; spectra and sweeps have them with
 `conditioning = .true.`, or by name. The tables below do not repeat them.
 
-* Two further runs with a slightly weaker and a slightly stronger motion give S, as a central
-  difference. Where the two sides differ, at a kink or a jump, S is the larger one. The change of
-  the motion is 1e-5, or 100 `rtol` if that is larger, at most 1 %. S is at most its inverse, also
-  if one of the three runs overturns or collapses and another does not.
-* Above S = 100 a run has a warning that begins with `sensitive`: a motion that is 1 % stronger may
+* A second run with a slightly stronger motion gives S. The change of the motion is 1e-5, or 100
+  `rtol` or 100 `accuracy` if that is larger, at most 1 %. S is at most its inverse, also if one of
+  the two runs overturns or collapses and the other does not.
+* From S = 100 a run has a warning that begins with `sensitive`: a motion that is 1 % stronger may
   change a peak by its own size. The status does not change.
 * `rwmf run` prints the digits of a peak that hold against an error of 10 `rtol` S and a change of
-  the motion by 1e-7, and of times and final values those of the worst peak. Where the further runs
-  change a peak by more than 1 %, one digit or two remain. JSON and CSV have all digits.
+  the motion by 1e-7, and of times and final values those of the worst peak. Where the second run
+  changes a peak by more than 1 %, one digit or two remain. JSON and CSV have all digits.
 
 Largest errors:
 

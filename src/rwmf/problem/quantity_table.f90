@@ -692,7 +692,7 @@ contains
 
       own = own_key(to_lower(key))
       canonical_key = canonical_own(own)
-      if (own /= to_lower(key)) canonical_key = prefix//canonical_key
+      if (own /= to_lower(key)) canonical_key = prefix//trim(canonical_key)
    end function canonical_key
 
    !> Spelling of the outputs for a key that is not that of a sensitivity.
@@ -777,8 +777,8 @@ contains
    elemental type(quantity_t) function sensitivity_row(peak) result(row)
       type(quantity_t), intent(in) :: peak
 
-      row = quantity_t(sensitivity_id(peak%id), prefix//peak%key, prefix//peak%name, '1', 'real', &
-         'error', 'run ordinate', peak%group, peak%observed, &
+      row = quantity_t(sensitivity_id(peak%id), prefix//trim(peak%key), prefix//trim(peak%name), &
+         '1', 'real', 'error', 'run ordinate', peak%group, peak%observed, &
          '`conditioning` of `&output`; a motion', &
          'relative change of this peak per relative change of the motion')
    end function sensitivity_row

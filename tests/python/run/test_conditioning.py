@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
+from bending_scenes import bending_scene
 from rwmf import _library
 
 RECORD = rwmf.Motion(
@@ -144,6 +145,50 @@ def test_sweeps_and_points() -> None:
         quantities=("sensitivity_u_s_max",),
     )
     assert float(points["sensitivity_u_s_max"].squeeze()) == pytest.approx(value, rel=1e-6)
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_of_walls_that_bend(number: int) -> None:
+    """Impacts that stop the wall, and contact, included: a difference of runs, within its bound."""
+    groups, record = bending_scene(number)
+    case = rwmf.Case(**groups).replace(output={"reactions": True})
+
+    def shaken(factor: float) -> rwmf.Case:
+        if record is None:
+            return case.replace(motion={"a_max_g": factor * groups["motion"]["a_max_g"]})
+        values = factor * np.array(record["values"])
+        return case.replace(motion=rwmf.Motion(values, times=record["times"], unit="m/s2"))
+
+    run = rwmf.simulate(shaken(1))
+    found = _sensitivities(run)
+    assert {"theta_max_over_alpha", "wall_moment_mid_max_over_m_w_g_m"} <= set(found)
+    assert all(0 <= value <= 1.001e5 for value in found.values())
+    near = rwmf.simulate(shaken(1 + 1e-5).replace(output={"conditioning": False}))
+    here, there = (float(x["wall_moment_mid_max_over_m_w_g_m"]) for x in (run, near))
+    expected = abs(there / here - 1) / 1e-5
+    assert found["wall_moment_mid_max_over_m_w_g_m"] == pytest.approx(expected, rel=1e-3, abs=1e-3)
+
+
+def test_peaks_that_are_round_off_have_none() -> None:
+    """Equilibrium leaves no moment at the top of a wall whose roof is its top."""
+    storeys = {
+        "n": 3, "m_over_m_w": 2.0, "height": 8 / 3, "k_over_m_w": 2000.0, "coupling": "every_floor",
+    }  # fmt: skip
+    case = rwmf.Case(**WALL).replace(frame={"T_s": None, "gamma": None}, storeys=storeys)
+    case = case.replace(motion=RECORD, output={"reactions": True})
+    key = "wall_moment_3_max_over_m_w_g_m"
+    run = rwmf.simulate(case)
+    assert 0 < abs(float(run[key])) < 1e-10 or float(run[key]) == 0
+    assert float(run[f"sensitivity_{key}"]) == 0
+    both = rwmf.sweep(case, {"xi_s": [0.03, 0.05]}, quantities=(key, f"sensitivity_{key}"))
+    assert (both[f"sensitivity_{key}"].values == 0).all()
+
+
+@pytest.mark.parametrize("word", ["sensitivity_impacts", "sensitivity_t_u_s_max", "sensitivity_x"])
+def test_others_than_peaks_have_none(word: str) -> None:
+    case = rwmf.Case(**WALL).replace(motion=RECORD)
+    with pytest.raises(rwmf.InputError):
+        rwmf.spectrum(case, T_s=[1.2], quantities=(word,))
 
 
 @pytest.mark.parametrize(
