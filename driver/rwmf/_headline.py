@@ -8,7 +8,7 @@ from typing import Any
 
 from rwmf.case import Case
 from rwmf.case.heights import height_of_frame
-from rwmf.quantities import Quantity, find_numbered
+from rwmf.quantities import SENSITIVITY, Quantity, find_numbered
 
 __all__ = ["grouped", "headline", "headline_of_case", "value_text"]
 
@@ -168,7 +168,12 @@ def _where(summary: Mapping[str, Any], pattern: str, level: str) -> str:
     return f" ({level} {max(values, key=values.__getitem__)})" if values else ""
 
 
-def grouped(summary: Mapping[str, Any], *, has_names: bool = False) -> list[str]:
+def grouped(
+    summary: Mapping[str, Any],
+    *,
+    has_names: bool = False,
+    digits: Mapping[str, int] | None = None,
+) -> list[str]:
     """List the scalars of a run by the group that they belong to.
 
     Parameters
@@ -177,6 +182,8 @@ def grouped(summary: Mapping[str, Any], *, has_names: bool = False) -> list[str]
         Named scalars of the run.
     has_names : bool
         Show names and units of a dataset instead of keys.
+    digits : mapping, optional
+        Digits that hold, by key; a value shows at most 6, one of storeys at most 4.
 
     Returns
     -------
@@ -185,6 +192,8 @@ def grouped(summary: Mapping[str, Any], *, has_names: bool = False) -> list[str]
         line, from the ground up. Ratios are absent where the run has the force in N.
     """
     rows: dict[str, dict[str, list[str]]] = {}
+    held = digits or {}
+    summary = {key: value for key, value in summary.items() if not key.startswith(SENSITIVITY)}
     numbers = _numbers(summary)
     found = {key: find_numbered(key) for key in summary}
     names = {item.name for item, _ in found.values()}
@@ -201,7 +210,7 @@ def grouped(summary: Mapping[str, Any], *, has_names: bool = False) -> list[str]
             shown = item.over_levels if number else item
             label = f"{shown.names('run')[0]} [{item.unit}]"
         texts = rows.setdefault(_title(item), {}).setdefault(label, [])
-        texts.append(value_text(key, summary[key], 4 if number else 6))
+        texts.append(value_text(key, summary[key], min(4 if number else 6, held.get(key, 6))))
         peaks = [name for name in times if not number and item.name.startswith(name)]
         texts += [f"at {times.pop(peak):.4g} s" for peak in peaks]
     width = max(len(label) for labels in rows.values() for label in labels)

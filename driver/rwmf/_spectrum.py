@@ -100,7 +100,7 @@ def _without_second_names(words: Sequence[str]) -> list[str]:
 
 def _can_be_told_apart(keys: Sequence[str]) -> bool:
     """Check that the words are distinct within the length of a key."""
-    words = [key.lower() for key in keys if re.fullmatch(r"\w{1,40}", key, re.ASCII)]
+    words = [key.lower() for key in keys if re.fullmatch(r"\w{1,52}", key, re.ASCII)]
     return len(set(words)) == len(keys)
 
 

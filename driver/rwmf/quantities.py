@@ -13,6 +13,7 @@ __all__ = [
     "AXES",
     "ENDINGS",
     "QUANTITIES",
+    "SENSITIVITY",
     "Quantity",
     "ending_of",
     "find",
@@ -21,6 +22,8 @@ __all__ = [
     "names_by_key",
 ]
 
+# beginning of the key of a peak's sensitivity to the motion
+SENSITIVITY = "sensitivity_"
 # endings of a motion before its planned time, as statuses; they are results, not errors. The
 # summary of a run has a logical of the same name where such an ending is possible
 ENDINGS = ("overturned", "collapsed")

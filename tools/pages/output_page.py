@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rwmf.quantities import QUANTITIES, Quantity
+from rwmf.quantities import QUANTITIES, SENSITIVITY, Quantity
 
 _INTRODUCTION = """\
 # Outputs
@@ -45,7 +45,21 @@ The column *found* uses these words:
 | error | estimated error, or difference from a more accurate result |
 
 Errors depend on `&solver rtol` and on the sensitivity S, the relative change of a quantity per
-relative change of the motion, at least 1:
+relative change of the motion, at least 1. Each peak of a run has a real number
+`sensitivity_KEY`, in Python `sensitivity_NAME`, beside it, if the case has a motion.
+`&output conditioning = .false.` omits these numbers; spectra and sweeps have them with
+`conditioning = .true.`, or by name. The tables below do not repeat them.
+
+* A second run with a slightly stronger motion gives S. The change of the motion is 1e-5, or 100
+  `rtol` or 100 `accuracy` if that is larger, at most 1 %. S is at most its inverse, also if one of
+  the two runs overturns or collapses and the other does not.
+* From S = 100 a run has a warning that begins with `sensitive`: a motion that is 1 % stronger may
+  change a peak by its own size. The status does not change.
+* `rwmf run` prints the digits of a peak that hold against an error of 10 `rtol` S and a change of
+  the motion by 1e-7, and of times and final values those of the worst peak. Where the second run
+  changes a peak by more than 1 %, one digit or two remain. JSON and CSV have all digits.
+
+Largest errors:
 
 | quantity | largest error |
 |---|---|
@@ -81,7 +95,11 @@ def make() -> str:
     for output, title in _SECTIONS.items():
         parts.append(f"\n## {title}.\n\n| key | name | type | unit | meaning | found | present |")
         parts.append("|---|---|---|---|---|---|---|")
-        rows = (item for item in QUANTITIES.values() if output in item.outputs.split())
+        rows = (
+            item
+            for item in QUANTITIES.values()
+            if output in item.outputs.split() and not item.key.startswith(SENSITIVITY)
+        )
         parts.extend(_row(item, output) for item in rows)
     return "\n".join(parts) + "\n"
 

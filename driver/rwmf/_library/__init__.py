@@ -16,6 +16,7 @@ from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.tables import (
     KeyRow,
+    digits_of,
     instruction_set,
     meant_quantity,
     needs_of_groups,
@@ -34,6 +35,7 @@ __all__ = [
     "SceneAxis",
     "Spectrum",
     "check_threads",
+    "digits_of",
     "instruction_set",
     "keep_samples",
     "meant_quantity",

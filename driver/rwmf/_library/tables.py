@@ -10,6 +10,7 @@ from rwmf._library.marshalling import encode, fetch_text, split_table
 
 __all__ = [
     "KeyRow",
+    "digits_of",
     "instruction_set",
     "meant_quantity",
     "needs_of_groups",
@@ -107,6 +108,24 @@ def quantities() -> list[list[str]]:
         One row per quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
     """
     return split_table(fetch_text(_kernel.quantities))
+
+
+def digits_of(rtol: float, sensitivity: float) -> int:
+    """Count the digits of a peak that hold.
+
+    Parameters
+    ----------
+    rtol : float
+        Relative tolerance of the run [-].
+    sensitivity : float
+        Relative change of the peak per relative change of the motion [-].
+
+    Returns
+    -------
+    int
+        The number, 1 at least.
+    """
+    return int(_kernel.digits_of(rtol, sensitivity))
 
 
 def meant_quantity(word: str) -> str:

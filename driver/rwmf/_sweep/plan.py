@@ -37,7 +37,7 @@ from rwmf._sweep.task import Task
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError, without_lines
-from rwmf.quantities import AXES, keys_of
+from rwmf.quantities import AXES, SENSITIVITY, Quantity, keys_of
 
 __all__ = ["Plan", "Request", "make_plan", "varied_keys"]
 
@@ -256,6 +256,8 @@ def make_plan(request: Request) -> Plan:
     base = _base_entries(case, axes)
     quantities = (default_quantity(case),) if request.quantities is None else request.quantities
     wanted = find_quantities(tuple(quantities))
+    if getattr(case.output, "conditioning", False):
+        wanted |= _sensitivities(wanted)
     for quantity in wanted.values():
         if quantity.asked_by:
             base.setdefault("output", {})[quantity.asked_by] = True
@@ -270,6 +272,17 @@ def make_plan(request: Request) -> Plan:
         inputs.append(request.points)
     plan = Plan(layout, base, case.kernel_source(), tuple(axes), case.motions, tuple(inputs))
     return plan.checked()
+
+
+def _sensitivities(wanted: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Return the sensitivities of the peaks among the quantities."""
+    keys = tuple(
+        SENSITIVITY + item.key
+        for item in wanted.values()
+        # the height of a peak has none
+        if item.found == "peak" and not item.key.endswith("_height_m")
+    )
+    return find_quantities(keys) if keys else {}
 
 
 def _motions_of(

@@ -15,6 +15,7 @@ from rwmf._sweep.kept_quantities import QUANTITIES
 from rwmf.case import Motion
 from rwmf.case.namelist import compose
 from rwmf.errors import InputError, NumericalError
+from rwmf.quantities import SENSITIVITY
 
 __all__ = ["Chunk", "Task", "run_task"]
 
@@ -113,7 +114,7 @@ def _compute(task: Task, progress: Progress | None) -> dict[str, npt.NDArray[Any
     allowed = case.applicable()
     # both names of a quantity have the same key
     requested = dict.fromkeys(QUANTITIES[name].key for name in task.quantities)
-    keys = [key for key in requested if key in allowed]
+    keys = [key for key in requested if key.removeprefix(SENSITIVITY) in allowed]
     with _library.start_rows(
         case, task.source, task.columns, task.rows, keys, task.threads, progress
     ) as sweep:

@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     case = Case.from_namelist(options.case)
     path = Path(options.out or f"{Path(options.case).stem}.gif")
     files.check_outputs([path], case.inputs)
-    wanted: dict[str, object] = {"dt": options.speed / options.fps}
+    wanted: dict[str, object] = {"conditioning": False, "dt": options.speed / options.fps}
     if case.storeys is not None:
         # the reactions include the drifts
         wanted["reactions"] = True

@@ -16,9 +16,12 @@ from rwmf._headline import grouped, headline_of_case, value_text
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.plotting import image_files as figures
+from rwmf.quantities import SENSITIVITY, find
 
 __all__ = ["run"]
 
+# digits of a printed number without an estimate of its error
+_MOST_DIGITS = 10
 # points of a plotted history for a case without an interval
 _PLOT_POINTS = 4000
 # points of plotted loops, whose corners need finer sampling
@@ -64,7 +67,8 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(summary)
     else:
-        _print_table(case, summary, is_all=options.all)
+        digits = _digits(summary, _tolerance_of(case, summary))
+        _print_table(case, summary, digits, is_all=options.all)
     # a written file replaces an older one
     new = [path for path in found if _place_of(path) not in (None, before[path])]
     print_written([*new, options.plot, options.loops], is_json=options.json)
@@ -86,7 +90,9 @@ def _plot_history(case: Case, result: _library.Run, path: str) -> None:
     lacks_demands = case.frame is not None and not has_demands
     if "time" not in dataset.coords or lacks_demands:
         # outputs do not affect the integration, so the response is the same
-        wanted: dict[str, object] = {"reactions": True} if lacks_demands else {}
+        wanted: dict[str, object] = {"conditioning": False}
+        if lacks_demands:
+            wanted["reactions"] = True
         if "time" not in dataset.coords:
             wanted["dt"] = max(case.solver.t_end / _PLOT_POINTS, np.finfo(float).tiny)
         dataset = simulation.simulate(case.replace(output=wanted))
@@ -99,14 +105,49 @@ def _plot_loops(case: Case, result: _library.Run, path: str) -> None:
     fine = max(case.solver.t_end / _LOOP_POINTS, np.finfo(float).tiny)
     if "time" not in dataset.coords or case.output.dt > fine:
         # the shears of storeys are among the reactions
-        dataset = simulation.simulate(case.replace(output={"dt": fine, "reactions": True}))
+        output = {"dt": fine, "reactions": True, "conditioning": False}
+        dataset = simulation.simulate(case.replace(output=output))
     figures.save_loops(dataset, case, path)
 
 
-def _print_table(case: Case, summary: dict[str, Any], *, is_all: bool) -> None:
-    if is_all:
-        width = max(len(key) for key in summary)
-        lines = [f"{key:{width}s}  {value_text(key, value)}" for key, value in summary.items()]
-    else:
-        lines = [*headline_of_case(summary, case), *grouped(summary)]
-    print("\n".join(lines))
+def _tolerance_of(case: Case, summary: dict[str, Any]) -> float:
+    """Return the relative tolerance of a run: a large `atol` governs instead of `rtol`."""
+    rtol = float(summary["rtol"])
+    if "atol" not in case.solver:
+        return rtol
+    size = float(summary.get("u_s_max_m", 0.0))
+    if case.wall is not None:
+        size = float(summary["theta_max_over_alpha"]) * case.wall.alpha
+    return max(rtol, float(case.solver.atol) / size) if size > 0 else rtol
+
+
+def _digits(summary: dict[str, Any], tolerance: float) -> dict[str, int]:
+    """Return the digits that hold of each value with an estimate of its error."""
+    found = {
+        key.removeprefix(SENSITIVITY): value
+        for key, value in summary.items()
+        if key.startswith(SENSITIVITY)
+    }
+    largest = max(found.values(), default=0.0)
+    # instants and final values hold no more digits than the worst peak
+    return {
+        key: _library.digits_of(tolerance, found.get(key, largest))
+        for key in summary
+        if found and (key in found or find(key).found in ("time", "end"))
+    }
+
+
+def _print_table(
+    case: Case, summary: dict[str, Any], digits: dict[str, int], *, is_all: bool
+) -> None:
+    """Print headline and grouped table, or every key with its sensitivity."""
+    if not is_all:
+        print("\n".join([*headline_of_case(summary, case), *grouped(summary, digits=digits)]))
+        return
+    shown = [key for key in summary if not key.startswith(SENSITIVITY)]
+    width = max(map(len, shown))
+    for key in shown:
+        text = value_text(key, summary[key], digits.get(key, _MOST_DIGITS))
+        sensitivity = summary.get(SENSITIVITY + key)
+        note = "" if sensitivity is None else f"  (sensitivity {sensitivity:.2g})"
+        print(f"{key:{width}s}  {text}{note}")

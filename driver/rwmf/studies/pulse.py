@@ -83,4 +83,6 @@ class Pulse:
         """
         pulse = {"a_max_g": a_max_g, "v_p": None, "omega_p": None, "T_p": T_p}
         t_end = self.t_0 + self.periods * T_p + follow
-        return self.case.replace(motion=pulse, solver={"t_end": t_end})
+        return self.case.replace(
+            motion=pulse, solver={"t_end": t_end}, output={"conditioning": False}
+        )

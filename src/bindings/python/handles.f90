@@ -9,6 +9,7 @@ module rwmf_bindings_python_handles
    use rwmf_input_record_samples, only: samples_t
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: key_length
    use rwmf_simulation_result, only: result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
    implicit none
@@ -127,7 +128,7 @@ contains
    pure subroutine split_names(text, names)
       character(*), intent(in) :: text
       !! '' for none
-      character(40), allocatable, intent(out) :: names(:)
+      character(key_length), allocatable, intent(out) :: names(:)
       !! (n) padded with blanks
       integer :: first, n
 
@@ -135,7 +136,7 @@ contains
       first = 1
       do while (first <= len(text))
          n = index(text(first:)//achar(9), achar(9))
-         names = [character(40) :: names, text(first:first + n - 2)]
+         names = [character(key_length) :: names, text(first:first + n - 2)]
          first = first + n
       end do
    end subroutine split_names

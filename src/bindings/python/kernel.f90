@@ -27,10 +27,11 @@ module rwmf_bindings_python_kernel
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
    use rwmf_problem_scene_axes, only: axis_t, list_axes
-   use rwmf_problem_quantity_table, only: all_quantities, quantities_text
+   use rwmf_problem_quantity_table, only: all_quantities, key_length, quantities_text
    use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
    use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_problem_case, only: case_t
+   use rwmf_simulation_conditioning, only: count_digits => digits_of
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
    use rwmf_simulation_warnings, only: list_case_warnings
@@ -220,7 +221,7 @@ contains
       type(kept_t), pointer :: kept
       type(motion_t), target :: room
       type(motion_t), pointer :: motion
-      character(40), allocatable :: reported(:)
+      character(key_length), allocatable :: reported(:)
       character(256), allocatable :: warnings(:)
 
       kept => find(handle)
@@ -372,6 +373,15 @@ contains
       call put_text(lines, buffer, length)
    end subroutine result_names
 
+   !> Number of digits of a peak that hold in a run, from its tolerance and its sensitivity.
+   subroutine digits_of(rtol, sensitivity, digits)
+      real(c_double), intent(in) :: rtol
+      real(c_double), intent(in) :: sensitivity
+      integer(c_int), intent(out) :: digits
+
+      digits = int(count_digits(rtol, sensitivity), c_int)
+   end subroutine digits_of
+
    !> Key of the output quantity that a word may mean; empty for none.
    subroutine meant_quantity(word, buffer, length)
       character(*), intent(in) :: word
@@ -433,7 +443,7 @@ contains
       type(motion_t), pointer :: motion
       type(case_t), pointer :: origin
       type(error_t), allocatable :: error
-      character(40), allocatable :: wanted(:)
+      character(key_length), allocatable :: wanted(:)
       !f2py threadsafe
 
       from => find(handle)
@@ -469,7 +479,7 @@ contains
       type(kept_t), pointer :: kept
       type(error_t), allocatable :: error
       type(case_t), target :: case
-      character(40), allocatable :: names(:), wanted(:)
+      character(key_length), allocatable :: names(:), wanted(:)
       !f2py threadsafe
 
       from => find(handle)
@@ -548,7 +558,7 @@ contains
       type(motion_t), target :: room
       type(motion_t), pointer :: motion
       type(error_t), allocatable :: error
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
 
       length = 0_c_int
       kept => find(handle)

@@ -2,7 +2,7 @@
 !> first row collects numbers and names of the columns; later rows contain only values.
 module rwmf_model_history_row
    use rwmf_core_kinds, only: wp
-   use rwmf_problem_quantity_table, only: key_of
+   use rwmf_problem_quantity_table, only: key_length, key_of
    implicit none
    private
 
@@ -72,7 +72,7 @@ contains
       real(wp), intent(in) :: values(:)
       integer, intent(in), optional :: below
       character(len(row%names)), allocatable :: more_names(:)
-      character(40) :: key
+      character(key_length) :: key
       integer :: i, n, first
 
       first = 0
@@ -91,7 +91,7 @@ contains
    end subroutine add_columns
 
    !> Key with a number in place of '{i}'; any other key is unchanged.
-   pure character(40) function numbered(pattern, number) result(key)
+   pure character(key_length) function numbered(pattern, number) result(key)
       character(*), intent(in) :: pattern
       !! key of the table of quantities, with or without '{i}'
       integer, intent(in) :: number

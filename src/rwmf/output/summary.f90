@@ -9,7 +9,7 @@ module rwmf_output_summary
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_quantity_table, only: all_quantities, id
+   use rwmf_problem_quantity_table, only: all_quantities, id, is_peak, quantity_t, sensitivity_row
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: floors_of, scalars_of, value_of, values_t
    use rwmf_text_text_buffer, only: append, clear, text_buffer_t
@@ -55,50 +55,52 @@ contains
          if (index(all_quantities(i)%outputs, 'run') == 0) cycle
          select case (all_quantities(i)%id)
          case (id%method)
-            call append_item(items, n, i, 0, 0.0_wp, result%method)
+            call append_item(items, n, all_quantities(i), 0, 0.0_wp, result%method)
          case (id%effects)
             ! outside the call below, in which gfortran 12 reads the length from freed memory
             effects = list_effects(case)
-            call append_item(items, n, i, 0, 0.0_wp, joined(effects))
+            call append_item(items, n, all_quantities(i), 0, 0.0_wp, joined(effects))
          case (id%warnings)
             if (allocated(result%warnings)) then
-               call append_item(items, n, i, 0, 0.0_wp, joined(result%warnings))
+               call append_item(items, n, all_quantities(i), 0, 0.0_wp, joined(result%warnings))
             else
-               call append_item(items, n, i, 0, 0.0_wp, '')
+               call append_item(items, n, all_quantities(i), 0, 0.0_wp, '')
             end if
          case default
-            call append_numbers(items, n, i, values)
+            call append_numbers(items, n, all_quantities(i), values)
          end select
+      end do
+      do i = 1, size(all_quantities)
+         if (is_peak(all_quantities(i))) call append_numbers(items, n, &
+            sensitivity_row(all_quantities(i)), values)
       end do
       call resize(items, n, n)
    end subroutine summarise
 
    !> Append a quantity if it applies, for a '{i}' key once per storey from the ground up.
-   pure subroutine append_numbers(items, n, place, values)
+   pure subroutine append_numbers(items, n, row, values)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(inout) :: n
       !! number of items so far
-      integer, intent(in) :: place
-      !! position in the table
+      type(quantity_t), intent(in) :: row
+      !! row of the table
       type(values_t), intent(in) :: values
       integer :: i
 
-      associate (number => all_quantities(place)%id)
-         associate (floors => floors_of(values, number))
-            do i = 1, size(floors)
-               call append_item(items, n, place, floors(i), value_of(values, number, &
-                  floors(i)), '')
-            end do
-         end associate
+      associate (floors => floors_of(values, row%id))
+         do i = 1, size(floors)
+            call append_item(items, n, row, floors(i), value_of(values, row%id, floors(i)), '')
+         end do
       end associate
    end subroutine append_numbers
 
    !> Append one item.
-   pure subroutine append_item(items, n, place, storey, value, text)
+   pure subroutine append_item(items, n, row, storey, value, text)
       type(summary_item_t), allocatable, intent(inout) :: items(:)
       integer, intent(inout) :: n
       !! number of items so far
-      integer, intent(in) :: place
+      type(quantity_t), intent(in) :: row
+      !! row of the table
       integer, intent(in) :: storey
       !! number of the storey, for a key with '{i}'
       real(wp), intent(in) :: value
@@ -106,8 +108,8 @@ contains
 
       if (n == size(items)) call resize(items, n, 2*n)
       n = n + 1
-      items(n)%key = trim(numbered(trim(all_quantities(place)%key), storey))
-      items(n)%kind = trim(all_quantities(place)%kind)
+      items(n)%key = trim(numbered(trim(row%key), storey))
+      items(n)%kind = trim(row%kind)
       if (items(n)%kind == 'int' .or. items(n)%kind == 'logical') then
          items(n)%count = int(value, i8)
       else

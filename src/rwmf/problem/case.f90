@@ -5,6 +5,7 @@
 module rwmf_problem_case
    use rwmf_core_kinds, only: wp
    use rwmf_problem_group_values, only: group_values_t
+   use rwmf_problem_quantity_table, only: key_length
    use rwmf_problem_record, only: record_source_t, record_t
    use rwmf_problem_shear_frame, only: shear_frame_t
    implicit none
@@ -223,7 +224,7 @@ module rwmf_problem_case
       !! relative tolerance of the integrator [-]
       real(wp), allocatable :: accuracy
       !! required relative error of a peak [-]; rtol is then chosen accordingly
-      character(40) :: accuracy_of = ''
+      character(key_length) :: accuracy_of = ''
       !! key of that peak, also used by `verify`; '': u_s_max (without a frame theta_max)
       logical :: verify
       !! estimate the error and the sensitivity by further runs
@@ -249,6 +250,8 @@ module rwmf_problem_case
       !! record forces of wall, links and pivot, velocities of floors, travel of fuses
       real(wp), allocatable :: friction_limit
       !! available coefficient of friction, to be compared with the demand [-]
+      logical, allocatable :: conditioning
+      !! report the sensitivity of each peak to the motion; absent: single runs do
    end type output_t
 
    !> Loop over frame periods, `&spectrum`.

@@ -7,9 +7,15 @@ module rwmf_problem_quantity_table
    private
 
    public :: quantity_t, id, key_of, all_quantities, look_up, canonical_key, is_of_ordinate, is_peak
+   public :: key_length, own_key, sensitivity_id, sensitivity_row
    public :: requested_by, quantities_text
    public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
    public :: of_envelopes, of_verification
+
+   integer, parameter :: key_length = 52
+   !! length of the longest key: that of a sensitivity
+   character(*), parameter :: prefix = 'sensitivity_'
+   !! beginning of the key of a sensitivity
 
    ! The observer skips calculations that no requested quantity needs. A quantity whose row lists
    ! too few needs is therefore wrong when it is requested without others.
@@ -112,10 +118,10 @@ module rwmf_problem_quantity_table
    type :: quantity_t
       integer :: id
       !! number of the quantity, one of `id`
-      character(40) :: key
+      character(key_length) :: key
       !! name with unit suffix; '{i}' is a placeholder for the floor or storey number, from the
       !! ground up
-      character(40) :: name
+      character(key_length) :: name
       !! variable of a run's dataset in Python; '' for an attribute, or outside runs
       character(8) :: unit
       !! '1' for dimensionless numbers, '' for texts
@@ -643,15 +649,15 @@ module rwmf_problem_quantity_table
       quantity_t(id%good_enough, 'good_enough', '', '1', 'logical', 'whether', 'cost', '', &
       of_nothing, '', 'whether the reference is two digits better than the best method')]
 
-   !> All quantities. A summary and the columns of a history have this order.
+   !> All quantities. A summary and the columns of a history have this order. Sensitivities follow,
+   !> see `sensitivity_row`.
    type(quantity_t), parameter :: all_quantities(*) = [columns, scalars, demands, envelopes, &
       energies, others]
-
 
 contains
 
    !> Key of the quantity with a given number.
-   elemental character(40) function key_of(number) result(key)
+   elemental character(key_length) function key_of(number) result(key)
       integer, intent(in) :: number
       !! one of `id`
 
@@ -679,13 +685,24 @@ contains
 
    !> Key in the spelling of the outputs. Capitals are accepted, and names of Python, which have no
    !> units. An unknown key is returned in lower case.
-   elemental character(40) function canonical_key(key)
+   elemental character(key_length) function canonical_key(key)
       character(*), intent(in) :: key
       !! key in the user's spelling
-      character(40) :: row
+      character(key_length) :: own
+
+      own = own_key(to_lower(key))
+      canonical_key = canonical_own(own)
+      if (own /= to_lower(key)) canonical_key = prefix//trim(canonical_key)
+   end function canonical_key
+
+   !> Spelling of the outputs for a key that is not that of a sensitivity.
+   elemental character(key_length) function canonical_own(key) result(canonical_key)
+      character(*), intent(in) :: key
+      !! key in lower case
+      character(key_length) :: row
       integer :: place, first, behind, braces
 
-      canonical_key = to_lower(key)
+      canonical_key = key
       place = place_of(trim(canonical_key))
       if (place > 0) then
          canonical_key = all_quantities(place)%key
@@ -699,7 +716,7 @@ contains
       row = all_quantities(place)%key
       braces = index(row, '{i}')
       canonical_key = row(:braces - 1)//canonical_key(first:behind - 1)//row(braces + 3:)
-   end function canonical_key
+   end function canonical_own
 
    !> Row of a key or of a name in Python; 0 if there is none.
    pure integer function place_of(key) result(place)
@@ -748,6 +765,33 @@ contains
          .and. index(quantity%key, '_height_m') == 0
    end function is_peak
 
+   !> Number of the sensitivity of a quantity.
+   elemental integer function sensitivity_id(number)
+      integer, intent(in) :: number
+      !! one of `id`
+
+      sensitivity_id = number + size(all_quantities)
+   end function sensitivity_id
+
+   !> Row of the sensitivity of a peak.
+   elemental type(quantity_t) function sensitivity_row(peak) result(row)
+      type(quantity_t), intent(in) :: peak
+
+      row = quantity_t(sensitivity_id(peak%id), prefix//trim(peak%key), prefix//trim(peak%name), &
+         '1', 'real', 'error', 'run ordinate', peak%group, peak%observed, &
+         '`conditioning` of `&output`; a motion', &
+         'relative change of this peak per relative change of the motion')
+   end function sensitivity_row
+
+   !> Key of the peak of a sensitivity; any other key is unchanged.
+   elemental function own_key(key) result(own)
+      character(*), intent(in) :: key
+      character(len(key)) :: own
+
+      own = key
+      if (index(key, prefix) == 1) own = key(len(prefix) + 1:)
+   end function own_key
+
    !> Key of `&output` that requests a quantity; '' for one that every run reports.
    elemental character(12) function requested_by(quantity)
       type(quantity_t), intent(in) :: quantity
@@ -764,18 +808,26 @@ contains
    pure subroutine quantities_text(text)
       character(:), allocatable, intent(out) :: text
       !! the lines, each with its line feed
-      character(*), parameter :: tab = achar(9)
-      type(quantity_t) :: row
       integer :: i
 
       text = ''
       do i = 1, size(all_quantities)
-         row = all_quantities(i)
-         text = text//trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab &
-            //trim(row%kind)//tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group) &
-            //tab//trim(requested_by(row))//tab//trim(row%needs)//tab//trim(row%meaning) &
-            //new_line('a')
+         text = text//line_of(all_quantities(i))
+      end do
+      do i = 1, size(all_quantities)
+         if (is_peak(all_quantities(i))) text = text//line_of(sensitivity_row(all_quantities(i)))
       end do
    end subroutine quantities_text
+
+   !> Components of a row, separated by tabs, with a line feed.
+   pure function line_of(row) result(line)
+      type(quantity_t), intent(in) :: row
+      character(:), allocatable :: line
+      character(*), parameter :: tab = achar(9)
+
+      line = trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab//trim(row%kind)//tab &
+         //trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group)//tab &
+         //trim(requested_by(row))//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
+   end function line_of
 
 end module rwmf_problem_quantity_table

@@ -10,8 +10,8 @@ module rwmf_simulation_error_control
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
-   use rwmf_problem_case, only: case_t, structure_t
+   use rwmf_motion_ground_motion, only: motion_t, refined_motion
+   use rwmf_problem_case, only: case_t
    use rwmf_simulation_peak, only: ask_for_peak, peak_of
    use rwmf_simulation_result, only: add_warning, ending_name, history_t, result_t
    use rwmf_simulation_run, only: run_once
@@ -20,8 +20,8 @@ module rwmf_simulation_error_control
    private
 
    public :: run_to_accuracy, verify_run
-   public :: first_tolerance, next_tolerance, is_close_enough, verifying_tolerance, perturb
-   public :: relative_change, most_refinements, refinement, tightest, perturb_step
+   public :: first_tolerance, next_tolerance, is_close_enough, verifying_tolerance
+   public :: relative_change, most_refinements, refinement, tightest
 
    real(wp), parameter :: tighter = 0.03_wp
    !! ratio of the tolerances of the two compared runs
@@ -31,8 +31,6 @@ module rwmf_simulation_error_control
    integer, parameter :: most_refinements = 12
    integer, parameter :: refinement = 2
    !! number of parts of each interval of the motion in a verifying run
-   real(wp), parameter :: perturb_step = 1.0e-6_wp
-   !! relative change of the motion for the sensitivity of the peak
 
 contains
 
@@ -125,28 +123,15 @@ contains
       tight = max(tightest, 1.0e-3_wp*min(rtol, 1.0e-6_wp))
    end function verifying_tolerance
 
-   !> Scale the initial state like the motion, for the sensitivity of the peak.
-   pure subroutine perturb(case, factor)
-      class(structure_t), intent(inout) :: case
-      real(wp), intent(in) :: factor
-      !! factor of the motion [-]
-
-      if (.not. allocated(case%initial)) return
-      case%initial%theta_over_alpha = case%initial%theta_over_alpha*factor
-      case%initial%theta_dot = case%initial%theta_dot*factor
-   end subroutine perturb
-
-   !> Estimate the error of a finished run by one independent, much tighter run. A third, slightly
-   !> stronger run gives the sensitivity of its peak to the motion.
+   !> Estimate the error of a finished run by one independent, much tighter run.
    subroutine verify_run(case, motion, control, result, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in), target :: motion
       type(control_t), intent(in) :: control
       type(result_t), intent(inout) :: result
-      !! receives estimate and sensitivity
+      !! receives the estimate
       type(error_t), allocatable, intent(out) :: error
       type(result_t) :: tight
-      type(result_t) :: larger
       type(case_t) :: trial
       type(motion_t), target :: refined
       real(wp) :: found
@@ -164,13 +149,8 @@ contains
          found = relative_difference(case, result, tight)
          if (found > 0) result%estimated_relative_error = found
       end if
-      refined = scaled_motion(refined, 1 + perturb_step)
-      call perturb(trial, 1 + perturb_step)
-      call run_once(trial, refined, control, larger, error)
-      if (allocated(error)) return
-      result%sensitivity = relative_difference(case, larger, tight)/perturb_step
       if (.not. allocated(result%estimate_seconds)) result%estimate_seconds = 0
-      result%estimate_seconds = result%estimate_seconds + tight%seconds + larger%seconds
+      result%estimate_seconds = result%estimate_seconds + tight%seconds
    end subroutine verify_run
 
    !> Relative difference of two peaks with respect to the second; 1 if the runs end differently

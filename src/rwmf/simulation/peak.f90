@@ -6,8 +6,8 @@ module rwmf_simulation_peak
    use rwmf_core_kinds, only: wp
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t, output_t
-   use rwmf_problem_quantity_table, only: all_quantities, requested_by, look_up, of_demands, &
-      of_envelopes
+   use rwmf_problem_quantity_table, only: all_quantities, key_length, look_up, of_demands, &
+      of_envelopes, requested_by
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
    implicit none
@@ -77,9 +77,9 @@ contains
       !! result of a run of the case
       logical, intent(in) :: is_wanted(:)
       !! (quantities of the table) true for wanted quantities
-      character(40), allocatable, intent(out) :: keys(:)
+      character(key_length), allocatable, intent(out) :: keys(:)
       !! (keys) with the number of a floor or storey in place of '{i}'
-      character(40), allocatable :: more(:)
+      character(key_length), allocatable :: more(:)
       type(values_t) :: values
       integer, allocatable :: floors(:)
       integer :: i, j, n

@@ -1,6 +1,6 @@
 !> Common engineering terms for output quantities, for messages about unknown quantities.
 module rwmf_simulation_quantity_words
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up
+   use rwmf_problem_quantity_table, only: all_quantities, key_length, look_up
    use rwmf_text_strings, only: nearest_name, to_lower
    implicit none
    private
@@ -11,7 +11,7 @@ module rwmf_simulation_quantity_words
    type :: word_t
       character(32) :: word
       !! term in lower case, with '_' between its parts, without 'peak', 'max' and number
-      character(40) :: key
+      character(key_length) :: key
       !! key in the table of quantities
    end type word_t
 
@@ -51,11 +51,15 @@ module rwmf_simulation_quantity_words
       word_t('ductility_demand', 'ductility'), &
       word_t('friction', 'friction_demand_max')]
 
+   character(key_length), parameter :: ordinates(*) = pack(all_quantities%key, &
+      index(all_quantities%outputs, 'ordinate') > 0)
+   !! keys of the quantities that a spectrum can report
+
 contains
 
    !> Key of the quantity that a word may mean, by common terms or by similar spelling; blank if
    !> none matches.
-   pure character(40) function meant_quantity(word) result(key)
+   pure character(key_length) function meant_quantity(word) result(key)
       character(*), intent(in) :: word
       !! word as the user writes it
       character(len(word)) :: plain
@@ -72,14 +76,12 @@ contains
          key = words(place)%key
          return
       end if
-      place = findloc(is_of_ordinate(all_quantities) .and. index(all_quantities%key, &
-         to_lower(trim(adjustl(word)))) == 1, .true., dim=1)
+      place = findloc(index(ordinates, to_lower(trim(adjustl(word)))) == 1, .true., dim=1)
       if (place > 0 .and. len_trim(word) >= shortest) then
-         key = all_quantities(place)%key
+         key = ordinates(place)
          return
       end if
-      key = nearest_name(trim(adjustl(word)), pack(all_quantities%key, &
-         is_of_ordinate(all_quantities)))
+      key = nearest_name(trim(adjustl(word)), ordinates)
       if (key == '') key = nearest_name(trim(plain)//'_max', words%key)
       call look_up(trim(key), place, number)
       if (place == 0) key = ''

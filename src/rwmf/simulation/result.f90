@@ -5,7 +5,7 @@ module rwmf_simulation_result
    private
 
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
-   public :: envelope_extremes_t
+   public :: envelope_extremes_t, sensitivities_t
    public :: append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture, event_passage, event_collapsed, ending_name
@@ -168,6 +168,16 @@ module rwmf_simulation_result
       !! (links) peak axial forces, the roof link last [-]
    end type envelope_extremes_t
 
+   !> Sensitivities of one reported peak.
+   type :: sensitivities_t
+      integer :: number = 0
+      !! number of the peak in the table of quantities
+      integer :: below = 0
+      !! number of the lowest storeys or floors without a value
+      real(wp), allocatable :: values(:)
+      !! (storeys or floors, or 1) relative changes of the peak per relative change of the motion [-]
+   end type sensitivities_t
+
    !> Result of one simulation. Components that do not apply to the scene are not allocated.
    type :: result_t
       real(wp), allocatable :: u_s_max
@@ -244,9 +254,8 @@ module rwmf_simulation_result
       !! additional wall-clock time for the estimate, beyond `seconds` [s]
       real(wp), allocatable :: sensitivity
       !! relative change of this peak per relative change of the motion [-]
-      real(wp) :: peak_sensitivity = 0
-      !! estimated sensitivity of the largest rotation, along the run of a rocking wall with all
-      !! steps observed; else 0 [-]
+      type(sensitivities_t), allocatable :: sensitivities(:)
+      !! of the reported peaks; absent unless requested, and without a motion
       type(energy_t), allocatable :: energy
       type(reaction_extremes_t), allocatable :: reactions
       !! absent unless requested, as is the energy

@@ -26,17 +26,16 @@ module rwmf_simulation_run
    use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, is_at_rest, mode_collapsed, &
       mode_overturned
    use rwmf_simulation_lanes_batch, only: batch_t
-   use rwmf_problem_quantity_table, only: all_quantities
+   use rwmf_problem_quantity_table, only: all_quantities, key_length
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_force_envelopes, only: envelope_extremes
-   use rwmf_simulation_recorder_nearby_motion, only: begin_nearby
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, &
-      needs_all_steps, recorder_t
+      recorder_t
    use rwmf_simulation_result, only: add_warning, result_t
    use rwmf_simulation_static_rest, only: come_to_rest
    use rwmf_simulation_warnings, only: list_case_warnings, warn_of_chatter, warn_of_grazing, &
-      warn_of_reactions, warn_of_sensitivity, warn_of_short_history
+      warn_of_reactions, warn_of_short_history
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -71,7 +70,6 @@ contains
       call repeat_until_scaled(case, equation, integrator, control, result, error)
       call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
-      call warn_of_sensitivity(result)
       call warn_of_grazing(result)
       call warn_of_chatter(result)
       call warn_of_short_history(case%solver%t_end, result)
@@ -144,18 +142,12 @@ contains
       size_found = 0
       call begin_run(case, size_guess, equation, integrator, hybrid, recorder, error)
       if (allocated(error)) return
-      if (equation%has_impacts .and. (needs_all_steps(recorder) &
-         .or. allocated(recorder%demands))) then
-         allocate (recorder%nearby)
-         call begin_nearby(recorder%nearby, equation%n)
-      end if
       call begin_advance(hybrid, equation, integrator, case%solver%t_end, batch)
       call advance(hybrid, equation, integrator, recorder, case%solver%t_end, control, batch, error)
       if (allocated(error)) return
       call finish_recorder(recorder, equation, hybrid%t, hybrid%y, is_at_rest(hybrid))
       size_found = response_size(recorder)
       call fill_result(case, equation, hybrid, recorder, result)
-      if (allocated(recorder%nearby)) result%peak_sensitivity = recorder%nearby%sensitivity
       result%steps = integrator%steps
       result%method = trim(run_method(case%solver%method))
       result%rtol = case%solver%rtol
@@ -474,7 +466,7 @@ contains
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       type(result_t), intent(inout) :: result
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
 
       allocate (keys(0))
       if (allocated(case%output)) then

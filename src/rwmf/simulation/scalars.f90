@@ -6,7 +6,7 @@ module rwmf_simulation_scalars
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_kinds, only: i8, wp
    use rwmf_problem_case, only: case_t, storeys_t
-   use rwmf_problem_quantity_table, only: all_quantities, id
+   use rwmf_problem_quantity_table, only: all_quantities, id, sensitivity_id
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
    use rwmf_simulation_newtons, only: weight_under
    use rwmf_simulation_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
@@ -16,14 +16,14 @@ module rwmf_simulation_scalars
 
    public :: values_t, scalars_of, is_present, value_of, floors_of
 
-   !> Scalars, indexed by the numbers of the table.
+   !> Scalars, indexed by the numbers of the table and, behind them, of its sensitivities.
    type :: values_t
-      integer :: count(size(all_quantities)) = 0
+      integer :: count(2*size(all_quantities)) = 0
       !! number of the highest storey or floor for a list, 1 for a single number, 0 if not
       !! applicable
-      integer, private :: below(size(all_quantities)) = 0
+      integer, private :: below(2*size(all_quantities)) = 0
       !! number of the lowest storeys or floors without a value
-      integer, private :: first(size(all_quantities)) = 0
+      integer, private :: first(2*size(all_quantities)) = 0
       !! place of the first value
       integer, private :: n = 0
       !! number of values in use
@@ -38,6 +38,7 @@ contains
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
       type(values_t), intent(out) :: values
+      integer :: i
 
       allocate (values%numbers(2*size(all_quantities)))
       call keep_response(result, values)
@@ -50,6 +51,13 @@ contains
          call keep(values, id%T_s_s, case%frame%T_s)
       end if
       if (case%unit_mass > 0) call keep_newtons(case, values)
+      if (.not. allocated(result%sensitivities)) return
+      do i = 1, size(result%sensitivities)
+         associate (found => result%sensitivities(i))
+            if (size(found%values) > 0) call keep_list(values, sensitivity_id(found%number), &
+               found%values, found%below)
+         end associate
+      end do
    end subroutine scalars_of
 
    !> Return whether a scalar applies.

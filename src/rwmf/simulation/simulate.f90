@@ -6,9 +6,10 @@ module rwmf_simulation_simulate
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
+   use rwmf_simulation_conditioning, only: measure_sensitivities, needs_probe
    use rwmf_simulation_error_control, only: run_to_accuracy, verify_run
    use rwmf_simulation_peak, only: ask_for_peak, list_reported, reports_peak
-   use rwmf_problem_quantity_table, only: all_quantities, is_peak
+   use rwmf_problem_quantity_table, only: all_quantities, is_peak, key_length
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: run_once
    implicit none
@@ -73,6 +74,8 @@ contains
       end if
       if (allocated(error)) return
       if (case%solver%verify) call verify_run(case, motion, control, result, error)
+      if (allocated(error)) return
+      if (needs_probe(case)) call measure_sensitivities(case, motion, control, result, error)
    end subroutine run_requested
 
    !> Check that the scene has the peak of `accuracy_of`.
@@ -85,7 +88,7 @@ contains
       type(case_t) :: asking, instant
       type(result_t) :: result
       type(control_t) :: no_control
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
       character(:), allocatable :: problem
       integer :: i
 

@@ -18,7 +18,6 @@ module rwmf_simulation_transitions
    use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
    use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_held, &
       mode_overturned, mode_rest, mode_rocking
-   use rwmf_simulation_recorder_nearby_motion, only: note_impact
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
       observe_state, observe_still, recorder_t, sees_forces
    use rwmf_simulation_result, only: event_branch, event_collapsed, event_impact, event_lift_off, &
@@ -264,8 +263,6 @@ contains
       end if
       after = factor_at(hybrid%restitution, abs(hybrid%y(2)))*hybrid%y(2)
       call observe_event(recorder, event_impact, hybrid%t, hybrid%y)
-      if (allocated(recorder%nearby)) call note_impact(recorder%nearby, equation, hybrid%y, &
-         factor_at(hybrid%restitution, abs(hybrid%y(2))))
       energy = 0
       if (recorder%keeps_energy .and. equation%beam%n > 0) energy = mechanical_energy(equation, &
          hybrid%y)

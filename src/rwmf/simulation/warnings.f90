@@ -12,7 +12,7 @@ module rwmf_simulation_warnings
    private
 
    public :: list_case_warnings, warn_of_chatter, warn_of_grazing, warn_of_reactions
-   public :: warn_of_sensitivity, warn_of_short_history
+   public :: warn_of_short_history
 
 contains
 
@@ -45,20 +45,6 @@ contains
          //' s the wall turns back on its base or hardly above it: what follows may depend ' &
          //'on the tolerance; &solver verify = .true. shows how much')
    end subroutine warn_of_grazing
-
-   !> Warn of peaks that a small change of the motion changes strongly.
-   subroutine warn_of_sensitivity(result)
-      type(result_t), intent(inout) :: result
-      real(wp), parameter :: many = 100
-      !! largest sensitivity without warning: relative change of a peak per relative change of the
-      !! motion [-]
-
-      if (result%peak_sensitivity <= many) return
-      call add_warning(result, 'sensitive: a slightly stronger motion changes the course so much ' &
-         //'that peaks may differ by their own size (estimated d ln theta_max/d ln motion = ' &
-         //trim(real_to_text(result%peak_sensitivity)) &
-         //'); compare many similar motions, &solver verify = .true. measures it')
-   end subroutine warn_of_sensitivity
 
    !> Warn of averaged bounces, after which the phase of the flights is unknown.
    subroutine warn_of_chatter(result)

@@ -6,10 +6,12 @@ module rwmf_spectrum_estimates
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
+   use rwmf_problem_quantity_table, only: key_length
+   use rwmf_simulation_conditioning, only: has_motion, probe_step, sensitivity_of
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
-      next_tolerance, refinement, relative_change, perturb_step, tightest, verifying_tolerance
+      next_tolerance, refinement, relative_change, tightest, verifying_tolerance
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, run_ordinates
-   use rwmf_spectrum_quantities, only: request_of
+   use rwmf_spectrum_quantities, only: request_of, request_t
    implicit none
    private
 
@@ -31,7 +33,9 @@ contains
       else
          call run_ordinates(queue, threads, control, ordinates)
       end if
-      if (queue%request%has_sensitivity) call verify_ordinates(queue, threads, control, ordinates)
+      if (queue%request%is_verified) call verify_ordinates(queue, threads, control, ordinates)
+      if (queue%request%has_sensitivity) call condition_ordinates(queue, threads, control, &
+         ordinates)
       do i = 1, size(ordinates)
          if (.not. allocated(ordinates(i)%values)) cycle
          ! equal peaks give no estimate
@@ -95,15 +99,13 @@ contains
       ordinates%is_inaccurate = ordinates%estimate > accuracy
    end subroutine run_to_accuracy
 
-   !> Estimate the sensitivity to the motion, and any missing error estimates.
-   !>
-   !> Both follow from runs at a much tighter tolerance.
+   !> Estimate the errors of ordinates without an estimate by runs at a much tighter tolerance.
    subroutine verify_ordinates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
       type(control_t), intent(in) :: control
       type(ordinate_t), intent(inout) :: ordinates(:)
-      type(ordinate_t), allocatable :: tight(:), larger(:)
+      type(ordinate_t), allocatable :: tight(:)
       type(queue_t) :: trial
       type(motion_t), target :: refined
       type(control_t) :: silent
@@ -111,7 +113,7 @@ contains
 
       silent%cancel => control%cancel
       trial = queue
-      trial%request = request_of(queue%rows%case, [character(40) ::])
+      trial%request = request_of(queue%rows%case, [character(key_length) ::])
       trial%verifies = .true.
       trial%parts = refinement
       refined = refined_motion(queue%motion, refinement)
@@ -120,20 +122,79 @@ contains
       where (tight%rtol <= 0) tight%rtol = queue%rows%case%solver%rtol
       tight%rtol = verifying_tolerance(tight%rtol)
       call run_ordinates(trial, threads, silent, tight)
-      larger = tight
-      trial%shaken = 1 + perturb_step
-      refined = scaled_motion(refined, trial%shaken)
-      call run_ordinates(trial, threads, silent, larger)
       do i = 1, size(ordinates)
-         if (ordinates(i)%failure == '') then
-            if (tight(i)%failure /= '') ordinates(i)%failure = tight(i)%failure
-            if (larger(i)%failure /= '') ordinates(i)%failure = larger(i)%failure
-         end if
+         if (ordinates(i)%failure == '') ordinates(i)%failure = tight(i)%failure
          if (ordinates(i)%estimate <= 0) ordinates(i)%estimate = difference(ordinates(i), tight(i))
-         ordinates(i)%sensitivity = difference(larger(i), tight(i))/perturb_step
-         ordinates(i)%rhs_evaluations = larger(i)%rhs_evaluations
+         ordinates(i)%rhs_evaluations = tight(i)%rhs_evaluations
       end do
    end subroutine verify_ordinates
+
+   !> Measure the sensitivities of all ordinates: of their peaks, and of the peak of `verify`.
+   !>
+   !> Each ordinate runs again with a stronger motion. A sensitivity is NaN without a motion, and
+   !> where this run fails.
+   subroutine condition_ordinates(queue, threads, control, ordinates)
+      type(queue_t), intent(in) :: queue
+      integer, intent(in) :: threads
+      type(control_t), intent(in) :: control
+      type(ordinate_t), intent(inout) :: ordinates(:)
+      type(ordinate_t), allocatable :: stronger(:)
+      type(queue_t) :: trial
+      type(motion_t), target :: scaled
+      type(control_t) :: silent
+      real(wp) :: step
+      integer :: i
+
+      silent%cancel => control%cancel
+      step = probe_step(queue%rows%case%solver%rtol)
+      if (allocated(queue%rows%case%solver%accuracy)) step = probe_step( &
+         queue%rows%case%solver%accuracy)
+      trial = queue
+      trial%shaken = 1 + step
+      scaled = scaled_motion(queue%motion, trial%shaken)
+      trial%motion => scaled
+      stronger = ordinates
+      call run_ordinates(trial, threads, silent, stronger)
+      if (.not. has_motion(queue%rows%case) .and. .not. queue%request%is_verified) &
+         stronger%failure = 'no_motion'
+      do i = 1, size(ordinates)
+         if (ordinates(i)%failure /= '') cycle
+         call compare(queue%request, step, stronger(i), ordinates(i))
+         ordinates(i)%rhs_evaluations = stronger(i)%rhs_evaluations
+      end do
+   end subroutine condition_ordinates
+
+   !> Compare the peaks of an ordinate with those of its probe.
+   pure subroutine compare(request, step, stronger, ordinate)
+      type(request_t), intent(in) :: request
+      real(wp), intent(in) :: step
+      !! relative change of the motion [-]
+      type(ordinate_t), intent(in) :: stronger
+      type(ordinate_t), intent(inout) :: ordinate
+      logical :: are_alike
+
+      are_alike = end_alike(ordinate, stronger)
+      ordinate%sensitivity = 1/step
+      if (are_alike) ordinate%sensitivity = sensitivity_of(ordinate%peak, stronger%peak, step, &
+         0.0_wp)
+      if (.not. any(request%is_sensitivity)) return
+      if (stronger%failure /= '') then
+         where (request%is_sensitivity) ordinate%values = ieee_value(1.0_wp, ieee_quiet_nan)
+      else if (are_alike) then
+         where (request%is_sensitivity) ordinate%values = sensitivity_of(ordinate%values, &
+            stronger%values, step, ordinate%round_off)
+      else
+         where (request%is_sensitivity) ordinate%values = 1/step
+      end if
+   end subroutine compare
+
+   !> True if two runs end in the same way.
+   pure logical function end_alike(one, other)
+      type(ordinate_t), intent(in) :: one, other
+
+      end_alike = (one%overturned .eqv. other%overturned) .and. (one%collapsed .eqv. &
+         other%collapsed)
+   end function end_alike
 
    !> Difference of the peaks of two runs over the peak of the second [-].
    !>
@@ -143,9 +204,7 @@ contains
       type(ordinate_t), intent(in) :: other
 
       difference = 1
-      if (one%overturned .neqv. other%overturned) return
-      if (one%collapsed .neqv. other%collapsed) return
-      difference = relative_change(one%peak, other%peak)
+      if (end_alike(one, other)) difference = relative_change(one%peak, other%peak)
    end function difference
 
 end module rwmf_spectrum_estimates

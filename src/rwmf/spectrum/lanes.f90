@@ -16,7 +16,7 @@ module rwmf_spectrum_lanes
    use rwmf_motion_ground_motion, only: is_piecewise_linear, motion_t, refined_motion, &
       scaled_motion
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_error_control, only: perturb
+   use rwmf_simulation_conditioning, only: perturb
    use rwmf_simulation_finite_check, only: is_finite
    use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_overturned
    use rwmf_simulation_lanes_loop, only: join_batch, step_batch
@@ -66,6 +66,8 @@ module rwmf_spectrum_lanes
       !! name of the error; blank: none
       real(wp), allocatable :: values(:)
       !! (quantities) requested values in their units; not allocated for the displacement only
+      real(wp), allocatable :: round_off(:)
+      !! (quantities) changes that round-off can cause; only if sensitivities are requested
    end type ordinate_t
 
    !> Common data of all runs of a queue.
@@ -419,7 +421,7 @@ contains
       allocate (result%warnings(0))
       call fill_result(run%case, run%equation, run%hybrid, run%recorder, result)
       if (.not. allocated(ordinate%values)) allocate (ordinate%values(size(request%place)))
-      call take_values(request, run%case, result, ordinate%values, are_finite)
+      call take_values(request, run%case, result, ordinate%values, are_finite, ordinate%round_off)
       if (.not. are_finite) ordinate%failure = not_finite
       if (request%has_peak) ordinate%peak = peak_of(run%case, result)
    end subroutine report

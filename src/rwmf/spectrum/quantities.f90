@@ -8,11 +8,12 @@ module rwmf_spectrum_quantities
    use rwmf_problem_case, only: case_t, has_numbers, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_rules, only: fail_key
+   use rwmf_simulation_conditioning, only: is_conditioned, round_off_of
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, of_demands, &
-      of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, of_velocity, &
-      of_verification
+   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, is_peak, key_length, &
+      look_up, of_demands, of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, &
+      of_velocity, of_verification, own_key, sensitivity_id
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    use rwmf_simulation_simulate, only: simulate_instant
@@ -21,14 +22,14 @@ module rwmf_spectrum_quantities
 
    public :: request_t, request_of, requested_keys_of, check_request, default_quantity, &
       list_applicable
-   public :: take_values
+   public :: take_values, with_sensitivities
 
    character(*), parameter :: displacement = 'u_s_max_m'
    !! default quantity of a scene with a frame
 
    !> Requested quantities.
    type :: request_t
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
       !! (quantities) keys as in the outputs
       integer, allocatable :: place(:)
       !! (quantities) index in the table
@@ -42,8 +43,12 @@ module rwmf_spectrum_quantities
       !! all of them depend on the largest rotations only
       logical :: is_watched = .false.
       !! some of them have peaks inside steps
+      logical, allocatable :: is_sensitivity(:)
+      !! (quantities) true for the sensitivity of the quantity at that index
+      logical :: is_verified = .false.
+      !! `verify` must make a tighter run for them
       logical :: has_sensitivity = .false.
-      !! `verify` must make more runs for them
+      !! rows must run again for them
       logical :: has_peak = .false.
       !! their error is that of a peak named by the case
    end type request_t
@@ -65,10 +70,10 @@ contains
    !> Keys of the quantities that the `&spectrum` group of a case requests.
    pure function requested_keys_of(case) result(keys)
       type(case_t), intent(in) :: case
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
       !! (quantities)
 
-      keys = [character(40) :: default_quantity(case)]
+      keys = [character(key_length) :: default_quantity(case)]
       if (.not. allocated(case%spectrum)) return
       if (allocated(case%spectrum%quantities)) keys = case%spectrum%quantities
    end function requested_keys_of
@@ -86,8 +91,9 @@ contains
       request%keys = keys
       allocate (request%place(size(request%keys)), request%storey(size(request%keys)))
       do i = 1, size(request%keys)
-         call look_up(trim(request%keys(i)), request%place(i), request%storey(i))
+         call look_up(trim(own_key(request%keys(i))), request%place(i), request%storey(i))
       end do
+      request%is_sensitivity = own_key(request%keys) /= request%keys
       call look_up(trim(case%solver%accuracy_of), place, number)
       request%has_peak = place > 0
       observed = all_quantities([request%place, pack([place], request%has_peak)])%observed
@@ -100,7 +106,9 @@ contains
          'bending')
       request%is_displacement = all(request%keys == displacement) .and. .not. request%has_peak
       request%has_only_peaks = all(observed == of_displacement)
-      request%has_sensitivity = case%solver%verify .and. any(observed == of_verification)
+      request%is_verified = case%solver%verify .and. any(observed == of_verification)
+      request%has_sensitivity = any(request%is_sensitivity) &
+         .or. (request%is_verified .and. any(request%keys == 'sensitivity'))
       if (.not. (output%reactions .or. output%demands .or. output%envelopes &
          .or. output%energy)) return
       if (allocated(case%output)) then
@@ -109,6 +117,26 @@ contains
       end if
       request%output = output
    end function request_of
+
+   !> Quantities with the sensitivities of their peaks, if the case requests them.
+   pure function with_sensitivities(case, keys) result(all_keys)
+      type(case_t), intent(in) :: case
+      character(*), intent(in) :: keys(:)
+      !! (quantities)
+      character(key_length), allocatable :: all_keys(:)
+      character(key_length) :: key
+      integer :: i, place, number
+
+      all_keys = [character(key_length) :: keys]
+      if (.not. is_conditioned(case, .false.)) return
+      do i = 1, size(keys)
+         call look_up(trim(keys(i)), place, number)
+         if (place == 0) cycle
+         key = 'sensitivity_'//keys(i)
+         if (is_peak(all_quantities(place)) .and. .not. any(all_keys == key)) all_keys = &
+            [all_keys, key]
+      end do
+   end function with_sensitivities
 
    !> Check that all requested quantities apply to the scene of a case.
    !>
@@ -119,15 +147,21 @@ contains
       character(*), intent(in) :: requested_keys(:)
       !! (quantities)
       type(error_t), allocatable, intent(out) :: error
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
       character(:), allocatable :: problem
-      integer :: i, j
+      integer :: i, j, place, number
+      logical :: is_known
 
       if (allocated(case%frame) .and. all(requested_keys == displacement)) return
       call list_applicable(case, motion, keys, error)
       if (allocated(error)) return
       do i = 1, size(requested_keys)
-         if (any(keys == requested_keys(i))) cycle
+         is_known = any(keys == own_key(requested_keys(i)))
+         if (is_known .and. own_key(requested_keys(i)) /= requested_keys(i)) then
+            call look_up(trim(own_key(requested_keys(i))), place, number)
+            is_known = is_peak(all_quantities(place))
+         end if
+         if (is_known) cycle
          problem = trim(requested_keys(i))//' does not apply to this scene; allowed:'
          do j = 1, size(keys)
             problem = problem//' '//trim(keys(j))
@@ -162,7 +196,7 @@ contains
    subroutine list_applicable(case, motion, keys, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
-      character(40), allocatable, intent(out) :: keys(:)
+      character(key_length), allocatable, intent(out) :: keys(:)
       !! (keys) with the number of a storey in place of '{i}'
       type(error_t), allocatable, intent(out) :: error
       type(case_t) :: asking, instant
@@ -174,7 +208,7 @@ contains
       ! the method that is cheapest to start
       asking%solver%method = 'dop853'
       asking%output = output_t(energy=.true., reactions=.true., demands=.true., &
-         envelopes=.true.)
+         envelopes=.true., conditioning=.false.)
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) asking%output%friction_limit = &
             case%output%friction_limit
@@ -196,9 +230,10 @@ contains
 
    !> Fill in the values of the requested quantities.
    !>
+   !> A result without sensitivities gives the peaks in their place.
    !> Counts and flags (1 or 0) are stored as reals. A quantity without a value, such as the time of
    !> an event that did not occur, is NaN.
-   pure subroutine take_values(request, case, result, values, are_finite)
+   pure subroutine take_values(request, case, result, values, are_finite, round_off)
       type(request_t), intent(in) :: request
       type(case_t), intent(in) :: case
       type(result_t), intent(in) :: result
@@ -206,18 +241,24 @@ contains
       !! (quantities, then others that stay unchanged) [unit of each]
       logical, intent(out) :: are_finite
       !! no value that is present is infinite or NaN
+      real(wp), allocatable, intent(inout), optional :: round_off(:)
+      !! (quantities) changes that round-off can cause; set if sensitivities are requested
       type(values_t) :: found
       integer, allocatable :: numbers(:)
       !! (quantities) index in the table
 
       call scalars_of(case, result, found)
       numbers = all_quantities(request%place)%id
+      if (allocated(result%sensitivities)) numbers = merge(sensitivity_id(numbers), numbers, &
+         request%is_sensitivity)
       associate (requested_values => values(:size(numbers)))
          requested_values = value_of(found, numbers, request%storey)
          are_finite = all(may_report(numbers, requested_values) .or. .not. is_present(found, &
             numbers, &
             request%storey))
       end associate
+      if (.not. (present(round_off) .and. any(request%is_sensitivity))) return
+      round_off = round_off_of(found, numbers)
    end subroutine take_values
 
 end module rwmf_spectrum_quantities

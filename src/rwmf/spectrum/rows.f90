@@ -154,8 +154,8 @@ contains
          rows%size_columns(i) = findloc(to_lower(columns) == sizes(i), .true., dim=1)
          rows%key_columns = pack(rows%key_columns, rows%key_columns /= rows%size_columns(i))
       end do
-      call find_changes(case, [character(40) :: columns(rows%key_columns), sizes], rows%changes, &
-         error)
+      call find_changes(case, [character(len(columns)) :: columns(rows%key_columns), sizes], &
+         rows%changes, error)
    end subroutine find_sizes
 
    !> Add a column that is an axis.

@@ -9,15 +9,16 @@ module rwmf_spectrum_spectrum
    use rwmf_integrator_factory, only: spectrum_method
    use rwmf_math_ordering, only: rising_order
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_single_run, only: check_tolerance
-   use rwmf_problem_quantity_table, only: canonical_key
+   use rwmf_problem_quantity_table, only: canonical_key, key_length
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: check_peak, simulate_with_motion
    use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_estimates, only: run_with_estimates
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, refused
-   use rwmf_spectrum_quantities, only: request_of, check_request, requested_keys_of, take_values
+   use rwmf_spectrum_quantities, only: request_of, check_request, requested_keys_of, take_values, &
+      with_sensitivities
    use rwmf_spectrum_rows, only: period_of, row_motion, rows_of_grid, &
       rows_of_table, rows_t, spectrum_periods, take_row
    use rwmf_spectrum_threads, only: choose_threads
@@ -40,7 +41,7 @@ module rwmf_spectrum_spectrum
       !! (n_gamma) mass ratios [-]; absent for the bare frame and for a block
       real(wp), allocatable :: b(:)
       !! (n_b) half widths [m]; absent for the bare frame
-      character(40), allocatable :: quantities(:)
+      character(key_length), allocatable :: quantities(:)
       !! (n_quantities) keys of the requested quantities
       real(wp), allocatable :: values(:, :, :, :)
       !! (n_T, n_gamma, n_b, n_quantities) [unit of each]; counts and flags (1 or 0) are stored as
@@ -138,11 +139,13 @@ contains
       type(case_t), intent(in) :: case
       character(*), intent(in), optional :: quantities(:)
       !! (quantities) keys; of size 0 for those of the case
-      character(40), allocatable :: keys(:)
+      character(key_length), allocatable :: keys(:)
 
       keys = requested_keys_of(case)
-      if (.not. present(quantities)) return
-      if (size(quantities) > 0) keys = canonical_key(quantities)
+      if (present(quantities)) then
+         if (size(quantities) > 0) keys = canonical_key(quantities)
+      end if
+      keys = with_sensitivities(case, keys)
    end function wanted_keys
 
    !> Compute all rows.
@@ -358,6 +361,11 @@ contains
       end if
       if (allocated(row%output)) deallocate (row%output)
       if (allocated(queue%request%output)) row%output = queue%request%output
+      if (.not. allocated(row%output)) row%output = output_t(energy=.false.)
+      row%output%conditioning = any(queue%request%is_sensitivity)
+      ! rows with a common motion do not describe it
+      if (.not. allocated(row%motion) .and. allocated(queue%rows%case%motion)) row%motion = &
+         queue%rows%case%motion
       if (queue%rows%has_own_motion) then
          call simulate_with_motion(row, row_motion(queue%rows, row), control, result, error)
       else
@@ -370,6 +378,8 @@ contains
       end if
       ! the run has already been checked for finite numbers
       call take_values(queue%request, row, result, values, are_finite)
+      if (.not. allocated(result%sensitivities)) where (queue%request%is_sensitivity) values = &
+         ieee_value(1.0_wp, ieee_quiet_nan)
       status = ending_name(result)
       if (allocated(row%solver%accuracy) .and. allocated(result%estimated_relative_error)) then
          if (result%estimated_relative_error > row%solver%accuracy) status = 'inaccurate'

@@ -7,7 +7,8 @@ module rwmf_input_groups_analysis
       logical_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_problem_quantity_table, only: all_quantities, is_peak, look_up, canonical_key
+   use rwmf_problem_quantity_table, only: all_quantities, canonical_key, is_peak, key_length, &
+      look_up
    use rwmf_simulation_quantity_words, only: meant_quantity
    implicit none
    private
@@ -57,7 +58,7 @@ contains
             'key of the peak that accuracy and verify are about; absent: u_s_max_m (no frame: ' &
             //'theta_max)'), &
          optional_key('solver', 'verify', 'logical', '', '.false.', '', &
-            'estimate error and sensitivity by further runs'), &
+            'estimate error and sensitivity of a peak by further runs'), &
          optional_key('solver', 'atol', 'real', 'rad', '', positive, &
             'absolute tolerance (bare frame: m); absent: from rtol and the response'), &
          optional_key('solver', 't_end', 'real', 's', '', not_negative, &
@@ -97,7 +98,7 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: problem
-      character(40) :: request, near
+      character(key_length) :: request, near
       integer :: place, number
 
       if (.not. has_key(values, 'solver', 'accuracy_of')) return
@@ -167,7 +168,9 @@ contains
          optional_key('output', 'reactions', 'logical', '', '.false.', '', &
             'reactions of the base, demands and member forces: extrema, with dt rows'), &
          usually('[0.05, 3]', optional_key('output', 'friction_limit', 'real', '-', '', positive, &
-            'coefficient of friction: whether and when the friction demand exceeds it'))]
+            'coefficient of friction: whether and when the friction demand exceeds it')), &
+         optional_key('output', 'conditioning', 'logical', '', '', '', &
+            'sensitivity of each peak to the motion; absent: in runs, not in spectra and sweeps')]
       group%check => check_output
       group%fill => fill_output
    end function output_group
@@ -200,6 +203,8 @@ contains
          envelopes=logical_of(case%values, 'output', 'reactions'))
       call get_real(case%values, 'output', 'friction_limit', case%output%friction_limit)
       call get_real(case%values, 'output', 'dt', case%output%dt)
+      if (has_key(case%values, 'output', 'conditioning')) case%output%conditioning = &
+         logical_of(case%values, 'output', 'conditioning')
    end subroutine fill_output
 
 end module rwmf_input_groups_analysis

@@ -8,7 +8,8 @@ module rwmf_input_groups_spectrum
       has_key, integer_of, real_of, text_of
    use rwmf_problem_key, only: not_negative, optional_key, positive, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, look_up, canonical_key
+   use rwmf_problem_quantity_table, only: all_quantities, canonical_key, is_of_ordinate, is_peak, &
+      key_length, look_up, own_key
    use rwmf_simulation_quantity_words, only: meant_quantity
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -90,16 +91,18 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: request(:)
       character(:), allocatable :: known
-      character(40) :: near
+      character(key_length) :: key, near
       integer :: place, storey
       integer :: i
 
       call get_texts(values, 'spectrum', 'quantities', request)
       if (.not. allocated(request)) return
       do i = 1, size(request)
-         call look_up(trim(canonical_key(request(i))), place, storey)
+         key = canonical_key(request(i))
+         call look_up(trim(own_key(key)), place, storey)
          if (place > 0) then
-            if (.not. is_of_ordinate(all_quantities(place))) place = 0
+            if (.not. is_of_ordinate(all_quantities(place)) .or. (own_key(key) /= key .and. .not. &
+               is_peak(all_quantities(place)))) place = 0
          end if
          if (place == 0) then
             known = ', where they apply:'
@@ -170,7 +173,7 @@ contains
       allocate (case%spectrum)
       call get_texts(case%values, 'spectrum', 'quantities', request)
       if (allocated(request)) then
-         allocate (character(40) :: case%spectrum%quantities(size(request)))
+         allocate (character(key_length) :: case%spectrum%quantities(size(request)))
          case%spectrum%quantities(:) = canonical_key(request)
       end if
       call get_list(case%values, 'spectrum', 'gamma', case%spectrum%gamma)

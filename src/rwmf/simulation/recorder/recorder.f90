@@ -31,7 +31,6 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
    use rwmf_simulation_recorder_force_envelopes, only: create_envelopes, envelope_recorder_t, &
       observe_envelopes, observe_envelopes_at_rest, put_envelopes
-   use rwmf_simulation_recorder_nearby_motion, only: follow_nearby, nearby_t
    use rwmf_simulation_recorder_peak_search, only: search_piece, search_state
    use rwmf_simulation_recorder_reaction_columns, only: put_reactions
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
@@ -110,8 +109,6 @@ module rwmf_simulation_recorder_recorder
       !! first row of the history that is still empty
       type(event_t), allocatable :: events(:)
       integer :: n_events
-      type(nearby_t), allocatable :: nearby
-      !! allocated only if the run estimates its sensitivity
    end type recorder_t
 
 contains
@@ -236,7 +233,7 @@ contains
 
       needs_all = recorder%keeps_history .or. recorder%keeps_events &
          .or. allocated(recorder%drifts) .or. allocated(recorder%top) &
-         .or. allocated(recorder%nearby) .or. allocated(recorder%envelopes)
+         .or. allocated(recorder%envelopes)
    end function needs_all_steps
 
    !> True if the requested outputs depend on the ground motion while the wall rests.
@@ -270,7 +267,6 @@ contains
       is_left = allocated(recorder%forces)
       if (present(has_plain_reactions) .and. allocated(recorder%demands)) is_left = is_left &
          .and. .not. has_plain_reactions
-      if (allocated(recorder%nearby)) call follow_nearby(recorder%nearby, piece)
       call observe_fastest(recorder, piece, error)
       if (allocated(error)) return
       if (is_left) call observe_moving(recorder%forces, piece, error)

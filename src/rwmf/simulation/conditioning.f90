@@ -1,0 +1,287 @@
+!> Sensitivities of the peaks of a run: relative changes per relative change of the motion.
+!>
+!> A second run gives them, the probe: the same case, method and tolerance with a slightly stronger
+!> motion, both amplitudes of a vertical motion together, and the initial state with them. The
+!> difference of the two runs is almost free of their common error.
+module rwmf_simulation_conditioning
+   use rwmf_core_control, only: control_t
+   use rwmf_core_error, only: err_interrupt, error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_history_row, only: numbered
+   use rwmf_motion_ground_motion, only: motion_t, scaled_motion
+   use rwmf_problem_case, only: case_t, structure_t
+   use rwmf_problem_quantity_table, only: all_quantities, is_peak, key_length, key_of
+   use rwmf_simulation_peak, only: ask_for_peak, peak_of
+   use rwmf_simulation_result, only: add_warning, ending_name, result_t, sensitivities_t
+   use rwmf_simulation_run, only: run_once
+   use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
+   use rwmf_text_strings, only: integer_to_text
+   implicit none
+   private
+
+   public :: digits_of, has_motion, is_conditioned, measure_sensitivities, needs_probe, perturb
+   public :: probe_step, round_off_of, sensitivity_of
+
+   real(wp), parameter :: limit = 100
+   !! smallest sensitivity of a peak with a warning: a motion that is 1 % stronger changes such a
+   !! peak by its own size [-]
+
+contains
+
+   !> Return whether a case requests the sensitivities of its peaks.
+   pure logical function is_conditioned(case, is_run)
+      type(case_t), intent(in) :: case
+      logical, intent(in) :: is_run
+      !! true for a single run, the default of which is yes; a spectrum or sweep has the default no
+
+      is_conditioned = is_run
+      if (.not. allocated(case%output)) return
+      if (allocated(case%output%conditioning)) is_conditioned = case%output%conditioning
+   end function is_conditioned
+
+   !> Relative change of the motion in the probe [-].
+   !>
+   !> It exceeds the error of the run by a factor of 100, and stays below 1 %.
+   elemental real(wp) function probe_step(error)
+      real(wp), intent(in) :: error
+      !! relative tolerance or required accuracy of the run [-]
+      real(wp), parameter :: smallest = 1.0e-7_wp
+      !! last digits of a record [-]
+
+      probe_step = min(1.0e-2_wp, 100*max(error, smallest))
+   end function probe_step
+
+   !> Scale the initial state like the motion.
+   pure subroutine perturb(structure, factor)
+      class(structure_t), intent(inout) :: structure
+      real(wp), intent(in) :: factor
+      !! factor of the motion [-]
+
+      if (.not. allocated(structure%initial)) return
+      structure%initial%theta_over_alpha = structure%initial%theta_over_alpha*factor
+      structure%initial%theta_dot = structure%initial%theta_dot*factor
+   end subroutine perturb
+
+   !> Sensitivity of a peak from its values in the run and in the probe [-].
+   !>
+   !> A peak that changes by its own size or more has the value 1/step.
+   elemental real(wp) function sensitivity_of(value, stronger, step, round_off) result(sensitivity)
+      real(wp), intent(in) :: value, stronger
+      !! peaks of the run and of the probe, in the same unit
+      real(wp), intent(in) :: step
+      !! relative change of the motion [-]
+      real(wp), intent(in) :: round_off
+      !! change of the peak that is none, in its unit
+      real(wp) :: change
+
+      sensitivity = 0
+      change = abs(stronger - value)
+      if (change <= round_off .or. (abs(value) > huge(value) .and. abs(stronger) > huge(value))) &
+         return
+      sensitivity = 1/step
+      if (change < abs(value)) sensitivity = change/abs(value)/step
+   end function sensitivity_of
+
+   !> Number of digits of a peak that hold.
+   !>
+   !> The peak is uncertain by its sensitivity, at least 1, times the larger of 10 rtol and a change
+   !> of the motion by 1e-7, the last digits of a record. Where the probes change it by more than
+   !> 1 %, it is uncertain by that change.
+   elemental integer function digits_of(rtol, sensitivity) result(digits)
+      real(wp), intent(in) :: rtol
+      !! relative tolerance of the run [-]
+      real(wp), intent(in) :: sensitivity
+      !! [-]
+      real(wp), parameter :: last_digits = 1.0e-7_wp
+      real(wp) :: error
+
+      error = max(10*rtol, last_digits)*max(1.0_wp, sensitivity)
+      if (sensitivity*probe_step(rtol) > 1.0e-2_wp) error = max(error, &
+         sensitivity*probe_step(rtol))
+      ! round-off of the logarithm must not cost a digit
+      digits = max(1, floor(-log10(error) + 1.0e-6_wp))
+   end function digits_of
+
+   !> Return whether a single run of a case needs a probe.
+   pure logical function needs_probe(case)
+      type(case_t), intent(in) :: case
+
+      needs_probe = case%solver%verify .or. (is_conditioned(case, .true.) .and. has_motion(case))
+   end function needs_probe
+
+   !> Return whether a case has a ground motion.
+   pure logical function has_motion(case)
+      type(case_t), intent(in) :: case
+
+      has_motion = allocated(case%vertical)
+      if (allocated(case%motion)) has_motion = has_motion .or. case%motion%kind /= 'none'
+   end function has_motion
+
+   !> Measure the sensitivities of a finished run: of all its peaks, and of the peak of `verify`.
+   !>
+   !> If the probe fails, the result has a warning in place of the sensitivities.
+   subroutine measure_sensitivities(case, motion, control, result, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      type(control_t), intent(in) :: control
+      type(result_t), intent(inout) :: result
+      type(error_t), allocatable, intent(out) :: error
+      !! interrupted
+      type(result_t) :: stronger
+      real(wp) :: step
+
+      step = probe_step(result%rtol)
+      if (allocated(case%solver%accuracy)) step = probe_step(case%solver%accuracy)
+      call run_probe(case, motion, step, control, result%rtol, stronger, error)
+      if (allocated(error)) then
+         if (error%stat == err_interrupt) return
+         call add_warning(result, 'no sensitivities: a run with a stronger motion fails: ' &
+            //error%message)
+         deallocate (error)
+         return
+      end if
+      if (.not. allocated(result%estimate_seconds)) result%estimate_seconds = 0
+      result%estimate_seconds = result%estimate_seconds + stronger%seconds
+      if (case%solver%verify) then
+         result%sensitivity = 1/step
+         if (ending_name(result) == ending_name(stronger)) result%sensitivity = sensitivity_of( &
+            peak_of(case, result), peak_of(case, stronger), step, 0.0_wp)
+      end if
+      if (.not. (is_conditioned(case, .true.) .and. has_motion(case))) return
+      call compare(case, step, result, stronger)
+      call warn_of_sensitivity(result)
+   end subroutine measure_sensitivities
+
+   !> Run a case with a stronger motion, and without history and energies.
+   subroutine run_probe(case, motion, step, control, rtol, result, error)
+      type(case_t), intent(in) :: case
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: step
+      !! relative change of the motion [-]
+      type(control_t), intent(in) :: control
+      real(wp), intent(in) :: rtol
+      !! relative tolerance of the run [-]
+      type(result_t), intent(out) :: result
+      type(error_t), allocatable, intent(out) :: error
+      type(case_t) :: probe
+      type(motion_t), target :: scaled
+
+      probe%structure_t = case%structure_t
+      probe%solver = case%solver
+      probe%solver%rtol = rtol
+      ! a stronger motion may take more steps than the run
+      probe%solver%max_steps = huge(probe%solver%max_steps)
+      if (allocated(case%output)) then
+         probe%output = case%output
+         if (allocated(probe%output%dt)) deallocate (probe%output%dt)
+         probe%output%energy = .false.
+      end if
+      call perturb(probe, 1 + step)
+      call ask_for_peak(probe)
+      scaled = scaled_motion(motion, 1 + step)
+      call run_once(probe, scaled, control, result, error)
+   end subroutine run_probe
+
+   !> Compare the peaks of a run with those of its probe.
+   subroutine compare(case, step, result, stronger)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: step
+      !! relative change of the motion [-]
+      type(result_t), intent(inout) :: result
+      type(result_t), intent(in) :: stronger
+      type(values_t) :: here, there
+      integer, allocatable :: rows(:), floors(:)
+      real(wp), allocatable :: round_off(:)
+      logical :: are_alike
+      integer :: i
+
+      are_alike = ending_name(result) == ending_name(stronger)
+      call scalars_of(case, result, here)
+      call scalars_of(case, stronger, there)
+      rows = pack([(i, i=1, size(all_quantities))], here%count(all_quantities%id) > 0)
+      rows = pack(rows, is_peak(all_quantities(rows)))
+      round_off = round_off_of(here, all_quantities(rows)%id)
+      allocate (result%sensitivities(size(rows)))
+      do i = 1, size(rows)
+         associate (found => result%sensitivities(i), number => all_quantities(rows(i))%id)
+            floors = floors_of(here, number)
+            found%number = number
+            found%below = here%count(number) - size(floors)
+            allocate (found%values(size(floors)), source=1/step)
+            if (are_alike) where (is_present(there, number, floors)) found%values = &
+               sensitivity_of(value_of(here, number, floors), value_of(there, number, floors), &
+               step, round_off(i))
+         end associate
+      end do
+   end subroutine compare
+
+   !> Changes that round-off can cause in peaks, in their units.
+   !>
+   !> The largest peak of the run whose key has the same ending has this round-off. Equilibrium
+   !> leaves no moment at the top of a wall, for example, but the round-off of the others.
+   pure function round_off_of(values, numbers) result(round_off)
+      type(values_t), intent(in) :: values
+      integer, intent(in) :: numbers(:)
+      !! (peaks) numbers of the table
+      real(wp) :: round_off(size(numbers))
+      !! (peaks)
+      character(key_length) :: endings(size(numbers)), ending
+      real(wp) :: largest
+      integer :: i
+
+      do i = 1, size(numbers)
+         endings(i) = ending_of(key_of(numbers(i)))
+      end do
+      round_off = 0
+      do i = 1, size(all_quantities)
+         associate (row => all_quantities(i))
+            if (values%count(row%id) == 0 .or. .not. is_peak(row)) cycle
+            ending = ending_of(row%key)
+            if (.not. any(endings == ending)) cycle
+            associate (sizes => abs(value_of(values, row%id, floors_of(values, row%id))))
+               largest = maxval(sizes, sizes <= huge(largest))
+            end associate
+            where (endings == ending) round_off = max(round_off, 100*epsilon(largest)*largest)
+         end associate
+      end do
+   end function round_off_of
+
+   !> Ending of a key behind 'max' or 'min'; the whole key without them.
+   pure function ending_of(key) result(ending)
+      character(*), intent(in) :: key
+      character(len(key)) :: ending
+      integer :: place
+
+      place = max(index(key, '_max', back=.true.), index(key, '_min', back=.true.))
+      ending = key(place + 1:)
+   end function ending_of
+
+   !> Warn of peaks that a small change of the motion changes strongly.
+   subroutine warn_of_sensitivity(result)
+      type(result_t), intent(inout) :: result
+      !! result with sensitivities
+      character(:), allocatable :: worst
+      real(wp) :: largest
+      integer :: i, n, place
+
+      largest = 0
+      n = 0
+      do i = 1, size(result%sensitivities)
+         associate (found => result%sensitivities(i))
+            n = n + count(found%values >= limit)
+            if (size(found%values) == 0) cycle
+            if (.not. maxval(found%values) > largest) cycle
+            largest = maxval(found%values)
+            place = findloc(all_quantities%id, found%number, dim=1)
+            worst = trim(numbered(trim(all_quantities(place)%key), found%below &
+               + maxloc(found%values, dim=1)))
+         end associate
+      end do
+      if (n == 0) return
+      call add_warning(result, 'sensitive: a motion that is 1 % stronger or weaker may change ' &
+         //trim(integer_to_text(n))//' peaks by their own size, most of all '//worst &
+         //' (sensitivity '//trim(integer_to_text(nint(largest))) &
+         //'); compare many similar motions')
+   end subroutine warn_of_sensitivity
+
+end module rwmf_simulation_conditioning
