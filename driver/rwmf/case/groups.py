@@ -544,7 +544,7 @@ class Solver(Group):
     accuracy_of : str
         Key of the peak that accuracy and verify are about; absent: u_s_max_m (no frame: theta_max).
     verify : bool
-        Estimate error and sensitivity by further runs.
+        Estimate error and sensitivity of a peak by further runs.
     atol : float
         Absolute tolerance (bare frame: m); absent: from rtol and the response [rad].
     t_end : float
@@ -577,6 +577,8 @@ class Output(Group):
         Reactions of the base, demands and member forces: extrema, with dt rows.
     friction_limit : float
         Coefficient of friction: whether and when the friction demand exceeds it.
+    conditioning : bool
+        Sensitivity of each peak to the motion; absent: in runs, not in spectra and sweeps.
     """
 
     __slots__ = ()
@@ -584,6 +586,7 @@ class Output(Group):
     energy: bool
     reactions: bool
     friction_limit: float
+    conditioning: bool
 
 
 class Spectrum(Group):

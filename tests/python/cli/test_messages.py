@@ -56,6 +56,8 @@ def test_words_of_the_field(word: str, key: str) -> None:
 def test_every_key_misspelled_is_found() -> None:
     """A letter less, by the table of quantities."""
     for key, item in QUANTITIES.items():
+        if key.startswith("sensitivity_"):
+            continue
         if "ordinate" in item.outputs.split() and "{" not in key and len(key) > 6:
             assert _library.meant_quantity(key[:-3] + key[-2:]) != ""
 
