@@ -80,7 +80,7 @@ def _page(peaks: dict[str, Peaks], pool: ProcessPoolExecutor) -> str:
             if "shear" not in variant:
                 columns["rigid"] = start(motion, 0, **options)
             if variant == "bent":
-                columns["OpenSees rigid"] = peaks[f"{motion}_rigid"]
+                columns["rigid FE"] = peaks[f"{motion}_rigid"]
             bending = options | ({"nu": NU} if "shear" in variant else {})
             columns |= {f"{n} modes": start(motion, n, **bending) for n in MODES}
             compared[motion, variant] = columns | {"OpenSees": peaks[f"{motion}_{variant}"]}
@@ -110,7 +110,7 @@ def table(columns: dict[str, Peaks]) -> str:
     """Return rows of demands; differences from the last column where that is OpenSees."""
     names = list(columns)
     compared = [f"{n} modes" for n in (3, MODES[-1])] if names[-1] == "OpenSees" else []
-    heads = ["quantity", "unit", *names, *(f"diff. {name[0]}" for name in compared)]
+    heads = ["peak", "unit", *names, *(f"diff. {name[0]}" for name in compared)]
     lines = [_row(heads), _row(["---"] * len(heads))]
     for key, (label, unit, factor) in ROWS.items():
         cells = [label, unit, *(f"{columns[name][key] * factor:.4g}" for name in names)]
