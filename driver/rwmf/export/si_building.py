@@ -247,7 +247,7 @@ def _refuse(case: Case) -> None:
     if case.initial is not None and case.frame is not None:
         stop("initial", "a rotated start of a wall with a frame in this export")
     for name in sorted(set(case.groups) - _EXPORTED):
-        stop(name, "this group in this export; leave it out")
+        stop(name, "a counterpart in this export; leave the group out")
 
 
 def _frame(case: Case, m_w: float) -> Frame:
