@@ -1,18 +1,18 @@
-"""The page docs/validation/bending.md: OpenSees beside the reference program for bending walls."""
+"""The page docs/validation/bending.md: OpenSees beside rwmf for bending walls."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from concurrent.futures import Future, ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from bending import BentWall
-from bending_demands import Demands
-from bending_parts import Ground, Groups
-from opensees_bent_wall import LINK, MODULUS, MOTIONS, NU, XI, G, building, ground, scene
+import rwmf
+from opensees_bent_wall import LINK, MODULUS, MOTIONS, NU, XI
 
 Peaks = dict[str, float]
+CASE = Path(__file__).resolve().parents[1] / "validation" / "six_storeys_wall.nml"
 # key of the peaks, unit, factor to it
 ROWS = {
     "storey_1_drift": ("drift of storey 1", "%", 100.0),
@@ -32,7 +32,14 @@ ROWS = {
     "link_2_force_N": ("link of floor 2", "MN", 1e-6),
     "link_6_force_N": ("link of the roof", "MN", 1e-6),
 }
-MODES = {"bent": (2, 3, 4, 6), "springs": (2, 3, 6)}
+# largest difference from OpenSees [%], infinite without a target, and the peaks that it is for
+TARGETS = {
+    "drift": (1.5, [f"storey_{i}_drift" for i in range(1, 7)]),
+    "acceleration of the roof": (6.0, ["floor_6_acceleration_g"]),
+    "M at floors 1 to 4": (5.0, [f"wall_moment_{i}_N_m" for i in range(1, 5)]),
+    "M at the base": (math.inf, ["wall_moment_base_N_m"]),
+}
+MODES = (2, 3, 4, 6, 8)
 TITLES = {
     "bent": "Rigid links",
     "springs": "Links of 500 MN/m",
@@ -61,56 +68,85 @@ def page(peaks: dict[str, Peaks]) -> str:
 
 
 def _page(peaks: dict[str, Peaks], pool: ProcessPoolExecutor) -> str:
-    """Write the page; all runs of the reference program are under way from the start."""
+    """Write the page; all runs of rwmf start before the first result is used."""
 
     def start(*words: object, **options: object) -> Future[Peaks]:
         return pool.submit(ours, *words, **options)
 
-    parts, tables = [], []
-    for motion, words in MOTION_NAMES.items():
-        parts.append(f"\n## {words[0].upper()}{words[1:]}\n")
-        rigid = {"rigid": start(motion, 0), "OpenSees rigid": peaks[f"{motion}_rigid"]}
-        for variant, title in TITLES.items():
-            options: dict[str, Any] = {}
-            if "springs" in variant:
-                options["link"] = LINK
-            if "shear" in variant:
-                options["nu"] = NU
-            columns = dict(rigid) if variant == "bent" else {}
-            for modes in MODES.get(variant, (3,)):
-                columns[f"{modes} modes"] = start(motion, modes, **options)
-            columns["OpenSees"] = peaks[f"{motion}_{variant}"]
-            parts.append(f"### {title}\n\n@{len(tables)}@\n")
-            tables.append(columns)
+    compared: dict[tuple[str, str], dict[str, Any]] = {}
+    for motion in MOTION_NAMES:
+        for variant in TITLES:
+            options = {"link": LINK} if "springs" in variant else {}
+            columns: dict[str, Any] = {}
+            if "shear" not in variant:
+                columns["rigid"] = start(motion, 0, **options)
+            if variant == "bent":
+                columns["rigid FE"] = peaks[f"{motion}_rigid"]
+            bending = options | ({"nu": NU} if "shear" in variant else {})
+            columns |= {f"{n} modes": start(motion, n, **bending) for n in MODES}
+            compared[motion, variant] = columns | {"OpenSees": peaks[f"{motion}_{variant}"]}
     changed = {
-        "as above": start("elcentro", 3, link=LINK),
+        "as above": compared["elcentro", "springs"]["3 modes"],
         "links 250 MN/m": start("elcentro", 3, link=LINK / 2),
         "links 1,000 MN/m": start("elcentro", 3, link=2 * LINK),
-        "shear": start("elcentro", 3, link=LINK, nu=NU),
+        "shear": compared["elcentro", "shear_springs"]["3 modes"],
         "damping 'modal'": start("elcentro", 3, link=LINK, damping="modal"),
         "xi 1 %": start("elcentro", 3, link=LINK, xi=0.01),
     }
+    known = {key: _results(columns) for key, columns in compared.items()}
+    parts = []
+    for motion, words in MOTION_NAMES.items():
+        parts.append(f"## {words[0].upper()}{words[1:]}\n")
+        parts += [f"### {title}\n\n{table(known[motion, x])}\n" for x, title in TITLES.items()]
     text = TEXT.read_text(encoding="utf-8")
-    text = text.replace("TABLES", "\n".join(parts)).replace("CHANGED", f"@{len(tables)}@")
-    for i, columns in enumerate([*tables, changed]):
-        known = {k: v.result() if isinstance(v, Future) else v for k, v in columns.items()}
-        text = text.replace(f"@{i}@", table(known))
-    return text
+    text = text.replace("TABLES\n", "\n".join(parts)).replace("TARGETS", targets(known))
+    return text.replace("CHANGED", table(_results(changed)))
+
+
+def _results(columns: dict[str, Any]) -> dict[str, Peaks]:
+    return {k: v.result() if isinstance(v, Future) else v for k, v in columns.items()}
 
 
 def table(columns: dict[str, Peaks]) -> str:
-    """Return rows of demands; the difference of the last two columns where the last is OpenSees."""
+    """Return rows of demands; differences from the last column where that is OpenSees."""
     names = list(columns)
-    compares = names[-1] == "OpenSees"
-    heads = ["quantity", "unit", *names, *(["difference"] if compares else [])]
+    compared = [f"{n} modes" for n in (3, MODES[-1])] if names[-1] == "OpenSees" else []
+    heads = ["peak", "unit", *names, *(f"diff. {name[0]}" for name in compared)]
     lines = [_row(heads), _row(["---"] * len(heads))]
     for key, (label, unit, factor) in ROWS.items():
-        values = [columns[name].get(key, 0.0) * factor for name in names]
-        cells = [label, unit, *(f"{x:.4g}" for x in values)]
-        if compares:
-            cells.append(f"{100 * (values[-2] / values[-1] - 1):+.1f} %")
+        cells = [label, unit, *(f"{columns[name][key] * factor:.4g}" for name in names)]
+        cells += [f"{difference(columns, name, key):+.1f} %" for name in compared]
         lines.append(_row(cells))
     return "\n".join(lines)
+
+
+def targets(known: dict[tuple[str, str], dict[str, Peaks]]) -> str:
+    """Return the largest differences from OpenSees beside their targets."""
+    lines = [_row(["case", "modes", *TARGETS]), _row(["---"] * (2 + len(TARGETS)))]
+    lines.append(
+        _row(
+            [
+                "target",
+                "",
+                *("-" if limit == math.inf else f"{limit:g} %" for limit, _ in TARGETS.values()),
+            ]
+        )
+    )
+    for (motion, variant), columns in known.items():
+        for n in (3, MODES[-1]):
+            cells = []
+            for limit, keys in TARGETS.values():
+                largest = max(abs(difference(columns, f"{n} modes", key)) for key in keys)
+                cells.append(f"{largest:.1f} %" + ("" if largest <= limit else ", missed"))
+            title = TITLES[variant][0].lower() + TITLES[variant][1:]
+            name = {"elcentro": "El Centro", "pulse": "sine"}[motion]
+            lines.append(_row([f"{name}, {title}", str(n), *cells]))
+    return "\n".join(lines)
+
+
+def difference(columns: dict[str, Peaks], name: str, key: str) -> float:
+    """Return the difference of a column from OpenSees [%]."""
+    return 100 * (columns[name][key] / columns["OpenSees"][key] - 1)
 
 
 def _row(cells: Iterable[str]) -> str:
@@ -121,23 +157,27 @@ def ours(
     motion: str, modes: int, *, link: float | None = None, nu: float | None = None,
     xi: float = XI, damping: str = "stiffness",
 ) -> Peaks:  # fmt: skip
-    """Return the peaks of the reference program by the names of the stored ones."""
-    groups: Groups = building(link) | {"solver": {"t_end": MOTIONS[motion]}}
-    m_w = groups["wall"]["m_w"]
+    """Return the peaks of rwmf by the names of the stored ones; no modes: the rigid wall."""
+    changes: dict[str, Any] = {"solver": {"t_end": MOTIONS[motion]}}
     if modes:
-        stiffness = MODULUS * scene(motion)["wall"]["inertia"] / m_w
-        bending = {"EI_over_m_w": stiffness, "modes": modes, "xi": xi, "damping": damping}
-        groups["bending"] = bending if nu is None else bending | {"nu": nu}
-    dt, a = ground(motion)
-    shaking = Ground.pulse({"kind": "one_sine", "a_max_g": 0.6, "T_p": 1.0}, G)
-    if motion == "elcentro":
-        shaking = Ground.lines([i * dt for i in range(a.size)], a.tolist())
-    wall = BentWall(groups, shaking)
-    found = {}
-    for key, value in Demands(wall).largest(wall.follow()).items():
-        name = key.replace("_max", "")
-        for ending, unit in (("_over_m_w_g_m", "_N_m"), ("_over_m_w_g", "_N")):
-            if name.endswith(ending):
-                name, value = name.removesuffix(ending) + unit, value * m_w * G
-        found[name] = value
+        changes["bending"] = {"E": MODULUS, "modes": modes, "xi": xi, "damping": damping}
+        changes["bending"] |= {} if nu is None else {"nu": nu}
+    if link is not None:
+        changes["storeys"] = {"coupling": "springs", "k_link": link}
+    if motion == "pulse":
+        sine = {"kind": "one_sine", "a_max_g": 0.6, "T_p": 1.0}
+        changes["motion"] = dict.fromkeys(("file", "unit", "scale")) | sine
+    run = rwmf.simulate(rwmf.Case.from_namelist(CASE).replace(**changes))
+    found = {
+        "wall_moment_base_N_m": float(run["wall_moment_base_max"]),
+        "wall_shear_base_N": float(run["wall_shear_base_max"]),
+    }
+    for name, key in (
+        ("storey_{}_drift", "storeys_drift_max"),
+        ("floor_{}_acceleration_g", "floors_acceleration_max_g"),
+        ("wall_moment_{}_N_m", "wall_moments_max"),
+        ("wall_shear_{}_N", "wall_shears_max"),
+        ("link_{}_force_N", "links_force_max"),
+    ):
+        found |= {name.format(i): float(x) for i, x in enumerate(run[key].values, start=1)}
     return found

@@ -1,10 +1,10 @@
-"""The building with a wall that bends: OpenSees beside the reference program, and the page of it.
+"""The building with a wall that bends: OpenSees beside rwmf, and the page of it.
 
 ``python bench/opensees_bent_wall.py [NAME ...]`` computes variants of
 ``validation/six_storeys_wall.nml`` in OpenSees, and stores them in ``validation/opensees``:
 ``bent_wall_peaks.csv`` and ``bent_wall_NAME.csv``. It needs RWMF_OPENSEES, a Python that has
-``openseespy``. ``--page`` writes ``docs/validation/bending.md`` from the stored peaks and from
-``tests/support/bending.py``.
+``openseespy``. ``--page`` writes ``docs/validation/bending.md`` from the stored peaks and from runs
+of rwmf.
 """
 
 from __future__ import annotations
@@ -176,7 +176,7 @@ def scene(
 
 
 def building(link: float | None) -> dict[str, dict[str, Any]]:
-    """Return the groups of the building without bending, for the reference program."""
+    """Return the groups of the building without bending, for its matrix of damping."""
     case = rwmf.Case.from_namelist(ROOT / "validation" / "six_storeys_wall.nml")
     storeys = {x: list(case.storeys[x]) for x in ("m_over_m_w", "k_over_m_w", "height")}
     storeys |= {"coupling": "every_floor"}

@@ -298,9 +298,10 @@ class Run:
         above = [share[i] - ends[i][1] for i in range(self.n)]
         below = [0.0] + [-ends[i][1] - share[i + 1] for i in range(self.n)]
         moments = [ends[i][2] for i in range(self.n)] + [-ends[-1][5]]
-        # the inertia of the width is in the base here, and over the height in rwmf
+        # the inertia of the width is in the base here, and over the height in rwmf; moments of
+        # beams are counterclockwise, rotations clockwise
         width = self.wall["m_w"] * self.wall["b"] ** 2 / 3 * self.turn
-        moments = [x + width * (1 - i / self.n) for i, x in enumerate(moments)]
+        moments = [x - width * (1 - i / self.n) for i, x in enumerate(moments)]
         return self._named(above, below, moments)
 
     def _named(

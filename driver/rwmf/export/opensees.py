@@ -85,6 +85,7 @@ class _Script:
         self.materials = self.elements = 0
         self.tendon: tuple[int, str, int] | None = None
         self.floors: list[tuple[int, float, float]] = []
+        self.linked = 0
 
     def text(self) -> str:
         """Return the script."""
@@ -126,6 +127,7 @@ class _Script:
         lines += [
             f"TENDON = {list(self.tendon[:2]) if self.tendon else []!r}",
             f"TENDON_ENTRY = {self.tendon[2] if self.tendon else 0}",
+            f"LINKED = {self.linked}  # node of u_s when the links are springs",
             "# node, displacement over that of the node, height of the storey below",
             f"FLOORS = {[(n, float(s), float(z)) for n, s, z in self.floors]!r}",
             *self._samples("A", given.a, "horizontal"),
@@ -291,10 +293,11 @@ class _Script:
         if any(frame.lean):
             self._note("gravity leans on the frame by springs of negative stiffness, W/h")
         self._dashpots(frame.c)
-        if frame.coupling == "every_floor" and given.m_w:
+        has_mast = frame.coupling in ("every_floor", "springs") and given.m_w
+        if has_mast:
             self._mast(frame, x, z)
         if given.m_w:
-            self._link(frame, 100 + n)
+            self._link(frame, (200 if has_mast else 100) + n)
         nodes = [101] * frame.floors if frame.coupling == "reduced" else range(101, 101 + n)
         self.floors = list(zip(nodes, frame.share, frame.floor_heights, strict=True))
 
@@ -312,11 +315,12 @@ class _Script:
                     self._element("twoNodeLink", *ends, "-mat", dashpot, "-dir", 2)
 
     def _mast(self, frame: Frame, x: float, z: np.ndarray) -> None:
-        """Keep the floors on a straight line by a stiff mast with a hinge."""
-        self._title("mast that keeps the floors on a line, as the wall does")
+        """Link the floors to a stiff mast with a hinge, which is on the line of the wall."""
+        self._title("mast that is on a line, as the wall is, and holds the floors")
         self._note(
-            "a stiff mast with a hinge keeps the floors on a straight line, and its top is linked",
-            "to the wall; forces of single links are not reported",
+            "a stiff mast with a hinge holds the floors on a straight line, or by the springs of",
+            "coupling = 'springs'. Its top is linked to the wall; forces of single links are not",
+            "reported",
         )
         self._do("geomTransf", "Linear", 2)
         self._do("damping", "SecStif", 1, 2 / _MAST_RATE)
@@ -324,7 +328,12 @@ class _Script:
         self._node(200, x, 0.0, 1, 1, 0)
         for i, height in enumerate(z, start=1):
             self._node(200 + i, x, float(height), 0, 1, 0)
-            self._do("equalDOF", 200 + i, 100 + i, 1)
+            if frame.k_link.size:
+                self.linked = 200 + i
+                link = self._material("Elastic", float(frame.k_link[i - 1]))
+                self._element("zeroLength", 200 + i, 100 + i, "-mat", link, "-dir", 1)
+            else:
+                self._do("equalDOF", 200 + i, 100 + i, 1)
             ends = (199 + i, 200 + i)
             shape = (1.0, stiffness, 1.0)
             self._element("elasticBeamColumn", *ends, *shape, 2, "-damp", 1)

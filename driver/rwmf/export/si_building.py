@@ -59,6 +59,8 @@ class Frame:
         Damping between the masses and the ground [N s/m].
     lean : numpy.ndarray, shape (n,)
         Stiffness that gravity takes from each storey [N/m].
+    k_link : numpy.ndarray, shape (n,) or (0,)
+        Stiffness of the links to the wall [N/m]; empty for rigid links.
     floors : int
         Number of floors; of a first mode alone more than the number of masses.
     floor_heights : numpy.ndarray, shape (floors,)
@@ -74,6 +76,7 @@ class Frame:
     c: Array
     lean: Array
     floor_heights: Array
+    k_link: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def floors(self) -> int:
@@ -215,6 +218,10 @@ def read_building(case: Case) -> Building:
 
 
 _LAWS = ("elastic_plastic", "flag", "peak_oriented", "pinched")
+_EXPORTED = {
+    "wall", "frame", "storeys", "yielding", "fuse", "damper", "nl_damper", "cable", "p_delta",
+    "link", "vertical", "initial", "impact", "motion", "model", "solver", "output",
+}  # fmt: skip
 
 
 def _refuse(case: Case) -> None:
@@ -239,8 +246,8 @@ def _refuse(case: Case) -> None:
         stop("model", f"formulation = '{case.model.formulation}'; use 'exact'")
     if case.initial is not None and case.frame is not None:
         stop("initial", "a rotated start of a wall with a frame in this export")
-    if case.storeys is not None and case.storeys.coupling == "springs":
-        stop("storeys", "coupling = 'springs' in this export")
+    for name in sorted(set(case.groups) - _EXPORTED):
+        stop(name, "a counterpart in this export; leave the group out")
 
 
 def _frame(case: Case, m_w: float) -> Frame:
@@ -304,8 +311,11 @@ def _storeys(case: Case, unit: float, weight: float) -> Frame:
         line = np.cumsum(heights) / heights.sum()
         c = 2 * xi / math.sqrt(line @ stiff @ line / (m @ line**2)) * stiff
     u_y = None if case.yielding is None else np.broadcast_to(case.yielding["storey_u_y"], n)
+    k_link = np.zeros(0)
+    if storeys.coupling == "springs" and case.wall is not None:
+        k_link = np.broadcast_to(storeys.k_link_over_m_w, n) * unit
     return Frame(
-        coupling="every_floor" if storeys.coupling == "every_floor" else "full",
+        coupling=storeys.coupling,
         m=m,
         height=heights,
         share=np.ones(n),
@@ -314,6 +324,7 @@ def _storeys(case: Case, unit: float, weight: float) -> Frame:
         c=c,
         lean=lean,
         floor_heights=heights,
+        k_link=k_link,
     )
 
 

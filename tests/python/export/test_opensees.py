@@ -30,6 +30,12 @@ PINCHED = (
 )
 
 
+SPRINGS = (
+    "&frame xi_s = 0.03 / &storeys n = 4, m = 25e3, k = 25e6, height = 2.5, coupling = 'springs', "
+    "k_link = 3e7, 2e7, 2e7, 1e7 /"
+)
+
+
 def storeys(n: int, coupling: str) -> str:
     return (
         f"&frame xi_s = 0.03 / &storeys n = {n}, m = 25e3, k = 25e6, height = {10.0 / n}, "
@@ -55,6 +61,7 @@ CASES = {
     "first mode": WALL + storeys(3, "reduced") + CABLE + "&p_delta m_g = 90e3 /",
     "roof": WALL + storeys(4, "full") + CABLE + PINCHED,
     "every floor": WALL + storeys(9, "every_floor") + CABLE,
+    "springs": WALL + SPRINGS + CABLE,
     "hinge": "&wall h = 5.0, b = 1.2, m_w = 40e3, base = 'pinned' /" + FRAME,
 }
 
@@ -97,6 +104,7 @@ def test_script_has_the_masses_and_the_motion(name: str) -> None:
         ("yielding", "&frame T_s = 1.0, xi_s = 0.05 / &yielding u_y = 0.03, law = 'bouc_wen' /"),
         ("fuse", WALL + FRAME + "&fuse F_y = 4e4, k = 2e7, law = 'friction' /"),
         ("impact", "&wall h = 5.0, b = 1.2 / &impact e = 0.9 /"),
+        ("bending", WALL + FRAME + "&bending EI_over_m_w = 1e5 /"),
         ("initial", WALL + FRAME + "&initial theta_over_alpha = 0.2 /"),
     ],
 )
