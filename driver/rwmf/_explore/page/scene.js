@@ -273,6 +273,10 @@ export class Scene {
   put(name) {
     if (this.has(name)) return;
     const group = this.group(name);
+    const { either, implied } = this.description;
+    for (const pair of either.filter((names) => names.includes(name))) {
+      for (const other of pair) this.take(other);
+    }
     for (const need of group.needs) this.put(need);
     this.groups[name] = {};
     for (const key of group.keys) if (key.default === "required") this.start(`${name}.${key.key}`);
@@ -282,6 +286,13 @@ export class Scene {
     for (const key of this.description.instead_of[name] ?? []) this.drop(key);
     if (name === "storeys" && this.has("wall")) this.stretchStoreys(this.groups.wall.h);
     if (name === "p_delta" && !this.has("wall") && !this.has("storeys")) this.start("p_delta.h_f");
+    for (const [key, value] of Object.entries(implied[name] ?? {})) {
+      if (value === null) this.leave(key);
+      else {
+        this.put(key.split(".")[0]);
+        this.say(key, value);
+      }
+    }
     this.neighbours();
     this.unpublish(name);
   }
