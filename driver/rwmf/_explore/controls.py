@@ -23,8 +23,8 @@ _RANGES: dict[str, tuple[float, float, bool]] = {
     "frame.gamma": (0.1, 2000.0, True),
     "frame.xi_s": (0.0, 0.2, False),
     "link.L": (1.0, 100.0, True),
-    "bending.EI_over_m_w": (1e3, 1e6, True),
-    "bending.EI": (1e7, 1e11, True),
+    "bending.EI_over_m_w": (1e3, 1e7, True),
+    "bending.EI": (1e7, 1e12, True),
     "bending.E": (1e9, 1e11, True),
     "bending.cracking": (0.1, 1.0, False),
     # each mode takes its own steps; the field accepts all that the kernel does

@@ -46,7 +46,7 @@ _MOST_STEPS = 500_000
 _KEPT = 32
 _KEPT_RECORDS = 3
 # history columns drawn by the page
-_SHOWN = re.compile(r"time$|theta$|u_s$|u_g_ddot$|energy_|floor_\d+$|storey_\d+_drift$|q_\d+$")
+_SHOWN = re.compile(r"time$|theta$|u_s$|u_g_ddot$|energy_|storey_\d+_drift$|q_\d+$")
 # heights over that of the wall at which its deflected shape is drawn
 _SHARE = np.linspace(0.0, 1.0, 25)
 # groups that a frame without a wall cannot have

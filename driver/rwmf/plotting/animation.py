@@ -271,9 +271,7 @@ def _drawn_sway(case: Case, dataset: xr.Dataset, building: Building, scale: Scal
         return sway
     heights = building.levels[building.linked]
     bent = _deflections(case, dataset, heights / (2 * case.wall.h))
-    added = [
-        np.interp(building.levels, [0.0, *heights], [0.0, *column]) for column in bent.T
-    ]
+    added = [np.interp(building.levels, [0.0, *heights], [0.0, *column]) for column in bent.T]
     shifted: Array = sway + (scale.deflection - scale.rotation) * np.array(added).T
     return shifted
 

@@ -82,7 +82,7 @@ def test_the_drawn_wall_bends(coupling: str) -> None:
     tip = run["qs"].values.sum(axis=1)
     height = 2 * case.wall.h
     assert scale.deflection >= scale.rotation
-    assert 0.048 < scale.deflection * np.abs(tip).max() / height
+    assert scale.deflection * np.abs(tip).max() / height > 0.048
     i = int(np.argmax(np.abs(tip)))
     with new_figure(6.0) as figure:
         draw = _stage(figure, case, run, building, scale)

@@ -164,9 +164,10 @@ export class Scene {
 
   // May a key be set beside the others?
   possible(name) {
-    const { belonging, only_beside: beside, only_with: groups } = this.description;
+    const { belonging, implied, only_beside: beside, only_with: groups } = this.description;
     const [group, key] = name.split(".");
     if (this.replaced(name)) return false;
+    for (const other in implied) if (this.has(other) && implied[other][name] === null) return false;
     if (beside[name] && !beside[name].some((condition) => this.holds(condition))) return false;
     if (groups[name] && !groups[name][0].every((other) => this.has(other))) return false;
     for (const [choice, table] of Object.entries(belonging)) {
