@@ -91,11 +91,11 @@ def test_the_drawn_wall_bends(coupling: str) -> None:
         left, links = [], []
         for sample in (0, i):
             draw(sample)
-            outline = ax.patches[0].get_xy()[:-1]
+            outline = np.asarray(ax.patches[0].get_path().vertices)[:-1]
             n = len(outline) // 2
             left.append(outline[n:][::-1])
             assert len(outline) == 82
-            links.append(ax.lines[4].get_xydata() if building else np.empty((0, 2)))
+            links.append(np.asarray(ax.lines[4].get_xydata()) if building else np.empty((0, 2)))
         assert in_words(case, scale) in ax.texts[0].get_text()
     face, angle = left[1], scale.rotation * float(run["theta"][i])
     along = face - face[0]
