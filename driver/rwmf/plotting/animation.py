@@ -17,7 +17,6 @@ from rwmf.case import Case
 from rwmf.errors import InputError, OutputError
 from rwmf.plotting.building import Building, BuildingLines, find_building
 from rwmf.plotting.mode_shapes import mode_shapes
-from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, GREY, INK, PALE, new_figure
 
 if TYPE_CHECKING:
@@ -256,7 +255,8 @@ def _deflections(case: Case, dataset: xr.Dataset, share: Array) -> Array:
     """Return w at heights over that of the wall, shape (n, times) [m]; 0 without ``&bending``."""
     if case.bending is None:
         return np.zeros((share.size, dataset.sizes["time"]))
-    modes = np.array([dataset[name].values for name in members(dataset, "q_{i}")])
+    numbers = range(1, case.bending.modes + 1)
+    modes = np.array([dataset[f"q_{i}"].values for i in numbers])
     found: Array = mode_shapes(case, share) @ modes
     return found
 
