@@ -23,6 +23,13 @@ _RANGES: dict[str, tuple[float, float, bool]] = {
     "frame.gamma": (0.1, 2000.0, True),
     "frame.xi_s": (0.0, 0.2, False),
     "link.L": (1.0, 100.0, True),
+    "bending.EI_over_m_w": (1e3, 1e7, True),
+    "bending.EI": (1e7, 1e12, True),
+    "bending.E": (1e9, 1e11, True),
+    "bending.cracking": (0.1, 1.0, False),
+    # each mode takes its own steps; the field accepts all that the kernel does
+    "bending.modes": (1, 4, False),
+    "bending.xi": (0.0, 0.1, False),
     "damper.c_over_m_w": (0.0, 20.0, False),
     "inerter.inertance_over_m_w": (0.0, 5.0, False),
     "fuse.eta_y": (0.05, 3.0, False),
@@ -89,6 +96,12 @@ _STARTS: dict[str, float | str | list[float] | list[str]] = {
     "storeys.n": 3,
     "storeys.T_1": 1.0,
     "storeys.distribution": "linear",
+    "bending.EI_over_m_w": 1e5,
+    "bending.EI": 2e9,
+    "bending.E": 3e10,
+    "bending.cracking": 0.5,
+    "bending.modes": 2,
+    "bending.nu": 0.2,
     "link.L": 8.0,
     "damper.c_over_m_w": 2.0,
     "damper.c": 40000.0,
@@ -167,6 +180,7 @@ _ALTERNATIVES = (
     ("storeys.k_over_m_w", "storeys.k"),
     ("storeys.k_over_m_w", "storeys.m"),
     ("storeys.k_link_over_m_w", "storeys.k_link"),
+    ("bending.EI_over_m_w", "bending.EI", "bending.E"),
     ("damper.c_over_m_w", "damper.c"),
     ("inerter.inertance_over_m_w", "inerter.inertance"),
     ("fuse.eta_y", "fuse.F_y"),
@@ -198,6 +212,9 @@ _BRINGS: dict[str, tuple[str, ...]] = {
     "storeys.k": ("storeys.m", _MASS),
     "storeys.k_link": (_MASS,),
     "storeys.distribution": ("storeys.n",),
+    "bending.EI": (_MASS,),
+    "bending.E": ("wall.thickness", _MASS),
+    "bending.cracking": ("bending.E",),
     "damper.c": (_MASS,),
     "inerter.inertance": (_MASS,),
     "fuse.F_y": (_MASS,),
@@ -236,7 +253,7 @@ _ONLY_BESIDE: dict[str, tuple[str, ...]] = {
     "vertical.scale": ("!vertical.ratio",),
 }
 # effects absent from Eq. (15) as printed, which imply the exact formulation
-_NOT_PUBLISHED = ("link", "cable.eta_y", "cable.yield_stress", "cable.rupture_strain",
+_NOT_PUBLISHED = ("bending", "link", "cable.eta_y", "cable.yield_stress", "cable.rupture_strain",
                   "cable.law=truss")  # fmt: skip
 _PULSE = {"a_max_g|v_p": True, "T_p|omega_p": True, "t_0": False}
 _LOSING = {"cap": True, "post_cap": True, "residual": False, "lambda": False,
@@ -286,6 +303,7 @@ _NEEDED_TOO = {
     "frame": ("T_s",),
     "storeys": ("k_over_m_w",),
     "yielding": ("u_y", "storey_u_y"),
+    "bending": ("modes",),
     "vertical": ("ratio",),
     "motion": ("a_max_g", "T_p"),
     "solver": ("t_end",),
@@ -298,6 +316,12 @@ _ONLY_WITH = {
     "spectrum.gamma": (("wall", "frame"), False),
     "spectrum.b": (("wall",), False),
 }
+# keys and values required by a group; None removes the key
+_IMPLIED: dict[str, dict[str, str | None]] = {
+    "bending": {"impact.rule": "coupled", "wall.base": None},
+}
+# groups that exclude each other
+_EITHER = (("bending", "link"),)
 # keys removed by a group that describes the same property
 _INSTEAD_OF = {
     "storeys": ("frame.T_s", "frame.gamma", "frame.m_s", "frame.k_s", "p_delta.h_f"),
@@ -376,6 +400,8 @@ def describe() -> dict[str, Any]:
         "not_published": _NOT_PUBLISHED,
         "only_with": _ONLY_WITH,
         "instead_of": _INSTEAD_OF,
+        "implied": _IMPLIED,
+        "either": _EITHER,
     }
 
 

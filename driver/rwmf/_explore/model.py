@@ -27,6 +27,7 @@ from rwmf._explore.questions import BadQuestionError, Question, case_of, given
 from rwmf.case import Case
 from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.plotting.animation import ground_displacement
+from rwmf.plotting.mode_shapes import mode_shapes
 from rwmf.quantities import find
 
 __all__ = ["Model", "as_files", "encode", "start"]
@@ -45,7 +46,9 @@ _MOST_STEPS = 500_000
 _KEPT = 32
 _KEPT_RECORDS = 3
 # history columns drawn by the page
-_SHOWN = re.compile(r"time$|theta$|u_s$|u_g_ddot$|energy_|floor_\d+$|storey_\d+_drift$")
+_SHOWN = re.compile(r"time$|theta$|u_s$|u_g_ddot$|energy_|storey_\d+_drift$|q_\d+$")
+# heights over that of the wall at which its deflected shape is drawn
+_SHARE = np.linspace(0.0, 1.0, 25)
 # groups that a frame without a wall cannot have
 _NOT_BARE = ("output", "spectrum", "cable", "impact", "initial")
 # counters that depend on the requested outputs or on the machine
@@ -479,6 +482,7 @@ def _scene_of(case: Case) -> dict[str, Any]:
     if case.wall is not None:
         h, b = float(case.wall.h), float(case.wall.b)
         found |= {"h": h, "b": b, "pinned": case.wall.base == "pinned"}
+        found["shapes"] = mode_shapes(case, _SHARE).T.tolist()
     if case.storeys is not None:
         found["heights"] = list(case.storeys.height)
         found["coupling"] = case.storeys.coupling

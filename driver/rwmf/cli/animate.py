@@ -50,6 +50,6 @@ def run(options: argparse.Namespace) -> int:
     frames = response.sizes["time"]
     print(f"{path}: {frames} frames to draw", flush=True)
     with progress("frame") as report:
-        factor = animate(case, response, path, options.fps, report)
-    print(f"written: {path}, {response.sizes['time']} frames, {in_words(case, factor)}")
+        scale = animate(case, response, path, options.fps, report)
+    print(f"written: {path}, {response.sizes['time']} frames, {in_words(case, scale)}")
     return 0

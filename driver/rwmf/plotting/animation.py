@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from subprocess import PIPE, Popen
@@ -15,6 +16,7 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError
 from rwmf.plotting.building import Building, BuildingLines, find_building
+from rwmf.plotting.mode_shapes import mode_shapes
 from rwmf.plotting.style import COLOURS, GREY, INK, PALE, new_figure
 
 if TYPE_CHECKING:
@@ -23,7 +25,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from PIL.Image import Image
 
-__all__ = ["FORMATS", "animate", "corners", "ground_displacement", "in_words", "magnification"]
+__all__ = [
+    "FORMATS",
+    "Scale",
+    "animate",
+    "corners",
+    "ground_displacement",
+    "in_words",
+    "magnification",
+    "scale_of",
+]
 
 Array = npt.NDArray[np.float64]
 
@@ -33,13 +44,31 @@ _DOTS_PER_INCH = 100
 _COLOURS = 128
 # arguments of the writers of Pillow: WebP by its fastest method
 _OPTIONS: dict[str, dict[str, Any]] = {"gif": {}, "webp": {"quality": 80, "method": 0}}
-# smallest visible rotation [rad]
+# smallest visible rotation [rad], or deflection of a wall over its height [-]
 _VISIBLE = 0.12
+# points of a face of a wall that bends, at equal distances
+_FACE = np.linspace(0.0, 1.0, 41)
 # duration of the mark of an impact [s]
 _FLASH = 0.12
 # events that end the motion, and the duration of the last picture [s]
 _FALLEN = ("overturned", "collapsed")
 _LAST = 1.0
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Magnifications of a film.
+
+    Attributes
+    ----------
+    rotation : float
+        Of rotations and drifts [-].
+    deflection : float
+        Of the deflection of a wall that bends [-]; otherwise that of rotations.
+    """
+
+    rotation: float
+    deflection: float
 
 
 def animate(
@@ -48,7 +77,7 @@ def animate(
     path: Path,
     frames_per_second: int,
     progress: Callable[[int, int], None] | None = None,
-) -> float:
+) -> Scale:
     """Draw a film of a response.
 
     Parameters
@@ -66,8 +95,8 @@ def animate(
 
     Returns
     -------
-    float
-        Magnification of the drawn rotations and drifts [-].
+    Scale
+        Magnifications of rotations and drifts, and of the deflection of a wall that bends.
 
     Raises
     ------
@@ -80,16 +109,14 @@ def animate(
 
     kind = _kind_of(path)
     building = find_building(case, dataset)
-    angles = [] if building is None else [building.angles.ravel()]
-    angles += [dataset["theta"].values] if "theta" in dataset else []
-    factor = magnification(np.concatenate(angles))
+    scale = scale_of(case, dataset, building)
     last = round(_LAST * frames_per_second) if _end_of(dataset) else 1
     samples = dataset.sizes["time"]
     with files.replacing(path, path.suffix) as stream, new_figure(6.0) as figure:
         # a new layout for every picture would make the film tremble
         figure.set_layout_engine("none")
         figure.set_dpi(_DOTS_PER_INCH)
-        take = _camera(figure, _stage(figure, case, dataset, building, factor))
+        take = _camera(figure, _stage(figure, case, dataset, building, scale))
 
         def pictures() -> Iterator[Image]:
             for i in range(samples):
@@ -111,7 +138,7 @@ def animate(
                 stream.name, format=kind, save_all=True, append_images=found,
                 duration=int(1000 / frames_per_second), loop=0, **_OPTIONS[kind],
             )  # fmt: skip
-    return factor
+    return scale
 
 
 def _camera(figure: Figure, draw: Callable[[int], None]) -> Callable[[int], Image]:
@@ -198,13 +225,64 @@ def _encode_mp4(pictures: Iterator[Image], path: Path, name: str, frames_per_sec
         raise OutputError(f"{path}: cannot be written: {text}")
 
 
+def scale_of(case: Case, dataset: xr.Dataset, building: Building | None) -> Scale:
+    """Choose the magnifications of a film.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    dataset : xarray.Dataset
+        Its response.
+    building : Building or None
+        Its floors.
+
+    Returns
+    -------
+    Scale
+        A deflection is drawn at least as large as a rotation.
+    """
+    angles = [] if building is None else [building.angles.ravel()]
+    angles += [dataset["theta"].values] if "theta" in dataset else []
+    rotation = magnification(np.concatenate(angles))
+    if case.bending is None:
+        return Scale(rotation, rotation)
+    share = _deflections(case, dataset, np.ones(1)) / (2 * case.wall.h)
+    return Scale(rotation, max(rotation, magnification(share.ravel())))
+
+
+def _deflections(case: Case, dataset: xr.Dataset, share: Array) -> Array:
+    """Return w at heights over that of the wall, shape (n, times) [m]; 0 without ``&bending``."""
+    if case.bending is None:
+        return np.zeros((share.size, dataset.sizes["time"]))
+    numbers = range(1, case.bending.modes + 1)
+    modes = np.array([dataset[f"q_{i}"].values for i in numbers])
+    found: Array = mode_shapes(case, share) @ modes
+    return found
+
+
+def _drawn_sway(case: Case, dataset: xr.Dataset, building: Building, scale: Scale) -> Array:
+    """Return the displacements of floors as drawn [m]: linked ones keep their distance to the wall.
+
+    Floors between them follow a straight line.
+    """
+    sway = scale.rotation * building.sway
+    if scale.deflection == scale.rotation:
+        return sway
+    heights = building.levels[building.linked]
+    bent = _deflections(case, dataset, heights / (2 * case.wall.h))
+    added = [np.interp(building.levels, [0.0, *heights], [0.0, *column]) for column in bent.T]
+    shifted: Array = sway + (scale.deflection - scale.rotation) * np.array(added).T
+    return shifted
+
+
 def magnification(theta: Array) -> float:
     """Return the magnification that makes rotations visible, 1 for large ones.
 
     Parameters
     ----------
     theta : numpy.ndarray, shape (n,)
-        Rotations [rad].
+        Rotations [rad], or deflections over a height [-].
 
     Returns
     -------
@@ -219,15 +297,15 @@ def magnification(theta: Array) -> float:
     return float(max(step for step in (1.0, 2.0, 5.0, 10.0) if step * decade <= wanted) * decade)
 
 
-def in_words(case: Case, factor: float) -> str:
-    """Describe the magnification of rotations and drifts.
+def in_words(case: Case, scale: Scale) -> str:
+    """Describe the magnifications.
 
     Parameters
     ----------
     case : Case
         The case.
-    factor : float
-        Magnification [-].
+    scale : Scale
+        Its magnifications.
 
     Returns
     -------
@@ -237,7 +315,14 @@ def in_words(case: Case, factor: float) -> str:
     drawn = "rotations" if case.frame is None else "rotations and drifts"
     if case.wall is None:
         drawn = "drifts"
-    return f"{drawn} drawn {f'{factor:g} times' if factor > 1 else 'to scale'}"
+    text = f"{drawn} drawn {_times(scale.rotation)}"
+    if case.bending is not None:
+        text += f", deflection of the wall {_times(scale.deflection)}"
+    return text
+
+
+def _times(factor: float) -> str:
+    return f"{factor:g} times" if factor > 1 else "to scale"
 
 
 def corners(h: float, b: float, theta: float, is_pinned: bool = False) -> Array:
@@ -301,7 +386,7 @@ def _end_of(dataset: xr.Dataset) -> str:
 
 
 def _stage(
-    figure: Figure, case: Case, dataset: xr.Dataset, building: Building | None, factor: float
+    figure: Figure, case: Case, dataset: xr.Dataset, building: Building | None, scale: Scale
 ) -> Callable[[int], None]:
     """Draw the scene and return the function that moves it to a sample."""
     t = dataset["time"].values
@@ -312,9 +397,10 @@ def _stage(
     lower = figure.add_axes((0.12, 0.1, 0.84, 0.2))
     lines = None
     if building is not None:
-        lines = BuildingLines(upper, building, _feet(case, building), factor)
+        sway = _drawn_sway(case, dataset, building, scale)
+        lines = BuildingLines(upper, building, _feet(case, building), sway)
     _frame_scene(upper, case, building, float(np.abs(ground).max(initial=0.0)))
-    move_wall = _wall(upper, case, dataset, factor, ground)
+    move_wall = _wall(upper, case, dataset, scale, ground)
     (soil,) = upper.plot([], [], color=GREY, linewidth=3, zorder=1)
     soil_ends = np.array(upper.get_xlim()) * 0.92
     label = upper.text(0.01, 1.0, "", transform=upper.transAxes, va="top")
@@ -326,7 +412,7 @@ def _stage(
     lower.set_ylabel(f"{roof}$u_s$ (m)" if "u_s" in dataset else r"$\theta$ (rad)")
     lower.margins(x=0)
     end = _end_of(dataset)
-    drawn = in_words(case, factor)
+    drawn = in_words(case, scale)
     if building is not None and building.has_yielded.any():
         drawn += "\norange: storeys that have yielded"
 
@@ -367,34 +453,44 @@ def _frame_scene(ax: Axes, case: Case, building: Building | None, ground: float)
 
 
 def _wall(
-    ax: Axes, case: Case, dataset: xr.Dataset, factor: float, ground: Array
+    ax: Axes, case: Case, dataset: xr.Dataset, scale: Scale, ground: Array
 ) -> Callable[[int], tuple[str, Array | None]]:
     """Draw wall, cable and impacts; return the function that moves them."""
     if case.wall is None:
         return lambda _: ("", None)
     h, b, is_pinned = case.wall.h, case.wall.b, case.wall.base == "pinned"
+    share = _FACE if case.bending is not None else _FACE[[0, -1]]
+    bent = scale.deflection * _deflections(case, dataset, share)
     (wall,) = ax.fill([0], [0], facecolor=PALE, edgecolor=INK, zorder=3)
     (cable,) = ax.plot([], [], color=COLOURS[2], linewidth=1.2, zorder=4)
     (hinge,) = ax.plot([], [], "o", color=INK, markersize=6, zorder=5)
     (flash,) = ax.plot([], [], "*", color=COLOURS[1], markersize=16, zorder=5)
     theta, t = dataset["theta"].values, dataset["time"].values
     impacts = dataset["event_time"].values[dataset["event"].values == "impact"]
+    still = "at rest" if case.bending is None else "both corners down"
 
     def move(i: int) -> tuple[str, Array | None]:
-        box = corners(h, b, factor * theta[i], is_pinned) + np.array([ground[i], 0.0])
-        wall.set_xy(box)
+        angle = scale.rotation * theta[i]
+        box = corners(h, b, angle, is_pinned) + np.array([ground[i], 0.0])
+        across = np.outer(bent[:, i], [np.cos(angle), -np.sin(angle)])
+
+        def bend(foot: Array, top: Array) -> Array:
+            line: Array = foot + np.outer(share, top - foot) + across
+            return line
+
+        left, right = bend(box[0], box[3]), bend(box[1], box[2])
+        wall.set_xy(np.concatenate((right, left[::-1])))
         if case.cable is not None:
-            top = 0.5 * (box[2] + box[3])
-            cable.set_data([ground[i], top[0]], [0.0, top[1]])
+            cable.set_data(*bend(np.array([ground[i], 0.0]), 0.5 * (box[2] + box[3])).T)
         if is_pinned:
             hinge.set_data([ground[i]], [0.0])
-            return "", box[[0, 3]]
+            return "", left
         past = t[i] - impacts
         hit = np.any((past >= 0) & (past < _FLASH))
         # rotation about the corner that has come down
         down = box[1] if theta[i] > 0 else box[0]
         flash.set_data([down[0]], [0.0]) if hit else flash.set_data([], [])
-        state = "at rest" if theta[i] == 0.0 else ("impact" if hit else "rocking")
-        return state, box[[0, 3]]
+        state = still if theta[i] == 0.0 else ("impact" if hit else "rocking")
+        return state, left
 
     return move

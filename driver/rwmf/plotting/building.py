@@ -109,12 +109,12 @@ class BuildingLines:
         The frame.
     feet : numpy.ndarray, shape (2,)
         Positions of both columns at rest [m].
-    factor : float
-        Magnification of the displacements [-].
+    sway : numpy.ndarray, shape (n, times)
+        Displacements of the floors as they are drawn [m].
     """
 
-    def __init__(self, ax: Axes, building: Building, feet: Array, factor: float) -> None:
-        self._building, self._feet, self._factor = building, feet, factor
+    def __init__(self, ax: Axes, building: Building, feet: Array, sway: Array) -> None:
+        self._building, self._feet, self._sway = building, feet, sway
         (self._columns,) = ax.plot([], [], color=COLOURS[0], linewidth=2.0)
         (self._yielded,) = ax.plot([], [], color=COLOURS[1], linewidth=2.0)
         (self._floors,) = ax.plot([], [], color=COLOURS[0], linewidth=3.0, solid_capstyle="round")
@@ -130,21 +130,21 @@ class BuildingLines:
             The sample.
         ground : float
             Displacement of the ground [m].
-        face : numpy.ndarray, shape (2, 2), optional
-            Foot and top of the wall face that the links are attached to [m].
+        face : numpy.ndarray, shape (n, 2), optional
+            Points of the wall face that the links are attached to, evenly from foot to top [m].
         """
         building = self._building
-        x = ground + np.concatenate(([0.0], self._factor * building.sway[:, i]))
+        x = ground + np.concatenate(([0.0], self._sway[:, i]))
         z = np.concatenate(([0.0], building.levels))
         left, right = self._feet
         columns: tuple[list[Array], list[Array]] = ([], [])
         hinges: list[Array] = []
         for k, yields in enumerate(building.has_yielded[:, i]):
-            along = np.stack(
+            column_axis = np.stack(
                 (x[k] + (x[k + 1] - x[k]) * _BENT, z[k] + (z[k + 1] - z[k]) * _COLUMN), axis=1
             )
             for foot in (left, right):
-                column = along + np.array([foot, 0.0])
+                column = column_axis + np.array([foot, 0.0])
                 columns[int(yields)].extend((column, _GAP))
                 hinges.extend([column[[1, -2]]] if yields else [])
         for line, parts in ((self._columns, columns[0]), (self._yielded, columns[1])):
@@ -155,13 +155,19 @@ class BuildingLines:
         ]
         self._floors.set_data(*_joined([part for end in ends for part in (end, _GAP)]))
         if face is not None:
+            along = np.linspace(0.0, z[-1], len(face))
             links = [
                 part
                 for end, is_linked in zip(ends, building.linked, strict=True)
                 if is_linked
-                for part in (end[1:], face[:1] + end[1, 1] / z[-1] * (face[1:] - face[:1]), _GAP)
+                for part in (end[1:], _at_height(face, along, end[1, 1]), _GAP)
             ]
             self._links.set_data(*_joined(links))
+
+
+def _at_height(face: Array, along: Array, height: float) -> Array:
+    """Return the point of a face at a height along the wall [m], shape (1, 2)."""
+    return np.array([[np.interp(height, along, values) for values in face.T]])
 
 
 def _joined(parts: list[Array]) -> Array:

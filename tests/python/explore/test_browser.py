@@ -278,6 +278,9 @@ def test_every_effect_can_be_added_and_taken_out(show: Open) -> None:
         [["add", name] for name in ("damper", "inerter", "fuse", "vertical", "spectrum",
                                     "yielding", "p_delta", "output", "initial")],
         [["begin", "cable.strands"], ["begin", "wall.thickness"], ["begin", "frame.k_s"]],
+        [["add", "bending"], ["begin", "bending.E"], ["set", "solver.t_end", 0.1]],
+        [["add", "storeys"], ["set", "storeys.coupling", "springs"], ["add", "bending"],
+         ["set", "solver.t_end", 0.1]],
         [["add", "storeys"], ["begin", "storeys.k"], ["begin", "storeys.distribution"]],
         [["add", "yielding"], ["begin", "yielding.F_y"], ["remove", "wall"]],
         [["add", "yielding"], ["set", "yielding.law", "pinched"], ["set", "impact.rule", "table"]],
@@ -295,6 +298,45 @@ def test_every_key_that_is_offered_is_taken(show: Open, prepare: list[list[str]]
         ]
     assert len(found) > 20
     assert refused == [], "\n".join(map(str, refused))
+
+
+def test_the_picture_bends(show: Open) -> None:
+    """The wall bends by the modes, its factor is stated; &link gives way to &bending and back."""
+    opened = show()
+    opened.field("model.formulation").select_option("exact")
+    for name in ("link", "bending"):
+        opened.page.locator(f"#add-{name}").click()
+        opened.settle()
+        assert opened.problem == ""
+    assert opened.page.locator("#group-link").count() == 0
+    assert opened.field("impact.rule").input_value() == "coupled"
+    bends = """() => {
+      const { stage } = explorer;
+      const q = stage.modes.map((column) => Math.max(...column.map(Math.abs)));
+      return [stage.factor, stage.bend, stage.deflections(stage.t), q];
+    }"""
+    factor, bend, w, peaks = opened.page.evaluate(bends)
+    case = Case.from_text(opened.page.locator("#namelist").text_content())
+    assert case.bending.modes == 2
+    run = rwmf.simulate(case.replace(output={"dt": float(case.solver.t_end) / 1500}))
+    assert peaks == pytest.approx(np.abs(run["qs"].values).max(axis=0), rel=1e-5)
+    assert len(w) == 25
+    assert abs(w[0]) < 1e-15
+    assert abs(w[12]) > 1e-6
+    largest = float(np.abs(run["qs"].values.sum(axis=1)).max())
+    assert bend >= factor
+    assert bend * largest / 4.0 > 0.04
+    caption = str(opened.page.locator("#factor").text_content())
+    assert caption.endswith(f"deflection of the wall {bend:g} times")
+    before = w[-1]
+    opened.slider("bending.EI_over_m_w").focus()
+    opened.page.keyboard.press("Home")
+    opened.settle()
+    assert opened.page.evaluate(bends)[2][-1] != before
+    opened.page.evaluate("explorer.scene.add('link')")
+    opened.settle()
+    assert opened.problem == ""
+    assert opened.page.evaluate(bends)[2] == [0, 0]
 
 
 def test_cases_as_they_are_need_nothing(show: Open, record_folder: Path) -> None:

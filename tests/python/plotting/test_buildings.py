@@ -249,7 +249,7 @@ def test_floors_of_a_film(coupling: str, has_wall: bool) -> None:
     i = int(np.argmax(np.abs(run["u_s"].values)))
     with new_figure(3.0) as figure:
         ax = figure.subplots()
-        lines = BuildingLines(ax, building, np.array([-10.0, -6.0]), 1.0)
+        lines = BuildingLines(ax, building, np.array([-10.0, -6.0]), building.sway)
         face = corners(8.0, 2.0, float(run["theta"][i]))[[0, 3]] if has_wall else None
         lines.move(i, 0.3, face)
         columns, yielded, floors, hinges, links = (line.get_xydata() for line in ax.lines)
@@ -277,7 +277,7 @@ def test_storeys_that_have_yielded_are_marked() -> None:
     assert not building.has_yielded[1:].any()
     with new_figure(3.0) as figure:
         ax = figure.subplots()
-        lines = BuildingLines(ax, building, np.array([-10.0, -6.0]), 1.0)
+        lines = BuildingLines(ax, building, np.array([-10.0, -6.0]), building.sway)
         for i, is_marked in ((first - 1, False), (first, True), (drift.size - 1, True)):
             lines.move(i, 0.0, None)
             _, yielded, _, hinges, _ = ax.lines

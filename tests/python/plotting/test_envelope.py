@@ -25,17 +25,22 @@ def _closed_figures() -> Iterator[None]:
     plt.close("all")
 
 
-def _case(coupling: str, *, has_mass: bool) -> rwmf.Case:
+def _case(coupling: str, *, has_mass: bool, bends: bool = False) -> rwmf.Case:
     case = rwmf.Case.from_namelist(ROOT / "inputs" / f"storeys_{coupling}.nml").without("spectrum")
     wall = {"m_w": 1e5} if has_mass else {}
-    return case.replace(wall=wall, solver={"t_end": 1.5}, output=REACTIONS)
+    case = case.replace(wall=wall, solver={"t_end": 1.5}, output=REACTIONS)
+    if not bends:
+        return case
+    exact = {"model": {"formulation": "exact"}, "impact": {"rule": "coupled", "e": None}}
+    return case.replace(bending={"EI_over_m_w": 2e5, "modes": 1}, **exact)
 
 
-@pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor"])
+@pytest.mark.parametrize("coupling", ["full", "reduced", "every_floor", "springs"])
 @pytest.mark.parametrize("has_mass", [True, False], ids=["in kN", "over the weight"])
-def test_one_run(coupling: str, has_mass: bool) -> None:
+@pytest.mark.parametrize("bends", [False, True], ids=["rigid", "bends"])
+def test_one_run(coupling: str, has_mass: bool, bends: bool) -> None:
     """Points have the numbers of the run in the right place; labels have words and units."""
-    case = _case(coupling, has_mass=has_mass)
+    case = _case(coupling, has_mass=has_mass, bends=bends)
     run = rwmf.simulate(case)
     panels = rwmf.plot.envelope(run, case)
     unit, factor = ("", 1e-3) if has_mass else ("_over_m_w_g", 1.0)
@@ -58,7 +63,7 @@ def test_one_run(coupling: str, has_mass: bool) -> None:
         assert star[1][0] == float(run[f"wall_{what}_max_height"])
         assert ax.get_xlim()[1] >= max(x)
     links, z = panels[2].lines[0].get_data()
-    first = 1 if coupling == "every_floor" else len(heights)
+    first = 1 if coupling in ("every_floor", "springs") else len(heights)
     assert list(z) == pytest.approx(list(heights[first - 1 :]))
     numbers = range(first, len(heights) + 1)
     assert list(links) == [factor * float(run[f"link_{i}_force_max{unit}"]) for i in numbers]
@@ -75,9 +80,10 @@ def test_one_run(coupling: str, has_mass: bool) -> None:
     assert panels[0].get_ylabel() == "height above the base (m)"
 
 
-def test_suite() -> None:
+@pytest.mark.parametrize(("coupling", "bends"), [("every_floor", False), ("springs", True)])
+def test_suite(coupling: str, bends: bool) -> None:
     """The line is the median, the band reaches from 16 to 84 %."""
-    case = _case("every_floor", has_mass=True)
+    case = _case(coupling, has_mass=True, bends=bends)
     names = rwmf.plot.envelope_quantities(case)
     runs = rwmf.sweep(case, {"motion.a_max_g": [0.3, 0.4, 0.5, 0.6, 0.7]}, quantities=names)
     assert set(names) == set(runs.data_vars) - {"status"}

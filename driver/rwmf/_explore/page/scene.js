@@ -164,9 +164,10 @@ export class Scene {
 
   // May a key be set beside the others?
   possible(name) {
-    const { belonging, only_beside: beside, only_with: groups } = this.description;
+    const { belonging, implied, only_beside: beside, only_with: groups } = this.description;
     const [group, key] = name.split(".");
     if (this.replaced(name)) return false;
+    for (const other in implied) if (this.has(other) && implied[other][name] === null) return false;
     if (beside[name] && !beside[name].some((condition) => this.holds(condition))) return false;
     if (groups[name] && !groups[name][0].every((other) => this.has(other))) return false;
     for (const [choice, table] of Object.entries(belonging)) {
@@ -273,6 +274,10 @@ export class Scene {
   put(name) {
     if (this.has(name)) return;
     const group = this.group(name);
+    const { either, implied } = this.description;
+    for (const pair of either.filter((names) => names.includes(name))) {
+      for (const other of pair) this.take(other);
+    }
     for (const need of group.needs) this.put(need);
     this.groups[name] = {};
     for (const key of group.keys) if (key.default === "required") this.start(`${name}.${key.key}`);
@@ -282,6 +287,13 @@ export class Scene {
     for (const key of this.description.instead_of[name] ?? []) this.drop(key);
     if (name === "storeys" && this.has("wall")) this.stretchStoreys(this.groups.wall.h);
     if (name === "p_delta" && !this.has("wall") && !this.has("storeys")) this.start("p_delta.h_f");
+    for (const [key, value] of Object.entries(implied[name] ?? {})) {
+      if (value === null) this.leave(key);
+      else {
+        this.put(key.split(".")[0]);
+        this.say(key, value);
+      }
+    }
     this.neighbours();
     this.unpublish(name);
   }
