@@ -26,7 +26,7 @@ import xarray as xr
 from rwmf import _library
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "support"))
-from bending_scenes import bending_scene  # noqa: E402
+from bending_scenes import bending_scene
 
 CHANGES = (1e-9, 1e-8, 1e-7)
 TIGHTER = (0.1, 0.01)
@@ -87,9 +87,11 @@ def main() -> None:
                     outside += 1
                     print(f"scene {number} {label} {name}: changes by {change:.2g}, sensitivity "
                           f"{sensitivity:.3g}, {digits} digits")  # fmt: skip
-    print(f"{options.scenes} scenes: {checked - outside} of {checked} peaks within their digits "
-          f"({100 * (1 - outside / checked):.3f} %)\n{warned} scenes with a warning, {due} in which "
-          f"it is due: {missed} without it, {needless} with a needless one")  # fmt: skip
+    share = 100 * (1 - outside / checked)
+    print(f"{options.scenes} scenes: {checked - outside} of {checked} peaks hold ({share:.3f} %)")
+    print(
+        f"warnings: {warned} scenes; due in {due}, of which {missed} without; {needless} needless"
+    )
 
 
 def _print_costs() -> None:

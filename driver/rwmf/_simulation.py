@@ -130,7 +130,7 @@ def to_dataset(run: _library.Run, case: Case) -> Response:
     of_run = _by_quantity(summary.items())
     sizes = _sizes((*over_time.values(), *of_run.values()))
     if "floor_{i}_m" in over_time:
-        # the roof is a floor as well; on link springs it has a displacement of its own
+        # the roof is a floor as well; on link springs it moves separately
         over_time["floor_{i}_m"][1].setdefault(sizes["floor"], over_time["u_s_m"][1][0])
     variables: dict[str, Labelled] = {}
     _label(variables, over_time, "history", sizes)

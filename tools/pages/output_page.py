@@ -51,13 +51,14 @@ relative change of the motion, at least 1. Each peak of a run has a real number
 `conditioning = .true.`, or by name. The tables below do not repeat them.
 
 * A second run with a slightly stronger motion gives S. The change of the motion is 1e-5, or 100
-  `rtol` or 100 `accuracy` if that is larger, at most 1 %. S is at most its inverse, also if one of
-  the two runs overturns or collapses and the other does not.
+  times `rtol` or `accuracy` if that is larger, at most 1 %.
+* S is at most the inverse of this change, also if only one of the two runs overturns or collapses.
 * From S = 100 a run has a warning that begins with `sensitive`: a motion that is 1 % stronger may
   change a peak by its own size. The status does not change.
-* `rwmf run` prints the digits of a peak that hold against an error of 10 `rtol` S and a change of
-  the motion by 1e-7, and of times and final values those of the worst peak. Where the second run
-  changes a peak by more than 1 %, one digit or two remain. JSON and CSV have all digits.
+* `rwmf run` prints the digits of a peak that hold: against an error of 10 `rtol` S, and against a
+  change of the motion by 1e-7. Times and final values have the digits of the worst peak.
+* Where the second run changes a peak by more than 1 %, one digit or two remain. JSON and CSV have
+  all digits.
 
 Largest errors:
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 
@@ -142,7 +143,8 @@ def read_by_kernel(lines: list[str], case: Case, name: str) -> list[Channel]:
     else:
         table = _columns(lines)
         values, times = table[-1], table[0] if len(table) == 2 else None
-        motion = Motion(values, dt=dt, times=times, unit=unit, name=name)
+        interval = cast("float | None", dt)
+        motion = Motion(values, dt=interval, times=times, unit=unit, name=name)
         dialect = "one column" if times is None else "two columns"
     factor = {"g": float(case.model.g), "m/s2": 1.0, "cm/s2": 0.01}[unit]
     largest = float(np.abs(values).max()) * factor

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 from pathlib import Path
 from typing import Any
 
@@ -117,7 +118,7 @@ def _tolerance_of(case: Case, summary: dict[str, Any]) -> float:
         return rtol
     size = float(summary.get("u_s_max_m", 0.0))
     if case.wall is not None:
-        size = float(summary["theta_max_over_alpha"]) * case.wall.alpha
+        size = float(summary["theta_max_over_alpha"]) * math.atan2(case.wall.b, case.wall.h)
     return max(rtol, float(case.solver.atol) / size) if size > 0 else rtol
 
 

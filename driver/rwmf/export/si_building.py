@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -185,7 +185,7 @@ def read_building(case: Case) -> Building:
     """
     _refuse(case)
     wall, g = case.wall, case.model.g
-    m_w = 0.0 if wall is None else wall.get("m_w") or 1.0
+    m_w = 0.0 if wall is None else _number(wall.get("m_w")) or 1.0
     h, b = (0.0, 0.0) if wall is None else (wall.h, wall.b)
     weight = m_w * g
     damper = (case.damper.c_over_m_w * m_w, 1.0) if case.damper is not None else (0.0, 1.0)
@@ -255,9 +255,9 @@ def _frame(case: Case, m_w: float) -> Frame:
     frame, storeys, p_delta = case.frame, case.storeys, case.p_delta
     weight = 0.0 if p_delta is None else p_delta.m_g_over_m_s * case.model.g
     if storeys is None:
-        mass = frame.gamma * m_w if m_w else frame.get("m_s") or 1.0
+        mass = frame.gamma * m_w if m_w else _number(frame.get("m_s")) or 1.0
         omega = 2 * math.pi / frame.T_s
-        height = (p_delta.get("h_f") if p_delta is not None else None) or 2 * (
+        height = (_number(p_delta.get("h_f")) if p_delta is not None else 0.0) or 2 * (
             case.wall.h if case.wall is not None else 0.5
         )
         return Frame(
@@ -266,14 +266,15 @@ def _frame(case: Case, m_w: float) -> Frame:
             height=np.array([height]),
             share=np.ones(1),
             push=np.array([mass]),
-            laws=[_law(case, mass * omega**2, case.yielding and case.yielding.get("u_y"))],
+            laws=[_law(case, mass * omega**2, _yield_of(case))],
             c=np.array([[2 * frame.xi_s * omega * mass]]),
             lean=np.array([mass * weight / height]),
             floor_heights=np.array([height]),
         )
     unit = m_w or 1.0
     if not m_w and "m_over_m_w" in storeys.in_si:
-        unit = storeys.in_si["m_over_m_w"][0][0] / storeys.m_over_m_w[0]
+        masses = cast("tuple[float, ...]", storeys.in_si["m_over_m_w"][0])
+        unit = masses[0] / storeys.m_over_m_w[0]
     return _storeys(case, unit, weight)
 
 
@@ -295,7 +296,7 @@ def _storeys(case: Case, unit: float, weight: float) -> Frame:
         share /= share[-1]
         mass = float(m @ share**2)
         leaning = float(share @ drift.T @ np.diag(lean) @ drift @ share)
-        u_y = case.yielding and case.yielding.get("u_y")
+        u_y = _yield_of(case)
         return Frame(
             coupling="reduced",
             m=np.array([mass]),
@@ -310,7 +311,7 @@ def _storeys(case: Case, unit: float, weight: float) -> Frame:
     if storeys.coupling == "every_floor" and case.wall is not None:
         line = np.cumsum(heights) / heights.sum()
         c = 2 * xi / math.sqrt(line @ stiff @ line / (m @ line**2)) * stiff
-    u_y = None if case.yielding is None else np.broadcast_to(case.yielding["storey_u_y"], n)
+    yields = None if case.yielding is None else np.broadcast_to(case.yielding.storey_u_y, n)
     k_link = np.zeros(0)
     if storeys.coupling == "springs" and case.wall is not None:
         k_link = np.broadcast_to(storeys.k_link_over_m_w, n) * unit
@@ -320,12 +321,24 @@ def _storeys(case: Case, unit: float, weight: float) -> Frame:
         height=heights,
         share=np.ones(n),
         push=m,
-        laws=[_law(case, float(k[i]), None if u_y is None else float(u_y[i])) for i in range(n)],
+        laws=[
+            _law(case, float(k[i]), None if yields is None else float(yields[i])) for i in range(n)
+        ],
         c=c,
         lean=lean,
         floor_heights=heights,
         k_link=k_link,
     )
+
+
+def _number(value: object) -> float:
+    """Return a number of the case; 0 for a key that it does not give."""
+    return 0.0 if value is None else float(cast("float", value))
+
+
+def _yield_of(case: Case) -> float | None:
+    """Return the yield displacement of the frame [m]; None for an elastic one."""
+    return _number(case.yielding.get("u_y")) or None if case.yielding is not None else None
 
 
 def _law(case: Case, k: float, u_y: float | None) -> Law:
@@ -345,11 +358,11 @@ def _tendon(case: Case, weight: float) -> Tendon:
         rise = 2 * h * math.cos(alpha) + b * math.sin(alpha)
         aside = b * (1 - math.cos(alpha)) + 2 * h * math.sin(alpha)
         end = math.hypot(aside, rise) - 2 * h
-    last = cable.get("eta_alpha", cable.eta_0)
+    last = _number(cable.get("eta_alpha", cable.eta_0))
     k = (last - cable.eta_0) * weight / end
     rupture = math.inf
     if cable.get("rupture_strain") is not None:
-        length = cable.get("length") or 2 * h
+        length = _number(cable.get("length")) or 2 * h
         rupture = cable.rupture_strain * length - (first / k if k > 0 else 0.0)
     return Tendon(
         is_straight=is_straight,
@@ -364,7 +377,7 @@ def _tendon(case: Case, weight: float) -> Tendon:
 def _motions(case: Case) -> tuple[float, Array, Array, float]:
     """Return interval [s], both ground accelerations [m/s2] and the end [s]."""
     motion, vertical = case.motion, case.vertical
-    t_end = case.solver.get("t_end") or case.kernel.end_of_motion()
+    t_end = _number(case.solver.get("t_end")) or case.kernel.end_of_motion()
     if motion.kind == "none":
         return t_end, np.zeros(2), np.zeros(0), t_end
     step = _STEP if motion.kind == "record" else _STEP / 4
@@ -373,7 +386,7 @@ def _motions(case: Case) -> tuple[float, Array, Array, float]:
     if vertical is not None and vertical.get("ratio") is not None:
         a_v = vertical.ratio * a
     elif vertical is not None:
-        given = dict(vertical.as_given()) | {"kind": "record"}
+        given: dict[str, Any] = dict(vertical.as_given()) | {"kind": "record"}
         if "vertical" in case.motions:
             given["file"] = case.motions["vertical"]
         a_v = _sampled(case, given, step, t_end)

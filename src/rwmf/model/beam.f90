@@ -51,7 +51,7 @@ module rwmf_model_beam
       real(wp), allocatable :: linked_mass(:, :)
       !! (modes, modes) mass matrix of frame or floors at theta = 0 [-]
       real(wp), allocatable :: link_phi(:, :)
-      !! (floors, modes) deflections at link springs; allocated only with them
+      !! (floors, modes) deflections at link springs [-]; allocated only with them
       type(linked_floors_t), allocatable :: floors
       !! allocated only if every floor is linked
    end type beam_t

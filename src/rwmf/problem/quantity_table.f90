@@ -786,6 +786,7 @@ contains
    !> Key of the peak of a sensitivity; any other key is unchanged.
    elemental function own_key(key) result(own)
       character(*), intent(in) :: key
+      !! key of a quantity
       character(len(key)) :: own
 
       own = key

@@ -140,9 +140,9 @@ contains
          deallocate (error)
          return
       end if
-      if (.not. allocated(result%estimate_seconds)) result%estimate_seconds = 0
-      result%estimate_seconds = result%estimate_seconds + stronger%seconds
       if (case%solver%verify) then
+         if (.not. allocated(result%estimate_seconds)) result%estimate_seconds = 0
+         result%estimate_seconds = result%estimate_seconds + stronger%seconds
          result%sensitivity = 1/step
          if (ending_name(result) == ending_name(stronger)) result%sensitivity = sensitivity_of( &
             peak_of(case, result), peak_of(case, stronger), step, 0.0_wp)

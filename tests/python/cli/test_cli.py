@@ -34,7 +34,6 @@ RUN_KEYS = [
     "seconds",
     "method",
     "rtol",
-    "estimate_seconds",
     "effects",
     "warnings",
 ]

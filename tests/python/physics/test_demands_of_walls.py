@@ -134,7 +134,7 @@ def test_motion_that_begins_with_a_jump(method: str) -> None:
         )
         for t_0 in (0.0, 1 / 3)
     ]
-    for name in runs[0]:
+    for name in (x for x in runs[0] if not str(x).startswith("sensitivity_")):
         if str(name).endswith("_max") and not str(name).startswith("t_"):
             assert runs[1][name].values == pytest.approx(runs[0][name].values, rel=1e-8), name
 

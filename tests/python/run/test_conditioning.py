@@ -101,7 +101,6 @@ def test_reported_unless_switched_off_or_without_motion() -> None:
     assert _sensitivities(on)
     assert not _sensitivities(off)
     assert not _sensitivities(free)
-    assert "estimate_seconds" not in off.attrs
     for name, value in off.flat().items():
         if name != "seconds":
             assert on.flat()[name] == value, name
@@ -177,12 +176,12 @@ def test_peaks_that_are_round_off_have_none() -> None:
     }  # fmt: skip
     case = rwmf.Case(**WALL).replace(frame={"T_s": None, "gamma": None}, storeys=storeys)
     case = case.replace(motion=RECORD, output={"reactions": True})
-    key = "wall_moment_3_max_over_m_w_g_m"
+    key = "wall_moment_3_above_max_over_m_w_g_m"
     run = rwmf.simulate(case)
     assert abs(run.flat()[key]) < 1e-10
     assert run.flat()[f"sensitivity_{key}"] == 0
     both = rwmf.sweep(case, {"xi_s": [0.03, 0.05]}, quantities=(key, f"sensitivity_{key}"))
-    assert (both[f"sensitivity_{key}"].values == 0).all()
+    assert (both[f"sensitivity_{key.removesuffix('_m')}"].values == 0).all()
 
 
 @pytest.mark.parametrize("word", ["sensitivity_impacts", "sensitivity_t_u_s_max", "sensitivity_x"])
