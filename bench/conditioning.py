@@ -89,9 +89,7 @@ def main() -> None:
                           f"{sensitivity:.3g}, {digits} digits")  # fmt: skip
     share = 100 * (1 - outside / checked)
     print(f"{options.scenes} scenes: {checked - outside} of {checked} peaks hold ({share:.3f} %)")
-    print(
-        f"warnings: {warned} scenes; due in {due}, of which {missed} without; {needless} needless"
-    )
+    print(f"warnings: {warned} scenes; due in {due}, {missed} missed; {needless} needless")
 
 
 def _print_costs() -> None:

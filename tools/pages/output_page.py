@@ -50,8 +50,8 @@ relative change of the motion, at least 1. Each peak of a run has a real number
 `&output conditioning = .false.` omits these numbers; spectra and sweeps have them with
 `conditioning = .true.`, or by name. The tables below do not repeat them.
 
-* A second run with a slightly stronger motion gives S. The change of the motion is 1e-5, or 100
-  times `rtol` or `accuracy` if that is larger, at most 1 %.
+* A second run with a stronger motion gives S.
+* The motion changes by 1e-5, or by 100 times `rtol` or `accuracy` if that is larger, at most 1 %.
 * S is at most the inverse of this change, also if only one of the two runs overturns or collapses.
 * From S = 100 a run has a warning that begins with `sensitive`: a motion that is 1 % stronger may
   change a peak by its own size. The status does not change.

@@ -76,8 +76,8 @@ contains
 
       sensitivity = 0
       change = abs(stronger - value)
-      if (change <= round_off .or. (abs(value) > huge(value) .and. abs(stronger) > huge(value))) &
-         return
+      if (change <= round_off) return
+      if (abs(value) > huge(value) .and. abs(stronger) > huge(value)) return
       sensitivity = 1/step
       if (change < abs(value)) sensitivity = change/abs(value)/step
    end function sensitivity_of

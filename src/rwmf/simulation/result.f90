@@ -175,7 +175,7 @@ module rwmf_simulation_result
       integer :: below = 0
       !! number of the lowest storeys or floors without a value
       real(wp), allocatable :: values(:)
-      !! (storeys or floors, or 1) relative changes of the peak per relative change of the motion [-]
+      !! (levels, or 1) relative change of the peak per relative change of the motion [-]
    end type sensitivities_t
 
    !> Result of one simulation. Components that do not apply to the scene are not allocated.

@@ -155,8 +155,9 @@ contains
       trial%motion => scaled
       stronger = ordinates
       call run_ordinates(trial, threads, silent, stronger)
-      if (.not. has_motion(queue%rows%case) .and. .not. queue%request%is_verified) &
+      if (.not. has_motion(queue%rows%case) .and. .not. queue%request%is_verified) then
          stronger%failure = 'no_motion'
+      end if
       do i = 1, size(ordinates)
          if (ordinates(i)%failure /= '') cycle
          call compare(queue%request, step, stronger(i), ordinates(i))

@@ -67,7 +67,7 @@ module rwmf_spectrum_lanes
       real(wp), allocatable :: values(:)
       !! (quantities) requested values in their units; not allocated for the displacement only
       real(wp), allocatable :: round_off(:)
-      !! (quantities) changes that round-off can cause [unit of each]; only if sensitivities are requested
+      !! (quantities) changes that round-off can cause [unit of each]; only with sensitivities
    end type ordinate_t
 
    !> Common data of all runs of a queue.

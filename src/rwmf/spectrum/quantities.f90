@@ -242,7 +242,7 @@ contains
       logical, intent(out) :: are_finite
       !! no value that is present is infinite or NaN
       real(wp), allocatable, intent(inout), optional :: round_off(:)
-      !! (quantities) changes that round-off can cause [unit of each]; set if sensitivities are requested
+      !! (quantities) changes that round-off can cause [unit of each]; only with sensitivities
       type(values_t) :: found
       integer, allocatable :: numbers(:)
       !! (quantities) index in the table

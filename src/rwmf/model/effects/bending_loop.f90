@@ -97,12 +97,12 @@ contains
       !! its law is the number of modes n, its n the number of floors that are linked one by one
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
       !! columns as above; after those of the modes, the linked mass matrix at phi = 0 by rows [-]
-      real(wp), intent(in) :: y(lane_count, *)
+      real(wp), intent(in) :: y(lane_count, last_state(term))
       !! states
       real(wp), intent(in) :: inertia(lane_count)
       !! inertia of the rigid wall over m_w R**2 [-]
       type(lane_motion_t), intent(inout) :: motion
-      real(wp), intent(inout) :: y_dot(lane_count, *)
+      real(wp), intent(inout) :: y_dot(lane_count, last_state(term))
       !! rates of the states, for the modes accelerations per phi'' [m] and for phi'' = 0 [m/s2]
       real(wp) :: mass(lane_count, most_modes, most_modes), own(lane_count, most_modes, 2)
       real(wp), dimension(lane_count) :: sine, cosine, force, linked, drag, push
@@ -246,13 +246,13 @@ contains
    pure subroutine add_bent_springs(term, coef, y, sine, cosine, motion, own, y_dot)
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      real(wp), intent(in) :: y(lane_count, *)
+      real(wp), intent(in) :: y(lane_count, last_state(term))
       !! states
       real(wp), intent(in) :: sine(lane_count), cosine(lane_count)
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: own(lane_count, most_modes, 2)
       !! coupling and force of each mode [m], [m/s2]
-      real(wp), intent(inout) :: y_dot(lane_count, *)
+      real(wp), intent(inout) :: y_dot(lane_count, last_state(term))
       !! rates of the states; the springs add to those of the floors' velocities [m/s2]
       real(wp), dimension(lane_count) :: tip, tip_rate, w, w_rate, pull
       integer :: j, floor, first
@@ -275,6 +275,13 @@ contains
          end do
       end associate
    end subroutine add_bent_springs
+
+   !> Index of the last state of the modes.
+   pure integer function last_state(term)
+      type(term_t), intent(in) :: term
+
+      last_state = term%state + 2*term%law - 1
+   end function last_state
 
    !> Number of coefficients before those of a floor.
    pure integer function first_of_floor(n, floor) result(first)
