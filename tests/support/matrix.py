@@ -240,7 +240,9 @@ def run_check(scene: Scene, folder: Path) -> None:
     lines = _command("check", scene.write(folder)).splitlines()
     shown = dict(line.split(": ", 1) for line in lines[:7])
     assert shown["effects"].split(", ") == scene.plain["effects"]
-    assert set(scene.plain) <= set(shown["outputs"].split(", "))
+    # the instant that `check` computes has no peaks to compare
+    keys = {key for key in scene.plain if not key.startswith("sensitivity_")}
+    assert keys <= set(shown["outputs"].split(", "))
 
 
 def run_batch(scene: Scene, folder: Path) -> None:
@@ -347,7 +349,9 @@ def study_ida(scene: Scene, _: Path) -> None:
         gone = dict.fromkeys(group for group in scene.recorded.groups if group not in kept)
         alone = scene.recorded.replace(**gone, frame={"T_s": T_s, "gamma": None})
         intensity = (2 * math.pi / T_s) ** 2 * scalars(alone)["u_s_max_m"] / _G
-    factor = 1.0 / intensity
+    # the factor of the record is exact, that of the run above has its tolerance
+    factor = float(str(found["record_format"].values[0]).rpartition("times ")[2])
+    assert math.isclose(factor, 1.0 / intensity, rel_tol=1e-2)
     case = scene.recorded.replace(motion={"scale": factor * 0.5})
     _same(found[name], scalars(case)[key])
 

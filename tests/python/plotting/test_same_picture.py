@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from rwmf._explore.model import Model
 from rwmf._explore.questions import given, read
-from rwmf.plotting.animation import _stage
+from rwmf.plotting.animation import Scale, _stage
 from rwmf.plotting.building import find_building
 from rwmf.plotting.image_files import save_history
 from rwmf.plotting.style import new_figure
@@ -62,7 +62,7 @@ def _film(case: rwmf.Case, figure: Figure) -> None:
     """Draw the last picture, with all storeys that have yielded."""
     run = rwmf.simulate(case)
     building = find_building(case, run)
-    _stage(figure, case, run, building, 1.0)(run.sizes["time"] - 1)
+    _stage(figure, case, run, building, Scale(1.0, 1.0))(run.sizes["time"] - 1)
 
 
 def _spectrum(case: rwmf.Case, figure: Figure) -> None:
