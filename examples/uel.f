@@ -20,7 +20,7 @@ C     PNEWDT < 1 asks for a shorter increment that ends at the impact.
      &   dtime, kstep, kinc, jelem, params, ndload, jdltyp, adlmag,
      &   predef, npredf, lflags, mlvarx, ddlmag, mdload, pnewdt, jprops,
      &   njprop, period)
-      use rwmf, only: element_response_t, error_t, lift_off_drive_of,
+      use rwmf, only: element_response_t, error_t, uplift_demand_of,
      &   next_impact, respond, settles, velocity_factor,
      &   wall_element_t
       implicit none
@@ -55,7 +55,7 @@ C     PNEWDT < 1 asks for a shorter increment that ends at the impact.
          if (lflags(3) .eq. 1) amatrx(1,1) = props(7)
      &      + 2d0/dtime*props(8)
          do 10 i = -1, 1, 2
-            if (lift_off_drive_of(elem, i, push, ag) .gt. 0d0)
+            if (uplift_demand_of(elem, i, push, ag) .gt. 0d0)
      &         svars(1) = i
    10    continue
          return
