@@ -4,7 +4,7 @@
 # build_in FOLDER [MESON OPTIONS]: set up when the options or the tools changed, then compile what
 # changed (ninja finds that out, also after edits of meson.build).
 build_in() {
-   local folder="$1" key log; shift
+   local folder="$1" targets=(all) key log; shift
    key="$(printf '%s\n' "$root" "$sundials_prefix" "$(sundials_key)" "$(venv_key)" "$@" |
       sha256sum)"
    if ! stamp_is "$folder/setup.stamp" "$key"; then
@@ -17,7 +17,9 @@ build_in() {
       printf '%s\n' "$key" >"$folder/setup.stamp"
    fi
    log="$cache/$(basename "$folder")-compile.log"
-   if ! env PATH="$venv/bin:$PATH" "$venv/bin/ninja" -C "$folder" 2>&1 </dev/null |
+   # the programs of the tests too: what does not compile is known before the first test runs
+   [[ -z "${for_tests:-}" ]] || targets+=(meson-test-prereq)
+   if ! env PATH="$venv/bin:$PATH" "$venv/bin/ninja" -C "$folder" "${targets[@]}" 2>&1 </dev/null |
       tee "$log" | tell_progress; then
       tail -n 60 "$log" >&2
       die "the build in $(basename "$folder") failed (complete output: $log)"

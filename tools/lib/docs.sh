@@ -16,6 +16,6 @@ install_docs() {
    stamp_is "$venv/docs.stamp" "$key" && return 0
    say "installing the packages of tools/docs.lock into .venv"
    quietly "$cache/pip-docs.log" "$python" -m pip install --disable-pip-version-check \
-      --require-hashes --requirement "$root/tools/docs.lock"
+      --no-deps --require-hashes --requirement "$root/tools/docs.lock"
    printf '%s\n' "$key" >"$venv/docs.stamp"
 }

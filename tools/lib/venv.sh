@@ -22,7 +22,7 @@ install_venv() {
    fi
    say "installing the Python packages of tools/requirements.lock into .venv"
    quietly "$cache/pip.log" "$python" -m pip install --disable-pip-version-check \
-      --require-hashes --requirement "$root/tools/requirements.lock"
+      --no-deps --require-hashes --requirement "$root/tools/requirements.lock"
    link_package
    printf '%s\n' "$key" >"$venv/requirements.stamp"
 }

@@ -688,11 +688,12 @@ contains
    elemental character(key_length) function canonical_key(key)
       character(*), intent(in) :: key
       !! key in the user's spelling
-      character(key_length) :: own
+      character(key_length) :: lower, own
 
-      own = own_key(to_lower(key))
+      lower = to_lower(key)
+      own = own_key(lower)
       canonical_key = canonical_own(own)
-      if (own /= to_lower(key)) canonical_key = prefix//trim(canonical_key)
+      if (own /= lower) canonical_key = prefix//trim(canonical_key)
    end function canonical_key
 
    !> Spelling of the outputs for a key that is not that of a sensitivity.
@@ -813,22 +814,22 @@ contains
 
       text = ''
       do i = 1, size(all_quantities)
-         text = text//line_of(all_quantities(i))
+         call append_line(all_quantities(i), text)
       end do
       do i = 1, size(all_quantities)
-         if (is_peak(all_quantities(i))) text = text//line_of(sensitivity_row(all_quantities(i)))
+         if (is_peak(all_quantities(i))) call append_line(sensitivity_row(all_quantities(i)), text)
       end do
    end subroutine quantities_text
 
-   !> Components of a row, separated by tabs, with a line feed.
-   pure function line_of(row) result(line)
+   !> Append the components of a row, separated by tabs, and a line feed.
+   pure subroutine append_line(row, text)
       type(quantity_t), intent(in) :: row
-      character(:), allocatable :: line
+      character(:), allocatable, intent(inout) :: text
       character(*), parameter :: tab = achar(9)
 
-      line = trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab//trim(row%kind)//tab &
-         //trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group)//tab &
+      text = text//trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab//trim(row%kind) &
+         //tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group)//tab &
          //trim(requested_by(row))//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
-   end function line_of
+   end subroutine append_line
 
 end module rwmf_problem_quantity_table

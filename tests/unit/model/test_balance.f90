@@ -82,7 +82,7 @@ contains
       type(equation_t) :: equation
       type(reactions_t) :: reactions
       real(wp), allocatable :: y(:)
-      real(wp) :: y_ddot
+      real(wp), allocatable :: y_dot(:)
       real(wp) :: moment
       real(wp) :: shear
       real(wp) :: damper(2)
@@ -101,15 +101,15 @@ contains
             side*0.13_wp)
          do i = -1, 1, 2
             y = [side*0.11_wp, i*0.7_wp, (0.1_wp*j*i, j=3, equation%n)]
-            y_ddot = second_derivative(equation, t, y)
-            reactions = reactions_at(equation, t, y, y_ddot)
-            damper = corner_force(equation, y, y_ddot)
+            y_dot = rates_of(equation, y)
+            reactions = reactions_at(equation, t, y, y_dot)
+            damper = corner_force(equation, y, y_dot(2))
             moment = turn(pivot(equation), [reactions%horizontal, reactions%normal], equation, y) &
-               + turn_of_links(equation, case, y, y_ddot) &
+               + turn_of_links(equation, case, y, y_dot) &
                + turn(cable_point(equation, y), cable_force(equation, y(1)), equation, y) &
                + turn(lifting_corner(equation, y), damper, equation, y) &
-               + couple(equation, case, y, y_ddot)
-            call checks%close_to(moment, equation%p%R**2/3*y_ddot, 'moments about the centroid, ' &
+               + couple(equation, case, y, y_dot(2))
+            call checks%close_to(moment, equation%p%R**2/3*y_dot(2), 'moments about centroid, ' &
                //name, atol=round_off*equation%p%g*equation%p%R*(1 + equation%p%gamma))
             shear = reactions%horizontal + sum([1.0_wp, 0.0_wp]*(cable_force(equation, y(1)) &
                + damper)) - frame_shear(equation, case, y)
@@ -133,13 +133,13 @@ contains
       character(*), intent(in) :: name
       type(building_t) :: building
       type(links_t) :: links
-      real(wp) :: base(2), arm(2), inside(2), outside(2), below(2, 1), above(2, 1), y_ddot
+      real(wp) :: base(2), arm(2), inside(2), outside(2), below(2, 1), above(2, 1), y_dot(size(y))
       character(:), allocatable :: words
 
-      y_ddot = second_derivative(equation, t, y)
+      y_dot = rates_of(equation, y)
       call building_of(case, equation, building)
-      call links_of(building, equation, kinematics_at(equation, y(1)), t, y, y_ddot, links)
-      call find_forces_beside(equation, t, y, y_ddot, links, [0.0_wp], below, above)
+      call links_of(building, equation, kinematics_at(equation, y(1)), t, y, y_dot, links)
+      call find_forces_beside(equation, t, y, y_dot(2), links, [0.0_wp], below, above)
       inside = above(:, 1)
       base = place(equation, y(1), [0.0_wp, -case%wall%h])
       outside(1) = dot_product([cos(y(1)), -sin(y(1))], [reactions%horizontal, reactions%normal] &
@@ -151,7 +151,7 @@ contains
       outside(2) = arm(2)*reactions%horizontal - arm(1)*reactions%normal
       arm = lifting_corner(equation, y) - base
       outside(2) = outside(2) + arm(2)*damper(1) - arm(1)*damper(2) + couple(equation, case, y, &
-         y_ddot)
+         y_dot(2))
       words = 'moment above the base, '//name
       call checks%close_to(inside(2), outside(2), words, atol=round_off*equation%p%g &
          *equation%p%R*(1 + equation%p%gamma))
@@ -271,11 +271,11 @@ contains
 
    !> Moment of the link forces on the wall. The wall has one link at the roof, or one at every
    !> floor on the line from the pivot to the roof's corner.
-   real(wp) function turn_of_links(equation, case, y, y_ddot) result(moment)
+   real(wp) function turn_of_links(equation, case, y, y_dot) result(moment)
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: y(:)
-      real(wp), intent(in) :: y_ddot
+      real(wp), intent(in) :: y_dot(:)
       real(wp) :: force(2)
       real(wp), allocatable :: pulls(:)
       !! of the floors on their links [m/s2]
@@ -285,13 +285,13 @@ contains
       !! spring and damper force of the storeys [m/s2]
       integer :: i
 
-      force = link_force(equation, kinematics_at(equation, y(1)), t, y, y_ddot)
+      force = link_force(equation, kinematics_at(equation, y(1)), t, y, y_dot)
       moment = turn(link_corner(equation, case, y), force, equation, y)
       if (.not. has_all_links(case)) return
       associate (frame => case%storeys%frame)
          share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
          forces = resisting_roof(equation, case, y)*frame%k*frame%height/sum(frame%height)
-         pulls = frame%m*(share*roof_ddot_of(equation, y, y_ddot) + ground(equation, t)) + forces
+         pulls = frame%m*(share*roof_ddot_of(equation, y, y_dot(2)) + ground(equation, t)) + forces
          pulls(:2) = pulls(:2) - forces(2:)
       end associate
       call checks%close_to(-force(1), sum(pulls), 'all links', rtol=1.0e-12_wp)
@@ -464,7 +464,7 @@ contains
             return
          end if
          kin = kinematics_at(equation, y(1))
-         link = link_force(equation, kin, t, y, second_derivative(equation, t, y))
+         link = link_force(equation, kin, t, y, rates_of(equation, y))
          roof_ddot = equation%p%R*(equation%state%side*kin%k*y(2)**2 &
             + kin%j*second_derivative(equation, t, y))
          ! the link force balances the roof's modal equation; floor accelerations follow the mode
@@ -477,6 +477,15 @@ contains
             + ground(equation, t)))
       end associate
    end function storey_shear
+
+   function rates_of(equation, y) result(y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      real(wp), allocatable :: y_dot(:)
+
+      allocate (y_dot(size(y)))
+      call rates_at(equation, t, y, y_dot)
+   end function rates_of
 
    !> Return whether the link's end follows the top left corner while the wall rocks to the left.
    logical function is_left(equation)

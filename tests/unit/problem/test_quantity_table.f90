@@ -30,7 +30,7 @@ contains
    subroutine check_newtons()
       character(*), parameter :: weights(3) = [character(12) :: '_over_m_w_g', '_over_weight', &
          '_over_m_s_g']
-      character(40) :: key, newtons
+      character(len(all_quantities%key)) :: key, newtons
       integer :: i, j, first, place, storey
 
       do i = 1, size(all_quantities)
