@@ -1,14 +1,14 @@
 !> Energy, momentum and impacts of a bending wall (docs/theory/bending.md). Masses are over m_w.
 module rwmf_model_bent_wall
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: equation_t, frame_motion, ground
+   use rwmf_model_equation, only: equation_t, frame_motion, ground, model_t
    use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    implicit none
    private
 
    public :: bent_kinetic_energy, bent_frame_strain, bent_gravity, bending_strain, landing
    public :: linked_floor_motion, linked_floor_accelerations, forces_of_linked_floors
-   public :: mean_acceleration, bent_overturning
+   public :: mean_acceleration, bent_overturning, bent_mass_matrix
 
 contains
 
@@ -209,31 +209,18 @@ contains
       logical, intent(inout) :: stays
       !! both corners stay on the base; on entry, regardless of the momentum
       real(wp), dimension(equation%beam%n) :: coupling, taken
-      real(wp) :: mass(equation%beam%n, equation%beam%n)
+      real(wp) :: matrix(0:equation%beam%n, 0:equation%beam%n)
       real(wp) :: lean, inertia, momentum, shared
-      integer :: i
 
+      matrix = bent_mass_matrix(equation)
       associate (beam => equation%beam, n => equation%beam%n, b => equation%beam%half_width, &
                  q => y(equation%beam%first:equation%beam%first + equation%beam%n - 1))
          lean = equation%state%side*sum(beam%area*q)
-         momentum = equation%inertia*equation%p%R**2 - 2*b**2 + sum(beam%mass*q**2)
-         coupling = beam%arm
-         if (allocated(beam%floors)) then
-            associate (floors => beam%floors)
-               momentum = momentum + beam%length**2*sum(floors%m*floors%share**2)
-               coupling = coupling + beam%length*matmul(floors%m*floors%share, floors%phi)
-            end associate
-         else
-            momentum = momentum + equation%p%gamma*beam%length**2
-            coupling = coupling + equation%p%gamma*beam%length
-         end if
+         momentum = matrix(0, 0) - 2*b**2 + sum(beam%mass*q**2)
          ! the new corner is on the other side
          inertia = momentum + 2*b**2 + 2*b*lean + inertance*(2*b)**2
-         mass = beam%linked_mass
-         do i = 1, n
-            mass(i, i) = mass(i, i) + beam%mass(i)
-         end do
-         taken = solution(mass, coupling)
+         coupling = matrix(1:, 0)
+         taken = solution(matrix(1:, 1:), coupling)
          shared = dot_product(coupling, taken)
          after = (momentum - shared)/(inertia - shared)*y(2)
          if (.not. stays) stays = .not. (momentum - shared)*(inertia - shared) > 0
@@ -242,6 +229,34 @@ contains
             + taken*(y(2) - after)
       end associate
    end subroutine landing
+
+   !> Mass matrix of rotation about a corner and modes, with the linked masses, of the straight wall
+   !> on its base [m2], [m], [-].
+   pure function bent_mass_matrix(model) result(mass)
+      class(model_t), intent(in) :: model
+      !! with `&bending`
+      real(wp) :: mass(0:model%beam%n, 0:model%beam%n)
+      !! the rotation comes before the modes
+      integer :: i
+
+      associate (beam => model%beam, gamma => model%p%gamma)
+         mass(1:, 1:) = beam%linked_mass
+         do i = 1, beam%n
+            mass(i, i) = mass(i, i) + beam%mass(i)
+         end do
+         if (allocated(beam%floors)) then
+            associate (floors => beam%floors)
+               mass(0, 0) = beam%length**2*sum(floors%m*floors%share**2)
+               mass(1:, 0) = beam%arm + beam%length*matmul(floors%m*floors%share, floors%phi)
+            end associate
+         else
+            mass(0, 0) = beam%length**2*gamma
+            mass(1:, 0) = beam%arm + beam%length*gamma
+         end if
+         mass(0, 0) = mass(0, 0) + model%inertia*model%p%R**2
+      end associate
+      mass(0, 1:) = mass(1:, 0)
+   end function bent_mass_matrix
 
    !> Solve a symmetric, positive definite system by Cholesky factors.
    pure function solution(matrix, right) result(x)

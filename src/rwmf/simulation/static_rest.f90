@@ -9,6 +9,7 @@
 !> piece and cannot converge to an unstable equilibrium.
 module rwmf_simulation_static_rest
    use rwmf_core_kinds, only: wp
+   use rwmf_model_bent_wall, only: bent_mass_matrix
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_effects_storeys_yielding_storeys, only: pass_storey_limit, settle_storeys
    use rwmf_model_equation, only: discrete_state_t, enter_side, frame_travel, model_t
@@ -17,6 +18,7 @@ module rwmf_simulation_static_rest
    use rwmf_model_hysteresis_laws, only: loading_direction, spring_limits
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, turn_back
    use rwmf_model_lanes, only: lane_motion_t
+   use rwmf_model_rest, only: hold_wall, release_wall
    implicit none
    private
 
@@ -89,7 +91,6 @@ contains
       logical :: lifts
 
       path%state = state
-      path%state%coef(1, 1) = 1
       path%y = y
       call list_smooth(model, path%z)
       path%is_held = model%has_impacts .and. abs(y(1)) <= 0
@@ -126,8 +127,8 @@ contains
       if (allocated(model%floors%laws)) z = model%floors%laws%place
    end subroutine list_smooth
 
-   !> List the free positions: the wall or the bare frame, and the floors with states. Set their
-   !> velocities to zero.
+   !> List the free positions: the wall or the bare frame, the floors with states, and the modes of
+   !> the wall. Set their velocities to zero.
    pure subroutine free_positions(model, path)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
@@ -137,8 +138,14 @@ contains
          path%q = [1, (first + i, i=0, n - 1)]
          path%v = [2, (first + n + i, i=0, n - 1)]
       end associate
+      associate (first => model%beam%first, n => model%beam%n)
+         path%q = [path%q, (first + i, i=0, n - 1)]
+         path%v = [path%v, (first + n + i, i=0, n - 1)]
+      end associate
       path%y(path%v) = 0
+      call release_wall(path%state)
       if (path%is_held) then
+         call hold_wall(path%state)
          path%q = path%q(2:)
          path%v = path%v(2:)
       end if
@@ -198,7 +205,7 @@ contains
          if (takes_too_long(path)) exit
          call rates_of(model, path, path%y, rates)
          call stiffness_of(model, path, stiffness)
-         call solve_stable(stiffness, path%damping, rates(path%v), change)
+         call solve_stable(stiffness, path%damping, rates(path%v), mass_of(model, path), change)
          before = directions(model, path%state)
          call turn_springs(model, path, change)
          if (all(before == directions(model, path%state))) exit
@@ -276,18 +283,49 @@ contains
       end associate
    end subroutine stiffness_of
 
+   !> Mass matrix of rotation and modes among the free positions, which a bending wall couples; of
+   !> size 0 for a rigid wall.
+   pure function mass_of(model, path) result(mass)
+      type(model_t), intent(in) :: model
+      type(path_t), intent(in) :: path
+      real(wp), allocatable :: mass(:, :)
+      !! (free positions, free positions)
+      real(wp) :: full(0:model%beam%n, 0:model%beam%n)
+      integer, allocatable :: own(:)
+      integer :: i, n
+
+      allocate (mass(0, 0))
+      if (model%beam%n == 0) return
+      n = size(path%q)
+      full = bent_mass_matrix(model)
+      own = [(i, i=n - model%beam%n + 1, n)]
+      deallocate (mass)
+      allocate (mass(n, n), source=0.0_wp)
+      do i = 1, n
+         mass(i, i) = 1
+      end do
+      if (path%is_held) then
+         mass(own, own) = full(1:, 1:)
+      else
+         own = [1, own]
+         mass(own, own) = full
+      end if
+   end function mass_of
+
    !> Solve for the change of the positions.
    !>
    !> If the stiffness is not positive, use a fictitious time step so short that the damped motion
    !> leaves its unstable equilibrium.
-   pure subroutine solve_stable(stiffness, least_damping, push, change)
+   pure subroutine solve_stable(stiffness, least_damping, push, mass, change)
       real(wp), intent(in) :: stiffness(:, :)
       real(wp), intent(in) :: least_damping
       !! damping of the masses over the fictitious time [1/s2]
       real(wp), intent(in) :: push(:)
       !! accelerations of the free positions
+      real(wp), intent(in) :: mass(:, :)
+      !! mass matrix that makes the stiffness symmetric; of size 0 if it is diagonal
       real(wp), intent(out) :: change(:)
-      real(wp), allocatable :: a(:, :)
+      real(wp), allocatable :: a(:, :), b(:)
       real(wp) :: damping
       logical :: is_positive
       integer :: i
@@ -298,7 +336,12 @@ contains
          do i = 1, size(push)
             a(i, i) = a(i, i) + damping
          end do
-         call eliminate(a, push, change, is_positive)
+         b = push
+         if (size(mass) > 0) then
+            a = matmul(mass, a)
+            b = matmul(mass, b)
+         end if
+         call eliminate(a, b, change, is_positive)
          if (is_positive) return
          ! a stiffness that is not finite gives no solution
          if (.not. damping < huge(damping)) then
@@ -497,6 +540,7 @@ contains
       real(wp) :: rates(size(path%y))
       integer :: side
 
+      call release_wall(path%state)
       do side = -1, 1, 2
          call enter_side(model, path%state, side)
          call rates_of(model, path, path%y, rates)

@@ -178,6 +178,78 @@ def test_stiffness_from_the_modulus_of_elasticity() -> None:
     assert tips == pytest.approx([tips[1]] * 3, rel=1e-9)
 
 
+LAWS: list[dict[str, object]] = [
+    {"hardening": 0.05},
+    {"law": "bouc_wen", "hardening": 0.05},
+    {"law": "pinched", "cap": 4.0, "post_cap": 10.0, "pinch_force": 0.5},
+]
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("load", [{}, {"m_g_over_m_s": 1.2}])
+def test_a_yielding_mass_is_a_frame_of_one_storey(
+    law: dict[str, object], load: dict[str, object]
+) -> None:
+    T_s, gamma, u_y = 0.6, 2.0, 0.01
+    k = gamma * (2 * math.pi / T_s) ** 2
+    storey = {"m_over_m_w": [gamma], "k_over_m_w": [k], "height": [2 * H], "coupling": "full"}
+    beside: Groups = {"p_delta": load} if load else {}
+    common = {"frame": {"xi_s": 0.03}, "output": {"energy": True, "reactions": True}}
+    mass = {"frame": {"T_s": T_s, "gamma": gamma, "xi_s": 0.03}}
+    scenes = [
+        _block(**beside, **common, storeys=storey, yielding={**law, "storey_u_y": u_y}),
+        _block(**beside, **(common | mass), yielding={**law, "u_y": u_y}),
+        _block(
+            **beside, **(common | mass), yielding={**law, "f_y_over_m_s_g": u_y * k / gamma / 9.81}
+        ),
+    ]
+    runs = [rwmf.simulate(_case(scene, None)) for scene in scenes]
+    assert float(runs[0].ductility) > 2
+    for run in runs:
+        assert float(run.energy_balance_relative) < 1e-10
+        for key, value in runs[0].data_vars.items():
+            if value.ndim == 0 and value.dtype.kind == "f" and key != "energy_balance_relative":
+                # a sensitivity is a difference of two runs
+                rel = 1e-5 if key.startswith("sensitivity") else 1e-7
+                assert float(run[key]) == pytest.approx(float(value), rel=rel, abs=1e-12), key
+
+
+@pytest.mark.parametrize("key", ["u_y", "f_y_over_m_s_g"])
+def test_the_spectrum_of_a_yielding_mass_agrees_with_runs(key: str) -> None:
+    def case(**groups: object) -> rwmf.Case:
+        strength = {key: 0.02 if key == "u_y" else 0.3, "law": "bouc_wen"}
+        frame = {"gamma": 2.0, "xi_s": 0.05} | groups.pop("frame", {})
+        return rwmf.Case(**_block(frame=frame, yielding=strength, **groups))
+
+    grid = case(spectrum={"T_s": [0.3, 0.7], "gamma": [1.0, 3.0]})
+    found = rwmf.spectrum(grid, quantities=("u_s_max", "ductility"))
+    for T_s in (0.3, 0.7):
+        for gamma in (1.0, 3.0):
+            run = rwmf.simulate(case(frame={"T_s": T_s, "gamma": gamma}))
+            ordinate = found.sel(T_s=T_s, gamma=gamma).squeeze()
+            assert float(ordinate.u_s_max) == pytest.approx(float(run.u_s_max), rel=1e-7)
+            assert float(ordinate.ductility) == pytest.approx(float(run.ductility), rel=1e-7)
+
+
+def test_the_wall_comes_to_the_rest_that_the_program_states() -> None:
+    frame = {"T_s": 0.6, "gamma": 4.0, "xi_s": 0.1}
+    yielding = {"u_y": 0.01, "hardening": 0.1}
+    scene = _block(frame=frame, yielding=yielding, output={"dt": 1.0})
+    scene["bending"] = {"EI_over_m_w": 3e4, "modes": 2, "xi": 0.2}
+    stated = rwmf.simulate(_case(scene, None)).roof_residual_drift_at_rest * 2 * H
+    last = rwmf.simulate(_case(scene, None, t_end=60.0)).u_s[-1]
+    assert float(last) > 0.03
+    assert float(stated) == pytest.approx(float(last), rel=1e-9)
+
+
+def test_a_strong_frame_beside_a_bending_wall_is_elastic() -> None:
+    frame = {"T_s": 0.6, "gamma": 2.0, "xi_s": 0.03}
+    elastic = rwmf.simulate(_case(_block(frame=frame), None))
+    strong = rwmf.simulate(_case(_block(frame=frame, yielding={"u_y": 10.0}), None))
+    assert float(strong.u_s_max) == pytest.approx(float(elastic.u_s_max), rel=1e-9)
+    assert float(strong.ductility) == pytest.approx(float(elastic.u_s_max) / 10, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
@@ -192,8 +264,11 @@ def test_stiffness_from_the_modulus_of_elasticity() -> None:
         ({"model": {"formulation": "published"}}, "exact"),
         ({"wall": {"h": H, "b": B, "base": "pinned"}, "impact": {}}, "pinned"),
         ({"frame": {"T_s": 1.0, "gamma": 2.0}, "link": {"length": 3.0}}, "link"),
-        ({"frame": {"T_s": 1.0, "gamma": 2.0, "xi_s": 0.05}, "yielding": {"u_y": 0.01}},
-         "yielding"),
+        ({"frame": {"xi_s": 0.05}, "yielding": {"u_y": 0.01},
+          "storeys": {"m_over_m_w": 2.0, "k_over_m_w": 200.0, "height": 2 * H}},
+         "'full' or 'springs' with &yielding and &bending"),
+        ({"frame": {"T_s": 1.0, "gamma": 2.0, "xi_s": 0.05}, "yielding": {"u_y": 0.01},
+          "p_delta": {"h_f": 4.0}}, "h_f = 4.0: must not be given with &yielding and &bending"),
     ],
 )  # fmt: skip
 def test_refusals_name_the_group(changed: Groups, message: str) -> None:

@@ -14,6 +14,7 @@ module rwmf_model_effects_yielding
    use rwmf_model_scene, only: through_link
    use rwmf_problem_case, only: case_t, has_all_modes, spring_law_t
    use rwmf_problem_case_group, only: case_group_t, name_length
+   use rwmf_problem_equivalent_frame, only: set_single_storey
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
       has_key, real_of, text_of
    use rwmf_problem_key, only: below_one, dimensional, optional_key, positive, usually
@@ -135,9 +136,7 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
 
-      if (has_group(values, 'bending') .and. coupling(values) /= 'full') call fail_group(values, &
-         'yielding', "must not be given with &bending, except for &storeys coupling = 'full', " &
-         //'where the storeys yield separately', error)
+      call check_bending_wall(values, error)
       if (.not. allocated(error)) call check_law(values, error)
       if (.not. allocated(error)) call check_keys_of_law(values, error)
       if (.not. allocated(error)) call check_softening(values, error)
@@ -151,16 +150,40 @@ contains
       if (.not. allocated(error)) call check_rotation(values, error)
    end subroutine check_yielding
 
+   !> Check that the frame beside a bending wall is a single mass or has all modes. Its springs then
+   !> follow the displacements of the floors, which a bending wall moves at rest as well.
+   subroutine check_bending_wall(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. has_group(values, 'bending')) return
+      if (has_group(values, 'storeys')) then
+         if (.not. has_modes(values)) call fail_key(values, 'storeys', 'coupling', "must be " &
+            //"'full' or 'springs' with &yielding and &bending: beside a wall that bends the " &
+            //'storeys yield one by one', error)
+      else if (has_key(values, 'p_delta', 'h_f')) then
+         call fail_key(values, 'p_delta', 'h_f', 'must not be given with &yielding and &bending: ' &
+            //'the frame is one storey as high as the wall', error)
+      end if
+   end subroutine check_bending_wall
+
    !> Check that smooth storeys with all modes start at zero; their initial loading is undefined.
    subroutine check_law(values, error)
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: beside
 
-      if (text_of(values, 'yielding', 'law') /= 'bouc_wen' .or. .not. has_modes(values)) return
+      if (text_of(values, 'yielding', 'law') /= 'bouc_wen') return
       if (abs(real_of(values, 'initial', 'theta_over_alpha')) <= 0) return
+      if (has_modes(values)) then
+         beside = "&storeys coupling = '"//trim(coupling(values))//"'"
+      else if (has_group(values, 'bending')) then
+         beside = '&bending'
+      else
+         return
+      end if
       call fail_key(values, 'initial', 'theta_over_alpha', "must be 0 with &yielding law = " &
-         //"'bouc_wen' and &storeys coupling = '"//trim(coupling(values))//"', whose hysteresis " &
-         //'begins at zero', error)
+         //"'bouc_wen' and "//beside//', whose hysteresis begins at zero', error)
    end subroutine check_law
 
    !> Check that keys of a law are given only with it, and that its required keys are present.
@@ -363,6 +386,11 @@ contains
       case%yielding%beta = real_of(case%values, 'yielding', 'beta')
       call get_real(case%values, 'yielding', 'ultimate', case%yielding%ultimate)
       call fill_law(case%values, case%yielding%spring)
+      if (.not. has_group(case%values, 'bending') .or. allocated(case%storeys)) return
+      ! beside a bending wall a single mass yields as a storey; its strength may follow the period
+      case%yielding%storey_u_y = [0.0_wp]
+      if (allocated(case%yielding%u_y)) case%yielding%storey_u_y = case%yielding%u_y
+      call set_single_storey(case, error)
    end subroutine fill_yielding
 
    !> Read the numbers of a law of straight lines.

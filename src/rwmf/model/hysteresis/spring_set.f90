@@ -120,7 +120,10 @@ contains
       !! case with `&yielding storey_u_y`
       real(wp) :: u_y(size(case%storeys%frame%m))
 
-      if (size(case%yielding%storey_u_y) == 1) then
+      if (allocated(case%yielding%f_y_over_m_s_g)) then
+         ! a single mass beside a wall that bends
+         u_y = yield_displacement(case)
+      else if (size(case%yielding%storey_u_y) == 1) then
          u_y = case%yielding%storey_u_y(1)
       else
          u_y = case%yielding%storey_u_y
