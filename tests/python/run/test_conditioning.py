@@ -169,6 +169,20 @@ def test_of_walls_that_bend(number: int) -> None:
     assert found["wall_moment_mid_max_over_m_w_g_m"] == pytest.approx(expected, rel=1e-3, abs=1e-3)
 
 
+def test_a_probe_that_bounces_a_million_times_ends() -> None:
+    # at the amplitude that lifts the wall off, with an impact that loses nothing
+    verge = {
+        "wall": {"h": 2.0, "b": 0.5},
+        "cable": {"eta_0": 1.0, "eta_alpha": 5.0},
+        "motion": {"kind": "one_sine", "a_max_g": 0.5, "omega_p": 8.0},
+        "model": {"formulation": "symmetric"},
+        "solver": {"t_end": 2.0, "rtol": 1e-8},
+    }
+    run = rwmf.simulate(rwmf.Case(**verge))
+    assert not _sensitivities(run)
+    assert "the run takes more than 20000 steps" in run.attrs["warnings"]
+
+
 def test_peaks_that_are_round_off_have_none() -> None:
     """Equilibrium leaves no moment at the top of a wall whose roof is its top."""
     storeys = {
