@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rwmf import loops, plot, records, studies
     from rwmf._cost import Cost, cost
     from rwmf._explore import explore
+    from rwmf._gradient.gradient import gradient
     from rwmf._response import Response
     from rwmf._simulation import simulate
     from rwmf._spectrum import spectrum
@@ -45,6 +46,7 @@ __all__ = [
     "cost",
     "explore",
     "find_records",
+    "gradient",
     "intensity",
     "loops",
     "merge",
@@ -72,6 +74,7 @@ _HOMES = {
     "cost": "_cost",
     "explore": "_explore",
     "find_records": "_sweep",
+    "gradient": "_gradient.gradient",
     "intensity": "_sweep.intensity",
     "merge": "_sweep",
     "quantile": "studies.statistics",

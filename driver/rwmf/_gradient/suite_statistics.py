@@ -1,0 +1,106 @@
+"""Statistics over the records of a suite, and their scatter over resampled suites."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._numbers import float_of, show
+from rwmf.errors import InputError
+
+__all__ = ["Statistic", "SuiteStatistic"]
+
+Array = npt.NDArray[np.float64]
+Statistic = float | Callable[[Array], float]
+# resampled suites, with a fixed seed so that results repeat
+_SUITES, _SEED = 200, 1963
+
+
+class SuiteStatistic:
+    """A statistic over one of the dimensions of the scenes.
+
+    Parameters
+    ----------
+    statistic : float or callable
+        Share of a quantile in [0, 1], or a function of an array of one value a record.
+    axis : int
+        Position of the records among the dimensions.
+    sizes : tuple of int
+        Sizes of the dimensions.
+
+    Raises
+    ------
+    InputError
+        When the statistic is neither.
+    """
+
+    def __init__(self, statistic: Statistic, axis: int, sizes: tuple[int, ...]) -> None:
+        share = float_of(statistic)
+        if not callable(statistic) and not (share is not None and 0 <= share <= 1):
+            raise InputError(
+                f"statistic = {show(statistic)}: must be a share in [0, 1] or a function of an array"
+            )
+        self._statistic = statistic
+        self._axis, self._sizes = axis, sizes
+
+    def of(self, values: Array) -> Array:
+        """Compute the statistic.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (rows, ...)
+            Values of the scenes.
+
+        Returns
+        -------
+        numpy.ndarray, shape (cells, ...)
+            The statistic of each combination of the other dimensions.
+        """
+        return self._reduce(self._records_first(values))
+
+    def first(self, values: Array) -> Array:
+        """Return the values of the first record.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (rows, ...)
+            Values of the scenes.
+
+        Returns
+        -------
+        numpy.ndarray, shape (cells, ...)
+            Those of the first record.
+        """
+        return self._records_first(values)[0]
+
+    def of_resampled(self, values: Array) -> Iterator[Array]:
+        """Compute the statistic of suites drawn with replacement.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (rows, ...)
+            Values of the scenes; every value of a record is drawn together.
+
+        Yields
+        ------
+        numpy.ndarray, shape (cells, ...)
+            The statistic of one suite.
+        """
+        known = self._records_first(values)
+        random = np.random.default_rng(_SEED)
+        for _ in range(_SUITES):
+            yield self._reduce(known[random.integers(0, len(known), len(known))])
+
+    def _records_first(self, values: Array) -> Array:
+        shaped = values.reshape((*self._sizes, *values.shape[1:]))
+        moved = np.moveaxis(shaped, self._axis, 0)
+        return moved.reshape((self._sizes[self._axis], -1, *values.shape[1:]))
+
+    def _reduce(self, values: Array) -> Array:
+        if callable(self._statistic):
+            return np.apply_along_axis(self._statistic, 0, values)
+        # by ranks: no number lies between a finite and an infinite value
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.quantile(values, self._statistic, axis=0, method="inverted_cdf"))
