@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["FAR", "NEAR", "Estimate", "derivative_at", "offsets_of", "valid_range"]
+__all__ = ["FAR", "LANES", "NEAR", "Estimate", "derivative_at", "offsets_of", "valid_range"]
 
 Array = npt.NDArray[np.float64]
-# relative steps of the central differences; one-sided differences add a third, half as large
-NEAR = (1e-4, 5e-5)
+# relative steps of the central differences; one-sided differences add half the smallest
+NEAR = (2e-4, 1e-4, 5e-5)
+# lanes of a central derivative
+LANES = 2 * len(NEAR)
 # relative changes at which the linear prediction is tried
 FAR = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 # the error of a linear prediction over the change, up to which a derivative is valid
@@ -54,7 +56,7 @@ def offsets_of(sides: tuple[bool, bool], factor: float = 1.0) -> Array:
 
     Returns
     -------
-    numpy.ndarray, shape (4,) or (3,)
+    numpy.ndarray, shape (6,) or (4,)
         Central differences (plus, minus for each step), or one-sided ones, largest step first.
     """
     if all(sides):
@@ -68,7 +70,7 @@ def derivative_at(offsets: Array, values: Array, centre: float) -> Estimate:
 
     Parameters
     ----------
-    offsets : numpy.ndarray, shape (4,) or (3,)
+    offsets : numpy.ndarray, shape (6,) or (4,)
         From `offsets_of`.
     values : numpy.ndarray, same shape
         Values there.
@@ -81,17 +83,19 @@ def derivative_at(offsets: Array, values: Array, centre: float) -> Estimate:
         The derivative; NaN where a value is missing.
     """
     slopes = (values - centre) / offsets
-    if offsets.size == 3:
-        first, second = 2 * slopes[1] - slopes[0], 2 * slopes[2] - slopes[1]
-        found = (4 * second - first) / 3
-        return Estimate(float(found), float(abs(second - first)), 0.0, False)
-    large, small = (slopes[0] + slopes[1]) / 2, (slopes[2] + slopes[3]) / 2
-    jumps = slopes[::2] - slopes[1::2]
-    found = (4 * small - large) / 3
-    # curvature halves the jump with the step, and a cubic term quarters the change of the mean
-    spread = max(abs(large - small), abs(jumps[1] - jumps[0] / 2))
-    is_kink = abs(jumps[1]) > _SAME * abs(jumps[0]) and abs(jumps[1]) < abs(jumps[0]) / _SAME
-    return Estimate(float(found), float(spread), float(jumps[1]), bool(is_kink))
+    if offsets.size < LANES:
+        linear = 2 * slopes[1:] - slopes[:-1]
+        jump, twice = 0.0, 0.0
+    else:
+        jumps = slopes[::2] - slopes[1::2]
+        jump, twice = float(jumps[2]), float(jumps[1])
+        linear = (slopes[::2] + slopes[1::2]) / 2
+    # two Richardson steps: the one with the larger steps has less round-off
+    large, small = (4 * linear[1:] - linear[:-1]) / 3
+    # curvature halves the jump with the step
+    spread = max(abs(small - large), abs(jump - twice / 2))
+    is_kink = _SAME * abs(twice) < abs(jump) < abs(twice) / _SAME
+    return Estimate(float(large), float(spread), jump, is_kink)
 
 
 def valid_range(offsets: Array, changes: Array, derivative: float, floor: float) -> float:

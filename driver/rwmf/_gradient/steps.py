@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from rwmf._gradient.differences import FAR, Estimate, derivative_at, offsets_of, valid_range
+from rwmf._gradient.differences import FAR, LANES, Estimate, derivative_at, offsets_of, valid_range
 from rwmf._gradient.held_keys import Parameter, allowed_changes, scale_of
 from rwmf._gradient.lanes import Lanes, Request
 from rwmf._gradient.scenes import Scenes
@@ -20,11 +20,11 @@ Array = npt.NDArray[np.float64]
 Truths = npt.NDArray[np.bool_]
 # factors on the steps, with the relative tolerances of their lanes: smaller steps follow only
 # where the differences disagree
-_LEVELS = ((1.0, 1e-9), (0.1, 1e-11), (0.01, 1e-13), (1e-3, 1e-13))
+_LEVELS = ((1.0, 1e-9), (1.0, 1e-12), (0.1, 1e-13), (0.01, 1e-13), (1e-3, 1e-13))
 # ranks of a suite change with the steps, so a statistic has one set, ten times larger
-_OF_STATISTIC = ((10.0, 1e-9),)
+_OF_STATISTIC = ((5.0, 1e-9),)
 # disagreement over the largest p dq/dp above which smaller steps follow
-_SETTLED = 1e-6
+_SETTLED = 1e-9
 # error over disagreement: covers the truth in 99 % of runs
 _SAFETY = 3.0
 # error of a value over its tolerance, and round-off
@@ -105,7 +105,7 @@ class Steps:
             offsets.append(self._of_cells(near))
             with np.errstate(invalid="ignore"):
                 changes.append(values - centre[:, None, None, :])
-            is_open = self._estimate(offsets[-1][..., :4], values, centre, factor, rtol)
+            is_open = self._estimate(offsets[-1][..., :LANES], values, centre, factor, rtol)
             if self._statistic is not None:
                 self._resample(self._statistic, raw, near)
                 break
@@ -131,7 +131,7 @@ class Steps:
 
     def _offsets(self, factor: float, is_first: bool, pending: Truths) -> Array:
         """Return relative changes, shape (rows, parameters, offsets), NaN for no run."""
-        found = np.full((*pending.shape, 4 + 2 * len(FAR) * is_first), np.nan)
+        found = np.full((*pending.shape, LANES + 2 * len(FAR) * is_first), np.nan)
         for row, i in np.argwhere(pending):
             down, up = self._allowed[row][i][False], self._allowed[row][i][True]
             near = offsets_of((down > 0, up > 0), factor)
@@ -139,7 +139,7 @@ class Steps:
             if is_first:
                 far = [sign * step for step in FAR for sign, most in ((1, up), (-1, down))
                        if step <= most and step > abs(near).max()]  # fmt: skip
-                found[row, i, 4 : 4 + len(far)] = far
+                found[row, i, LANES : LANES + len(far)] = far
         return found
 
     def _compute(self, offsets: Array, rtol: float, rows: Truths) -> tuple[Array, Array, Array]:
@@ -180,7 +180,7 @@ class Steps:
             good = np.isfinite(offsets[cell, i])
             for q in range(centre.shape[1]):
                 at = (int(cell), int(i), q)
-                three = values[cell, i, :4, q][good]
+                three = values[cell, i, :LANES, q][good]
                 found[at] = derivative_at(offsets[cell, i][good], three, centre[cell, q])
                 if np.isnan(self.derivative[at]):
                     self.derivative[at] = found[at].derivative
@@ -205,12 +205,12 @@ class Steps:
 
     def _resample(self, statistic: SuiteStatistic, raw: Array, offsets: Array) -> None:
         """Compute the scatter of a slope over resampled suites."""
-        near = statistic.first(offsets)[:, :, :4, None]
+        near = statistic.first(offsets)[:, :, :LANES, None]
         tried = np.isfinite(near)
         lever = np.where(tried, near - np.nanmean(near, axis=2, keepdims=True), 0.0)
         samples = []
         with np.errstate(invalid="ignore"):
-            for values in statistic.of_resampled(raw[:, :, :4]):
+            for values in statistic.of_resampled(raw[:, :, :LANES]):
                 product = lever * np.where(tried, values, 0.0)
                 samples.append(product.sum(axis=2) / (lever**2).sum(axis=2))
             low, high = np.quantile(np.array(samples), (0.16, 0.84), axis=0)
