@@ -55,28 +55,29 @@ def gradient(
     quantities : str or sequence of str, optional
         Quantities of a sweep; the default is that of `rwmf.sweep`.
     points, grid, records, threads, unit, dt
-        As in `rwmf.sweep`; each run has a gradient of its own.
+        As in `rwmf.sweep`; each run has a gradient.
     statistic : float or callable, optional
-        Differentiate a statistic over the records instead: the quantile of a share of the records,
-        by ranks, or a function of an array of one value a record, infinite for a collapse. The
-        relative steps are 1e-3 and 5e-4.
+        Differentiate a statistic over the records instead. A number is the share of a quantile, by
+        ranks. A function takes an array of one value a record, infinite after a collapse. The steps
+        are five times larger.
 
     Returns
     -------
     xarray.Dataset
-        Over ``quantity``, ``parameter``, and the dimensions of points, grid and records: ``value``;
-        ``derivative``, its estimated ``error``; ``is_kink``, true where the slopes on both sides
-        differ or no derivative is found; ``valid_within``, the change of the parameter over
-        ``parameter_scale`` up to which the linear prediction errs by at most 10 % of the change, at
-        most 0.3. ``parameter_scale`` is the absolute ``parameter_value``, for a value of 0 the
-        middle of its usual range. With a statistic, ``bootstrap_error`` is the standard deviation
-        of the derivative over resampled suites. The attribute ``runs`` counts runs.
+        Over ``quantity``, ``parameter``, and the dimensions of points, grid and records. ``value``
+        and ``derivative`` have the units of the case; ``error`` is the estimated error of the
+        derivative. ``is_kink`` is true where the slopes on both sides differ, or no derivative is
+        found. Changes of the parameter up to ``valid_within`` times ``parameter_scale`` change the
+        result as predicted within 10 %; at most 0.3. ``parameter_scale`` is the absolute
+        ``parameter_value``, for a value of 0 the middle of its usual range. With a statistic,
+        ``bootstrap_error`` is the scatter of the derivative over resampled suites. The attribute
+        ``runs`` counts the runs.
 
     Raises
     ------
     InputError
-        When an argument is not acceptable: a parameter that is not a real number, that follows from
-        other keys, or that the kernel does not let change.
+        When an argument is not acceptable. A parameter must be a real number that does not follow
+        from other keys, and the kernel must let it change.
     """
     case = case_of(case)
     parameters = texts_of("parameters", parameters)
@@ -145,7 +146,7 @@ def _first(scenes: Scenes, array: np.ndarray) -> np.ndarray:
     """Return the rows of the first record."""
     sizes = tuple(scenes.sizes.values())
     shaped = array.reshape((*sizes, array.shape[1])).take(0, axis=scenes.index_of(RECORD))
-    return shaped.reshape((-1, array.shape[1]))
+    return np.asarray(shaped.reshape((-1, array.shape[1])))
 
 
 def _unit_of(name: str) -> str:

@@ -66,6 +66,8 @@ class Lanes:
     ----------
     values : numpy.ndarray, shape (rows, parameters)
         Values of the parameters; means of whole lists.
+    n_quantities : int
+        Number of quantities.
     runs : int
         Number of runs so far.
     """
@@ -80,6 +82,7 @@ class Lanes:
         self.runs = 0
         self._parameters = parameters
         self._names = [next(iter(find_quantities((name,)))) for name in quantities]
+        self.n_quantities = len(self._names)
         self._threads = threads
         numbers = {"rtol": 1e-9, "atol": None, "accuracy": None}
         self._case = scenes.case.replace(solver=numbers)
@@ -101,9 +104,7 @@ class Lanes:
                 row.setdefault(f"{group}.{key}", case.groups[group][key])
         self._scenes = scenes
 
-    def run(
-        self, requests: Sequence[Request]
-    ) -> tuple[Array, npt.NDArray[np.bool_]]:
+    def run(self, requests: Sequence[Request]) -> tuple[Array, npt.NDArray[np.bool_]]:
         """Compute runs.
 
         Parameters
@@ -121,7 +122,7 @@ class Lanes:
         self.runs += len(requests)
         values = np.full((len(requests), len(self._names)), np.nan)
         fallen = np.zeros(len(requests), dtype=bool)
-        # a column has one number a row: each change of a list is a sweep of its own case
+        # a column has one number a row: each change of a list needs another sweep
         groups: dict[tuple[int, float], list[int]] = {}
         for place, request in enumerate(requests):
             is_list = request.parameter >= 0 and self._parameters[request.parameter].is_list

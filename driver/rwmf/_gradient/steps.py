@@ -31,6 +31,8 @@ _SAFETY = 3.0
 _OF_TOLERANCE, _ROUND_OFF = 1e-3, 2e-16
 # error over the derivative, and over the largest p dq/dp, above which there is no derivative
 _NO_DERIVATIVE, _NOTICED = 0.1, 1e-4
+# relative difference between jumps of one kink, and number of smaller steps that confirm it
+_SAME_JUMP, _CONFIRMED = 0.2, 2
 # change of a value over the largest p dq/dp that is left to the integration
 _UNSEEN = 1e-9
 
@@ -58,13 +60,13 @@ class Steps:
         Changes of the parameters that count as one.
     value : numpy.ndarray, shape (cells, quantities)
         The values.
-    derivative, error : numpy.ndarray
+    derivative, error : numpy.ndarray, shape (cells, parameters, quantities)
         Derivatives and their errors.
-    is_kink : numpy.ndarray of bool
+    is_kink : numpy.ndarray of bool, shape (cells, parameters, quantities)
         Where slopes differ, or no derivative is found.
-    valid_within : numpy.ndarray
+    valid_within : numpy.ndarray, shape (cells, parameters, quantities)
         Largest relative changes for which the derivative holds.
-    bootstrap_error : numpy.ndarray, optional
+    bootstrap_error : numpy.ndarray, shape (cells, parameters, quantities), optional
         Scatter of the derivative over resampled suites.
     """
 
@@ -90,6 +92,14 @@ class Steps:
                 if (id(case), i) not in known or item.column in scenes.columns:
                     known[id(case), i] = allowed_changes(case, item, value, scale)
             self._allowed.append([known[id(case), i] for i in range(n_parameters)])
+        cells = n_rows if statistic is None else len(statistic.first(self.scales))
+        size = (cells, n_parameters, lanes.n_quantities)
+        self.value = np.full((cells, lanes.n_quantities), np.nan)
+        self.derivative, self.error = np.full(size, np.nan), np.full(size, np.inf)
+        self.is_kink: Truths = np.zeros(size, dtype=bool)
+        self.valid_within = np.zeros(size)
+        # last jump of the slopes, and smaller steps that confirm it
+        self._jump, self._smaller = np.zeros(size), np.zeros(size, dtype=int)
         self._solve()
 
     def _solve(self) -> None:
@@ -99,9 +109,8 @@ class Steps:
         pending = np.ones(self.scales.shape, dtype=bool)
         for level, (factor, rtol) in enumerate(levels):
             near = self._offsets(factor, level == 0, pending)
-            centre, values, raw = self._compute(near, rtol, pending.any(axis=1))
-            if level == 0:
-                self._start(centre, values.shape)
+            centre, values, raw = self._compute(near, rtol)
+            self.value = np.where(np.isnan(centre), self.value, centre)
             offsets.append(self._of_cells(near))
             with np.errstate(invalid="ignore"):
                 changes.append(values - centre[:, None, None, :])
@@ -121,14 +130,6 @@ class Steps:
         self.error[np.isnan(self.derivative)] = np.nan
         self._find_valid(np.concatenate(offsets, axis=2), np.concatenate(changes, axis=2))
 
-    def _start(self, centre: Array, shape: tuple[int, ...]) -> None:
-        cells, n_parameters, _, n_quantities = shape
-        size = (cells, n_parameters, n_quantities)
-        self.value = centre
-        self.derivative, self.error = np.full(size, np.nan), np.full(size, np.inf)
-        self.is_kink = np.zeros(size, dtype=bool)
-        self._jump = np.zeros(size)
-
     def _offsets(self, factor: float, is_first: bool, pending: Truths) -> Array:
         """Return relative changes, shape (rows, parameters, offsets), NaN for no run."""
         found = np.full((*pending.shape, LANES + 2 * len(FAR) * is_first), np.nan)
@@ -142,10 +143,11 @@ class Steps:
                 found[row, i, LANES : LANES + len(far)] = far
         return found
 
-    def _compute(self, offsets: Array, rtol: float, rows: Truths) -> tuple[Array, Array, Array]:
+    def _compute(self, offsets: Array, rtol: float) -> tuple[Array, Array, Array]:
         """Run the lanes: values without change, of all changes, and those before a statistic."""
         places = np.argwhere(np.isfinite(offsets))
-        requests = [Request(int(row), -1, 0.0, rtol) for row in np.flatnonzero(rows)]
+        rows = np.unique(places[:, 0])
+        requests = [Request(int(row), -1, 0.0, rtol) for row in rows]
         n_centres = len(requests)
         for row, i, k in places:
             value = self._lanes.values[row, i] + offsets[row, i, k] * self.scales[row, i]
@@ -153,7 +155,7 @@ class Steps:
         found, fallen = self._lanes.run(requests)
         if self._statistic is not None:
             found[fallen] = np.inf
-        centre = np.full((len(rows), found.shape[1]), np.nan)
+        centre = np.full((len(offsets), found.shape[1]), np.nan)
         centre[rows] = found[:n_centres]
         values = np.full((*offsets.shape, found.shape[1]), np.nan)
         values[tuple(places.T)] = found[n_centres:]
@@ -169,7 +171,8 @@ class Steps:
         """Return the largest of value and p dq/dp over the parameters."""
         slopes = np.where(np.isfinite(self.derivative), abs(self.derivative), 0.0)
         value = np.where(np.isfinite(self.value), abs(self.value), 0.0)
-        return np.maximum(value, slopes.max(axis=1))
+        largest: Array = np.maximum(value, slopes.max(axis=1))
+        return largest
 
     def _estimate(
         self, offsets: Array, values: Array, centre: Array, factor: float, rtol: float
@@ -193,10 +196,12 @@ class Steps:
                 continue
             is_jump = item.is_kink and abs(item.jump) > _NOTICED * most
             error = _SAFETY * item.spread + floor * most
-            if is_jump and abs(item.jump - self._jump[at]) < 0.2 * abs(item.jump):
-                self.is_kink[at] = True
-                self.derivative[at], self.error[at] = item.derivative, abs(item.jump) / 2
-                continue
+            if is_jump and abs(item.jump - self._jump[at]) < _SAME_JUMP * abs(item.jump):
+                self._smaller[at] += factor < 1
+                if self._smaller[at] >= _CONFIRMED:
+                    self.is_kink[at] = True
+                    self.derivative[at], self.error[at] = item.derivative, abs(item.jump) / 2
+                    continue
             self._jump[at] = item.jump if is_jump else 0.0
             is_open[at] = item.spread > _SETTLED * most
             if error < self.error[at]:
@@ -218,7 +223,6 @@ class Steps:
 
     def _find_valid(self, offsets: Array, changes: Array) -> None:
         largest = self._largest()
-        self.valid_within = np.zeros(self.derivative.shape)
         for cell, i, q in np.ndindex(self.derivative.shape):
             tried = np.isfinite(offsets[cell, i])
             self.valid_within[cell, i, q] = valid_range(

@@ -39,9 +39,8 @@ class SuiteStatistic:
     def __init__(self, statistic: Statistic, axis: int, sizes: tuple[int, ...]) -> None:
         share = float_of(statistic)
         if not callable(statistic) and not (share is not None and 0 <= share <= 1):
-            raise InputError(
-                f"statistic = {show(statistic)}: must be a share in [0, 1] or a function of an array"
-            )
+            wanted = "a share in [0, 1] or a function of an array"
+            raise InputError(f"statistic = {show(statistic)}: must be {wanted}")
         self._statistic = statistic
         self._axis, self._sizes = axis, sizes
 
@@ -73,7 +72,8 @@ class SuiteStatistic:
         numpy.ndarray, shape (cells, ...)
             Those of the first record.
         """
-        return self._records_first(values)[0]
+        found: Array = self._records_first(values)[0]
+        return found
 
     def of_resampled(self, values: Array) -> Iterator[Array]:
         """Compute the statistic of suites drawn with replacement.
@@ -101,6 +101,8 @@ class SuiteStatistic:
     def _reduce(self, values: Array) -> Array:
         if callable(self._statistic):
             return np.apply_along_axis(self._statistic, 0, values)
-        # by ranks: no number lies between a finite and an infinite value
+        # by ranks; between two ranks their mean, so the median of an even suite is the usual one
         with np.errstate(invalid="ignore"):
-            return np.asarray(np.quantile(values, self._statistic, axis=0, method="inverted_cdf"))
+            return np.asarray(
+                np.quantile(values, self._statistic, axis=0, method="averaged_inverted_cdf")
+            )
