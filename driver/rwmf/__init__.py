@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rwmf import loops, plot, records, studies
     from rwmf._cost import Cost, cost
+    from rwmf._design.design import Design, design
     from rwmf._explore import explore
     from rwmf._gradient.gradient import gradient
     from rwmf._response import Response
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Case",
     "Cost",
+    "Design",
     "InputError",
     "Interrupted",
     "Motion",
@@ -44,6 +46,7 @@ __all__ = [
     "RwmfError",
     "__version__",
     "cost",
+    "design",
     "explore",
     "find_records",
     "gradient",
@@ -63,6 +66,7 @@ __all__ = [
 _HOMES = {
     "Case": "case",
     "Cost": "_cost",
+    "Design": "_design.design",
     "InputError": "errors",
     "Interrupted": "errors",
     "Motion": "case",
@@ -72,6 +76,7 @@ _HOMES = {
     "Response": "_response",
     "RwmfError": "errors",
     "cost": "_cost",
+    "design": "_design.design",
     "explore": "_explore",
     "find_records": "_sweep",
     "gradient": "_gradient.gradient",

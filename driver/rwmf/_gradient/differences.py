@@ -18,6 +18,8 @@ LANES = 2 * len(NEAR)
 FAR = (1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 # the error of a linear prediction over the change, up to which a derivative is valid
 _VALID = 0.1
+# part of a line between two lanes that is used, because the share may grow faster at first
+_CAUTION = 0.9
 # quotients of two lanes that follow one another are a kink above, a curvature at 1/2
 _SAME = 0.8
 
@@ -143,5 +145,5 @@ def _first_end(steps: Array, share: Array) -> float:
         return 0.0
     if not np.isfinite(share[i]):
         return float(steps[i - 1])
-    part = (_VALID - share[i - 1]) / (share[i] - share[i - 1])
+    part = _CAUTION * (_VALID - share[i - 1]) / (share[i] - share[i - 1])
     return float(steps[i - 1] + part * (steps[i] - steps[i - 1]))

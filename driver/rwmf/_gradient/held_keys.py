@@ -275,7 +275,7 @@ def allowed_changes(case: Case, item: Parameter, value: float, scale: float) -> 
         When the parameter can change in neither direction; the message is the kernel's.
     """
     found: dict[bool, float] = {}
-    text = ""
+    reasons: list[str] = []
     for is_up in (False, True):
         found[is_up] = 0.0
         for change in (*FAR[::-1], NEAR[0]):
@@ -283,8 +283,11 @@ def allowed_changes(case: Case, item: Parameter, value: float, scale: float) -> 
             if not isinstance(other, str):
                 found[is_up] = change
                 break
-            text = other
+        if isinstance(other, str):
+            reasons.append(other)
     if not any(found.values()):
+        # beside a bound, the other side has the reason
+        text = min(reasons, key=lambda reason: "must be a number" in reason)
         raise InputError(f"parameters: {item.name} = {show(value)} cannot change: {text}")
     return found
 

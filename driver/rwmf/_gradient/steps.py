@@ -34,7 +34,7 @@ _NO_DERIVATIVE, _NOTICED = 0.1, 1e-4
 # relative difference between jumps of one kink, and number of smaller steps that confirm it
 _SAME_JUMP, _CONFIRMED = 0.2, 2
 # change of a value over the largest p dq/dp that is left to the integration
-_UNSEEN = 1e-9
+_UNSEEN = 1e-7
 
 
 class Steps:
