@@ -22,6 +22,7 @@ _STARTS, _STEPS = 3, 12
 # step of the differences of a statistic over the range of a variable
 _STEP = 5e-3
 _SEED = 1963
+_AT_BOUND = 1e-9
 
 
 def cheapest(
@@ -126,7 +127,9 @@ def _descend(
 
     def design(x: Array) -> Array:
         full = start.copy()
-        full[real] = low[real] + np.clip(x, 0, 1) * span[real]
+        # the optimiser stops a rounding error away from a bound
+        near = np.where(x < _AT_BOUND, 0.0, np.where(x > 1 - _AT_BOUND, 1.0, x))
+        full[real] = low[real] + near * span[real]
         return full
 
     def neighbours(x: Array) -> list[tuple[Array, Array, float]]:
@@ -146,7 +149,8 @@ def _descend(
         near = neighbours(x)
         both = runs.utilisations(np.array([item for pair in near for item in pair[:2]]))
         steps = np.array([step for *_, step in near])
-        return -((both[::2] - both[1::2]) / steps[:, None]).T
+        found: Array = -((both[::2] - both[1::2]) / steps[:, None]).T
+        return found
 
     minimize(
         lambda x: cost(design(x)) / size,

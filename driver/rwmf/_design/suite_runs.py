@@ -77,7 +77,8 @@ class SuiteRuns:
             [item.utilisation(float(x)) for item, x in zip(self._targets, row, strict=True)]
             for row in found
         ]
-        return np.minimum(np.nan_to_num(np.array(rows), nan=_MOST), _MOST)
+        limited: Array = np.minimum(np.nan_to_num(np.array(rows), nan=_MOST), _MOST)
+        return limited
 
     def compute(self, designs: Array) -> Array:
         """Compute the values of the targets.

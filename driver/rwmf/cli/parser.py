@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from rwmf.cli.design_parser import add_design
 from rwmf.cli.records_parser import add_records
 from rwmf.cli.study_parser import add_study
 from rwmf.cli.subcommands import Subcommands, add_case, add_plot, add_threads
@@ -47,6 +48,7 @@ def make_parser() -> argparse.ArgumentParser:
         _add_spectrum,
         _add_cost,
         _add_gradient,
+        add_design,
         _add_check,
         add_records,
         _add_sweep,

@@ -1,6 +1,7 @@
 """Engineering studies: each computes a labelled dataset from a case."""
 
 from rwmf.studies.bands import sensitivity_bands
+from rwmf.studies.displacement_design import displacement_based_prestress
 from rwmf.studies.equal_response import equal_response
 from rwmf.studies.fragility import fragility, incremental_dynamic_analysis
 from rwmf.studies.friction import friction_spectra
@@ -11,6 +12,7 @@ from rwmf.studies.wall_effect import wall_effect, without_wall
 
 __all__ = [
     "cumulative_distribution",
+    "displacement_based_prestress",
     "equal_response",
     "fragility",
     "friction_spectra",
