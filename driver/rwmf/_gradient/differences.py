@@ -7,7 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["FAR", "LANES", "NEAR", "Estimate", "derivative_at", "offsets_of", "valid_range"]
+__all__ = [
+    "FAR",
+    "LANES",
+    "NEAR",
+    "Estimate",
+    "derivative_at",
+    "offsets_of",
+    "resolution",
+    "valid_range",
+]
 
 Array = npt.NDArray[np.float64]
 # relative steps of the central differences; one-sided differences add half the smallest
@@ -98,6 +107,31 @@ def derivative_at(offsets: Array, values: Array, centre: float) -> Estimate:
     spread = max(abs(small - large), abs(jump - twice / 2))
     is_kink = _SAME * abs(twice) < abs(jump) < abs(twice) / _SAME
     return Estimate(float(large), float(spread), jump, is_kink)
+
+
+def resolution(values: Array) -> float:
+    """Return the smallest difference that values can have.
+
+    A quantity that is a difference of larger numbers, such as the increment of a force, has fewer
+    binary digits than its type.
+
+    Parameters
+    ----------
+    values : numpy.ndarray, shape (n,)
+        Values of one quantity in several runs.
+
+    Returns
+    -------
+    float
+        The largest power of two that divides all values, or their round-off; 0 for equal values.
+    """
+    kept = values[np.isfinite(values) & (values != 0)]
+    if kept.size == 0 or (kept == kept[0]).all():
+        return 0.0
+    mantissas, exponents = np.frexp(kept)
+    whole = (mantissas * 2.0**53).astype(np.int64)
+    # the lowest bit of a whole number
+    return float((np.ldexp(1.0, exponents - 53) * (whole & -whole)).min())
 
 
 def valid_range(offsets: Array, changes: Array, derivative: float, floor: float) -> float:

@@ -8,7 +8,16 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from rwmf._gradient.differences import FAR, LANES, Estimate, derivative_at, offsets_of, valid_range
+from rwmf._gradient.differences import (
+    FAR,
+    LANES,
+    NEAR,
+    Estimate,
+    derivative_at,
+    offsets_of,
+    resolution,
+    valid_range,
+)
 from rwmf._gradient.held_keys import Parameter, allowed_changes, scale_of
 from rwmf._gradient.lanes import Lanes, Request
 from rwmf._gradient.scenes import Scenes
@@ -183,19 +192,22 @@ class Steps:
             good = np.isfinite(offsets[cell, i])
             for q in range(centre.shape[1]):
                 at = (int(cell), int(i), q)
-                three = values[cell, i, :LANES, q][good]
-                found[at] = derivative_at(offsets[cell, i][good], three, centre[cell, q])
+                near = values[cell, i, :LANES, q][good]
+                found[at] = derivative_at(offsets[cell, i][good], near, centre[cell, q])
                 if np.isnan(self.derivative[at]):
                     self.derivative[at] = found[at].derivative
         largest = self._largest()
-        floor = (_OF_TOLERANCE * rtol + _ROUND_OFF) / (1e-4 * factor)
         is_open = np.zeros(self.derivative.shape, dtype=bool)
         for at, item in found.items():
             most = largest[at[0], at[2]]
             if not math.isfinite(item.derivative):
                 continue
             is_jump = item.is_kink and abs(item.jump) > _NOTICED * most
-            error = _SAFETY * item.spread + floor * most
+            cell, i, q = at
+            around = np.append(values[cell, i, :LANES, q], centre[cell, q])
+            round_off = max(_ROUND_OFF * most, resolution(around)) / (NEAR[1] * factor)
+            floor = _OF_TOLERANCE * rtol * most / (NEAR[1] * factor) + round_off
+            error = _SAFETY * item.spread + floor
             if is_jump and abs(item.jump - self._jump[at]) < _SAME_JUMP * abs(item.jump):
                 self._smaller[at] += factor < 1
                 if self._smaller[at] >= _CONFIRMED:
@@ -203,7 +215,7 @@ class Steps:
                     self.derivative[at], self.error[at] = item.derivative, abs(item.jump) / 2
                     continue
             self._jump[at] = item.jump if is_jump else 0.0
-            is_open[at] = item.spread > _SETTLED * most
+            is_open[at] = item.spread > max(_SETTLED * most, 2 * round_off)
             if error < self.error[at]:
                 self.derivative[at], self.error[at] = item.derivative, error
         return is_open

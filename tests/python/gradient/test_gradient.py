@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-from rwmf._gradient.differences import derivative_at, offsets_of, valid_range
+from rwmf._gradient.differences import derivative_at, offsets_of, resolution, valid_range
 from scenes import bare_frame, coupled
 
 SIX_STOREYS = Path(__file__).parents[3] / "inputs" / "six_storeys_by_dimensions.nml"
@@ -49,6 +49,13 @@ def test_slopes_that_differ_are_a_kink() -> None:
     assert (one_sided > 0).all()
     smooth = derivative_at(one_sided, np.exp(2 * one_sided), 1.0)
     assert smooth.derivative == pytest.approx(2.0, rel=1e-9)
+
+
+def test_differences_of_large_numbers_have_a_coarse_resolution() -> None:
+    values = np.linspace(2.0, 2.001, 7) * np.sqrt(2) - 2.8
+    assert resolution(values) == pytest.approx(2.0**-51, rel=0)
+    assert resolution(np.sqrt(np.linspace(0.2, 0.3, 9))) <= 2.0**-53
+    assert resolution(np.array([2.0, 2.0])) == 0.0
 
 
 def test_range_ends_where_the_prediction_errs_by_a_tenth() -> None:
