@@ -38,6 +38,8 @@ _SETTLED = 1e-9
 _SAFETY = 3.0
 # error of a value over its tolerance, and round-off
 _OF_TOLERANCE, _ROUND_OFF = 1e-3, 2e-16
+# least error over the largest p dq/dp
+_LEAST = 1e-9
 # error over the derivative, and over the largest p dq/dp, above which there is no derivative
 _NO_DERIVATIVE, _NOTICED = 0.1, 1e-4
 # relative difference between jumps of one kink, and number of smaller steps that confirm it
@@ -206,7 +208,8 @@ class Steps:
             cell, i, q = at
             around = np.append(values[cell, i, :LANES, q], centre[cell, q])
             round_off = max(_ROUND_OFF * most, resolution(around)) / (NEAR[1] * factor)
-            floor = _OF_TOLERANCE * rtol * most / (NEAR[1] * factor) + round_off
+            of_tolerance = max(_OF_TOLERANCE * rtol / (NEAR[1] * factor), _LEAST)
+            floor = of_tolerance * most + round_off
             error = _SAFETY * item.spread + floor
             if is_jump and abs(item.jump - self._jump[at]) < _SAME_JUMP * abs(item.jump):
                 self._smaller[at] += factor < 1

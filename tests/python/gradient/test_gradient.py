@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import rwmf
 from rwmf._gradient.differences import derivative_at, offsets_of, resolution, valid_range
+from random_cases import random_cases
 from scenes import bare_frame, coupled
 
 SIX_STOREYS = Path(__file__).parents[3] / "inputs" / "six_storeys_by_dimensions.nml"
@@ -257,6 +258,36 @@ def test_prediction_holds_over_its_range() -> None:
         change = run - float(cell["value"])
         good += int((abs(change - slope * value * reach) <= 0.1 * abs(change) + 1e-10).sum())
     assert good >= 138
+
+
+@pytest.mark.slow
+def test_error_covers_the_truth(record_folder: Path) -> None:
+    """Random scenes against larger steps at a tolerance of 1e-13, with two Richardson steps."""
+    random = np.random.default_rng(8)
+    covered, worst, n = 0, 0.0, 0
+    for case in random_cases(40, 8, record_folder):
+        keys = ("wall.h", "wall.b", "T_s", "gamma", "xi_s", "eta_0", "impact.e")
+        names = [str(name) for name in random.choice(keys, 2, replace=False)]
+        found = rwmf.gradient(case, names).squeeze("quantity")
+        scale = np.abs(found["derivative"] * found["parameter_scale"]).max().item()
+        scale = max(scale, abs(found["value"].item()))
+        for name in names:
+            cell = found.sel(parameter=name)
+            p = cell["parameter_value"].item()
+            steps = np.outer([3e-4, 1.5e-4, 7.5e-5], [1.0, -1.0])
+            table = {name: (p * (1 + steps)).ravel(), "rtol": np.full(6, 1e-13)}
+            run = rwmf.sweep(case, points=table)["u_s_max"].values.reshape(3, 2)
+            slopes = (run[:, 0] - run[:, 1]) / (2 * steps[:, 0])
+            first = (4 * slopes[1:] - slopes[:-1]) / 3
+            if abs(first[1] - first[0]) > 1e-9 * scale:
+                # larger steps meet a kink
+                continue
+            wrong = abs(cell["derivative"].item() * p - (16 * first[1] - first[0]) / 15)
+            covered += wrong <= cell["error"].item() * p
+            worst, n = max(worst, wrong / scale), n + 1
+    assert n >= 60
+    assert covered >= 0.99 * n
+    assert worst < 1e-6
 
 
 def test_statistic_of_a_suite() -> None:
