@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
-from rwmf._gradient.differences import derivative_at, offsets_of, resolution, valid_range
 from random_cases import random_cases
+from rwmf._gradient.differences import derivative_at, offsets_of, resolution, valid_range
 from scenes import bare_frame, coupled
 
 SIX_STOREYS = Path(__file__).parents[3] / "inputs" / "six_storeys_by_dimensions.nml"
