@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rwmf._numbers import show
 from rwmf._sweep.axes import Axis, Scene, grid_axis, key_of_column, name_axes, record_axis
 from rwmf._sweep.points import Points, point_axis
 from rwmf._sweep.record_sets import RecordFile, find_records
@@ -153,5 +152,5 @@ class Scenes:
             When there is no such dimension.
         """
         if name not in self.sizes:
-            raise InputError(f"statistic: needs {show(name)}s: give records=[...]")
+            raise InputError(f"statistic: there is no dimension {name}: give records=[...]")
         return list(self.sizes).index(name)
