@@ -33,6 +33,7 @@ def gradient(
     grid: Mapping[str, object] | None = None,
     records: Sequence[str | os.PathLike[str] | RecordFile | Motion] = (),
     statistic: Statistic | None = None,
+    over: str | Sequence[str] = RECORD,
     threads: int = 0,
     unit: str | None = None,
     dt: float | None = None,
@@ -58,8 +59,10 @@ def gradient(
         As in `rwmf.sweep`; each run has a gradient.
     statistic : float or callable, optional
         Differentiate a statistic over the records instead. A number is the share of a quantile, by
-        ranks. A function takes an array of one value a record, infinite after a collapse. The steps
-        are five times larger.
+        ranks. A function takes an array of one value a record, infinite after a collapse, such as
+        that of `rwmf.studies.fragility_median`. The steps are five times larger.
+    over : str or sequence of str
+        Dimensions of the array that the statistic takes, ``record`` first.
 
     Returns
     -------
@@ -87,10 +90,12 @@ def gradient(
     found = find_parameters(scenes.case, parameters, scenes.columns)
     lanes = Lanes(scenes, found, names, threads)
     suite = None
+    reduced = texts_of("over", over) if statistic is not None else []
     if statistic is not None:
-        suite = SuiteStatistic(statistic, scenes.index_of(RECORD), tuple(scenes.sizes.values()))
+        axes = tuple(scenes.index_of(name) for name in reduced)
+        suite = SuiteStatistic(statistic, axes, tuple(scenes.sizes.values()))
     steps = Steps(scenes, lanes, found, suite)
-    dims = [name for name in scenes.sizes if suite is None or name != RECORD]
+    dims = [name for name in scenes.sizes if name not in reduced]
     dataset = _dataset(scenes, lanes, steps, dims, found)
     dataset.coords["quantity"] = ("quantity", names, {"long_name": "result"})
     dataset.coords["parameter"] = ("parameter", parameters, {"long_name": "number of the case"})
@@ -103,10 +108,8 @@ def _dataset(
 ) -> xr.Dataset:
     """Label derivatives with respect to the parameters themselves."""
     sizes = [scenes.sizes[name] for name in dims]
-    n_cells = len(steps.value)
-    # records of a suite have the same parameters
-    scales = steps.scales if n_cells == len(steps.scales) else _first(scenes, steps.scales)
-    values = lanes.values if n_cells == len(lanes.values) else _first(scenes, lanes.values)
+    # the scenes of a statistic have the same parameters
+    scales, values = steps.of_cells(steps.scales), steps.of_cells(lanes.values)
 
     def cells(array: np.ndarray, *labels: str) -> tuple[tuple[str, ...], np.ndarray]:
         """Give an array the dimensions of the scenes last."""
@@ -140,13 +143,6 @@ def _dataset(
     found.coords["parameter_scale"] = cells(scales, "parameter")
     found.coords["parameter_unit"] = ("parameter", [item.unit for item in parameters])
     return found
-
-
-def _first(scenes: Scenes, array: np.ndarray) -> np.ndarray:
-    """Return the rows of the first record."""
-    sizes = tuple(scenes.sizes.values())
-    shaped = array.reshape((*sizes, array.shape[1])).take(0, axis=scenes.index_of(RECORD))
-    return np.asarray(shaped.reshape((-1, array.shape[1])))
 
 
 def _unit_of(name: str) -> str:

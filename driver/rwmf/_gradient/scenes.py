@@ -81,11 +81,6 @@ class Scenes:
                 found[name] = float(values[position])
         return found
 
-    @property
-    def has_records(self) -> bool:
-        """True when records replace the motion of the case."""
-        return RECORD in self.columns
-
     def case_of(self, number: int) -> Case:
         """Return the case of a row, with the motion of the common case.
 

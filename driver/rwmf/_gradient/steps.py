@@ -122,7 +122,7 @@ class Steps:
             near = self._offsets(factor, level == 0, pending)
             centre, values, raw = self._compute(near, rtol)
             self.value = np.where(np.isnan(centre), self.value, centre)
-            offsets.append(self._of_cells(near))
+            offsets.append(self.of_cells(near))
             with np.errstate(invalid="ignore"):
                 changes.append(values - centre[:, None, None, :])
             is_open = self._estimate(offsets[-1][..., :LANES], values, centre, factor, rtol)
@@ -174,9 +174,20 @@ class Steps:
             return centre, values, values
         return self._statistic.of(centre), self._statistic.of(values), values
 
-    def _of_cells(self, offsets: Array) -> Array:
-        # the changes of a parameter are the same for all records
-        return offsets if self._statistic is None else self._statistic.first(offsets)
+    def of_cells(self, values: Array) -> Array:
+        """Return what all scenes of a cell have in common.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (rows, ...)
+            Values that do not depend on the dimensions of a statistic.
+
+        Returns
+        -------
+        numpy.ndarray, shape (cells, ...)
+            Those of the first scene of each cell.
+        """
+        return values if self._statistic is None else self._statistic.first(values)
 
     def _largest(self) -> Array:
         """Return the largest of value and p dq/dp over the parameters."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -19,16 +20,16 @@ _SUITES, _SEED = 200, 1963
 
 
 class SuiteStatistic:
-    """A statistic over one of the dimensions of the scenes.
+    """A statistic over dimensions of the scenes, of which the first are the records.
 
     Parameters
     ----------
     statistic : float or callable
-        Share of a quantile in [0, 1], or a function of an array of one value a record.
-    axis : int
-        Position of the records among the dimensions.
+        Share of a quantile in [0, 1], or a function of an array over the dimensions.
+    axes : tuple of int
+        Positions of the dimensions among those of the scenes, first that of the records.
     sizes : tuple of int
-        Sizes of the dimensions.
+        Sizes of the dimensions of the scenes.
 
     Raises
     ------
@@ -36,13 +37,13 @@ class SuiteStatistic:
         When the statistic is neither.
     """
 
-    def __init__(self, statistic: Statistic, axis: int, sizes: tuple[int, ...]) -> None:
+    def __init__(self, statistic: Statistic, axes: tuple[int, ...], sizes: tuple[int, ...]) -> None:
         share = float_of(statistic)
         if not callable(statistic) and not (share is not None and 0 <= share <= 1):
             wanted = "a share in [0, 1] or a function of an array"
             raise InputError(f"statistic = {show(statistic)}: must be {wanted}")
         self._statistic = statistic
-        self._axis, self._sizes = axis, sizes
+        self._axes, self._sizes = axes, sizes
 
     def of(self, values: Array) -> Array:
         """Compute the statistic.
@@ -72,7 +73,8 @@ class SuiteStatistic:
         numpy.ndarray, shape (cells, ...)
             Those of the first record.
         """
-        found: Array = self._records_first(values)[0]
+        known = self._records_first(values)
+        found: Array = known[(0,) * len(self._axes)]
         return found
 
     def of_resampled(self, values: Array) -> Iterator[Array]:
@@ -94,15 +96,26 @@ class SuiteStatistic:
             yield self._reduce(known[random.integers(0, len(known), len(known))])
 
     def _records_first(self, values: Array) -> Array:
+        """Return the values over the dimensions of the statistic, cells, and the others."""
         shaped = values.reshape((*self._sizes, *values.shape[1:]))
-        moved = np.moveaxis(shaped, self._axis, 0)
-        return moved.reshape((self._sizes[self._axis], -1, *values.shape[1:]))
+        n = len(self._axes)
+        moved = np.moveaxis(shaped, self._axes, range(n))
+        return moved.reshape((*moved.shape[:n], -1, *values.shape[1:]))
 
     def _reduce(self, values: Array) -> Array:
+        n = len(self._axes)
+        shape = values.shape[n:]
         if callable(self._statistic):
-            return np.apply_along_axis(self._statistic, 0, values)
+            columns = np.moveaxis(values.reshape((*values.shape[:n], -1)), -1, 0)
+            # lanes that were not run have no statistic
+            found = [
+                math.nan if np.isnan(column).any() else self._statistic(column)
+                for column in columns
+            ]
+            return np.array(found, dtype=float).reshape(shape)
         # by ranks; between two ranks their mean, so the median of an even suite is the usual one
+        flat = values.reshape((-1, *shape))
         with np.errstate(invalid="ignore"):
             return np.asarray(
-                np.quantile(values, self._statistic, axis=0, method="averaged_inverted_cdf")
+                np.quantile(flat, self._statistic, axis=0, method="averaged_inverted_cdf")
             )

@@ -11,6 +11,7 @@ import pytest
 import rwmf
 from random_cases import random_cases
 from rwmf._gradient.differences import derivative_at, offsets_of, resolution, valid_range
+from rwmf.studies import annual_frequency, fragility_median
 from scenes import bare_frame, coupled
 
 SIX_STOREYS = Path(__file__).parents[3] / "inputs" / "six_storeys_by_dimensions.nml"
@@ -306,3 +307,26 @@ def test_statistic_of_a_suite() -> None:
         rwmf.gradient(case, "b", statistic=0.5)
     with pytest.raises(rwmf.InputError, match="share"):
         rwmf.gradient(case, "b", records=RECORDS, statistic=50)
+
+
+def test_fragility_of_a_linear_frame() -> None:
+    """Demands in proportion to the scale: the median capacity is the limit over them."""
+    case = bare_frame(solver={"t_end": 4.0})
+    levels = [0.2, 0.5, 1.0, 2.0, 5.0, 12.0]
+    demands = rwmf.sweep(case, records=RECORDS)["u_s_max"].squeeze().values
+    limit = float(demands.max())
+    how = {"records": RECORDS, "grid": {"scale": levels}, "over": ("record", "scale")}
+    capacities = limit / demands
+    theta, spread = np.exp(np.mean(np.log(capacities))), np.var(np.log(capacities), ddof=1)
+    found = rwmf.gradient(case, "T_s", statistic=fragility_median(limit, levels), **how)
+    assert found["value"].item() == pytest.approx(theta, rel=1e-7)
+    alone = rwmf.gradient(case, "T_s", records=RECORDS)
+    slopes = -(alone["derivative"].values / alone["value"].values[:, None]).ravel()
+    assert found["derivative"].item() == pytest.approx(theta * slopes.mean(), rel=1e-4)
+    frequency = annual_frequency(limit, levels, 2e-4, 2.5)
+    found = rwmf.gradient(case, "T_s", statistic=frequency, **how)
+    truth = 2e-4 * theta**-2.5 * np.exp(2.5**2 * spread / 2)
+    assert found["value"].item() == pytest.approx(truth, rel=1e-6)
+    assert found["bootstrap_error"].item() > 0
+    with pytest.raises(rwmf.InputError, match="every record"):
+        rwmf.gradient(case, "T_s", statistic=fragility_median(100.0, levels), **how)
