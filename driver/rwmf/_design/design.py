@@ -22,7 +22,7 @@ from rwmf._design.targets import (
     targets_of,
     variables_of,
 )
-from rwmf._numbers import to_whole
+from rwmf._numbers import show, to_items, to_number, to_whole
 from rwmf._sweep.axes import key_of_column
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf.case import Case, CaseLike, Motion
@@ -189,6 +189,8 @@ def design(
     variables, limits = variables_of(bounds), targets_of(targets)
     price = cost_of(cost, variables)
     to_whole("designs", designs, 1)
+    if left_out is not None:
+        left_out = _listed("left_out", left_out)
     suite, judges = _split(records, left_out, unit, dt)
     start = None if guess is None else _start(guess, variables)
     runs = SuiteRuns(case, variables, limits, suite, threads)
@@ -210,6 +212,15 @@ def design(
         tuple(record.name for record in suite),
         tuple(record.name for record in judges),
     )
+
+
+def _listed(name: str, value: object) -> list[Any]:
+    """Return the items of a list of records."""
+    one = isinstance(value, str | os.PathLike | Motion | RecordFile)
+    items = [value] if one else to_items(value)
+    if items is None:
+        raise InputError(f"{name} = {show(value)}: must be a list")
+    return items
 
 
 def _check(item: Target, value: float, other: float) -> Check:
@@ -251,9 +262,9 @@ def _split(
 
 def _start(guess: Mapping[str, float], variables: Sequence[Variable]) -> Array:
     names = [item.name for item in variables]
-    if sorted(guess) != sorted(names):
-        raise InputError(f"guess: must have the keys of bounds: {', '.join(names)}")
-    return np.array([float(guess[name]) for name in names])
+    if not isinstance(guess, Mapping) or set(guess) != set(names):
+        raise InputError(f"guess = {show(guess)}: must have the keys of bounds: {', '.join(names)}")
+    return np.array([to_number(f"guess: {name}", guess[name]) for name in names])
 
 
 def _with_values(case: Case, variables: Sequence[Variable], values: Array) -> Case:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
-from rwmf._numbers import show, to_array
+from rwmf._numbers import show, to_array, to_number
 from rwmf._sweep.axes import name_axes
 from rwmf._sweep.computation import SweepOptions, sweep
 from rwmf._sweep.intensity import choose_intensity
@@ -180,6 +180,7 @@ def fragility(
     )
 
 
+@checked
 def fragility_median(
     limit: float, levels: Sequence[float]
 ) -> Callable[[npt.NDArray[np.float64]], float]:
@@ -210,6 +211,7 @@ def fragility_median(
     return lambda values: math.exp(float(np.mean(_capacities(values, limit, numbers))))
 
 
+@checked
 def annual_frequency(
     limit: float, levels: Sequence[float], k0: float, k: float
 ) -> Callable[[npt.NDArray[np.float64]], float]:
@@ -238,6 +240,7 @@ def annual_frequency(
         When a record does not reach the limit between the first and the last level.
     """
     numbers = _levels_of(levels)
+    k0, k = to_number("k0", k0, above=0.0), to_number("k", k, above=0.0)
 
     def frequency(values: npt.NDArray[np.float64]) -> float:
         logarithms = _capacities(values, limit, numbers)
