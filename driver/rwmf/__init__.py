@@ -18,7 +18,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from rwmf import loops, plot, records, studies
     from rwmf._cost import Cost, cost
+    from rwmf._design.design import Design, design
     from rwmf._explore import explore
+    from rwmf._gradient.gradient import gradient
     from rwmf._response import Response
     from rwmf._simulation import simulate
     from rwmf._spectrum import spectrum
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Case",
     "Cost",
+    "Design",
     "InputError",
     "Interrupted",
     "Motion",
@@ -43,8 +46,10 @@ __all__ = [
     "RwmfError",
     "__version__",
     "cost",
+    "design",
     "explore",
     "find_records",
+    "gradient",
     "intensity",
     "loops",
     "merge",
@@ -61,6 +66,7 @@ __all__ = [
 _HOMES = {
     "Case": "case",
     "Cost": "_cost",
+    "Design": "_design.design",
     "InputError": "errors",
     "Interrupted": "errors",
     "Motion": "case",
@@ -70,8 +76,10 @@ _HOMES = {
     "Response": "_response",
     "RwmfError": "errors",
     "cost": "_cost",
+    "design": "_design.design",
     "explore": "_explore",
     "find_records": "_sweep",
+    "gradient": "_gradient.gradient",
     "intensity": "_sweep.intensity",
     "merge": "_sweep",
     "quantile": "studies.statistics",

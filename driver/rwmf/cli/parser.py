@@ -9,6 +9,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from rwmf.cli.design_parser import add_design
 from rwmf.cli.records_parser import add_records
 from rwmf.cli.study_parser import add_study
 from rwmf.cli.subcommands import Subcommands, add_case, add_plot, add_threads
@@ -46,6 +47,8 @@ def make_parser() -> argparse.ArgumentParser:
         _add_run,
         _add_spectrum,
         _add_cost,
+        _add_gradient,
+        add_design,
         _add_check,
         add_records,
         _add_sweep,
@@ -145,6 +148,35 @@ def _add_cost(commands: Subcommands) -> None:
         help="peak whose error is compared, such as storey_drift_max (u_s_max, without a frame "
         "theta_max)",
     )
+
+
+def _add_gradient(commands: Subcommands) -> None:
+    parser = commands.add(
+        "gradient",
+        "Compute derivatives of results with respect to numbers of the case, with their errors and "
+        "ranges of validity (&spectrum is ignored).",
+        "inputs/fig12_one_cosine.nml --parameters T_s eta_0 --quantities u_s_max",
+        "gradient_command.run",
+    )
+    add_case(parser)
+    parser.add_argument(
+        "--parameters", metavar="KEY", nargs="+", required=True, help="keys with real numbers"
+    )
+    parser.add_argument(
+        "--quantities", metavar="KEY", nargs="+", help="results (reference/outputs.md); u_s_max"
+    )
+    parser.add_argument(
+        "--records", metavar="FILE", nargs="+", default=[], help="records instead of &motion"
+    )
+    parser.add_argument("--unit", metavar="UNIT", help="unit of records: g, m/s2 or cm/s2")
+    parser.add_argument(
+        "--statistic",
+        metavar="SHARE",
+        type=number(above=0, below=1),
+        help="quantile over the records to differentiate, 0.5 for the median",
+    )
+    add_threads(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
 def _add_check(commands: Subcommands) -> None:

@@ -1,8 +1,14 @@
 """Engineering studies: each computes a labelled dataset from a case."""
 
 from rwmf.studies.bands import sensitivity_bands
+from rwmf.studies.displacement_design import displacement_based_prestress
 from rwmf.studies.equal_response import equal_response
-from rwmf.studies.fragility import fragility, incremental_dynamic_analysis
+from rwmf.studies.fragility import (
+    annual_frequency,
+    fragility,
+    fragility_median,
+    incremental_dynamic_analysis,
+)
 from rwmf.studies.friction import friction_spectra
 from rwmf.studies.overturning import overturning_map
 from rwmf.studies.statistics import cumulative_distribution, percentiles
@@ -10,9 +16,12 @@ from rwmf.studies.suite_spectra import suite_spectra
 from rwmf.studies.wall_effect import wall_effect, without_wall
 
 __all__ = [
+    "annual_frequency",
     "cumulative_distribution",
+    "displacement_based_prestress",
     "equal_response",
     "fragility",
+    "fragility_median",
     "friction_spectra",
     "incremental_dynamic_analysis",
     "overturning_map",

@@ -56,7 +56,7 @@ WRONG: dict[str, Any] = {
     "mapping": {"a": 1},
     "set": {1.0, 2.0},
 }
-_CLASSES = ("Case", "Cost", "Motion", "RecordFile", "Response")
+_CLASSES = ("Case", "Cost", "Design", "Motion", "RecordFile", "Response")
 # results of other functions, and functions without arguments
 _NOT_CALLED = {"loops.Loop", "records.Record", "records.RecordPair", "records.Selection",
                "plot.style", "records.list_records"}  # fmt: skip
@@ -120,6 +120,13 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
                       "damping": 0.05, "periods": [0.5], "component": None, "g": 9.81,
                       "unit": None, "dt": None},
         "merge": {"parts": ["none.journal"], "file": str(folder / "x.nc")},
+        "design": {"case": case, "bounds": {"eta_0": [0.0, 1.0]}, "cost": {"eta_0": 1.0},
+                   "targets": [{"quantity": "u_s_max", "limit": 1.0, "percentile": 50}],
+                   "records": (), "left_out": None, "guess": None, "designs": 1, "threads": 1,
+                   "unit": None, "dt": None},
+        "gradient": {"case": case, "parameters": ["T_s"], "quantities": ["u_s_max"],
+                     "points": None, "grid": None, "records": (), "statistic": None,
+                     "over": "record", "threads": 1, "unit": None, "dt": None},
         "explore": {"case": str(folder / "none.nml"), "port": 0, "open_browser": False},
         "cost": {"case": "none.nml", "target": 1e-6, "progress": None, "quantities": None},
         "loops.check_springs": {"case": case},
@@ -157,6 +164,10 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "records.sequence": {"main": _motion(), "after": _motion(), "pause": 1.0,
                              "factors": (1.0, 1.0), "unit": None, "dt": None},
         "records.write_suite": {"selection": None, "path": str(folder / "s.csv")},
+        "studies.annual_frequency": {"limit": 0.1, "levels": [0.5, 1.0], "k0": 1e-4, "k": 2.0},
+        "studies.displacement_based_prestress": {"case": case, "displacement": 1e-4, "unit": None,
+                                                 "records": records, "damping": 0.1, "dt": None},
+        "studies.fragility_median": {"limit": 0.1, "levels": [0.5, 1.0]},
         "studies.cumulative_distribution": {"values": found["analysis"]["u_s_max"],
                                             "levels": [0.1]},
         "studies.percentiles": {"values": found["analysis"]["u_s_max"], "q": [50.0],

@@ -1,0 +1,1 @@
+"""Cheapest designs that meet targets over a suite."""

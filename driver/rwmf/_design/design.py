@@ -1,0 +1,280 @@
+"""Designs that meet their targets at the smallest cost."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._arguments import case_of, checked
+from rwmf._design.search import cheapest
+from rwmf._design.suite_runs import SuiteRuns
+from rwmf._design.targets import (
+    COLLAPSE,
+    Cost,
+    Target,
+    Variable,
+    cost_of,
+    targets_of,
+    variables_of,
+)
+from rwmf._numbers import show, to_items, to_number, to_whole
+from rwmf._sweep.axes import key_of_column
+from rwmf._sweep.record_sets import RecordFile, find_records
+from rwmf.case import Case, CaseLike, Motion
+from rwmf.errors import InputError
+
+__all__ = ["Check", "Design", "design"]
+
+Array = npt.NDArray[np.float64]
+_FEWEST_RECORDS = 4
+
+
+@dataclass(frozen=True)
+class Check:
+    """A target of a design and its value.
+
+    Attributes
+    ----------
+    target : str
+        The target in words.
+    quantity : str
+        Quantity of the target, or 'collapse'.
+    limit : float
+        Limit of the quantity, of collapses the allowed share.
+    value : float
+        Value over the suite of the design; infinite when too many motions end in collapse.
+    value_left_out : float
+        Value over the records that were left out; NaN without any.
+    utilisation, utilisation_left_out : float
+        Value over limit; up to 1 where the target is met.
+    """
+
+    target: str
+    quantity: str
+    limit: float
+    value: float
+    value_left_out: float
+    utilisation: float
+    utilisation_left_out: float
+
+    @property
+    def is_met(self) -> bool:
+        """True when the suite of the design meets the target."""
+        return self.utilisation <= 1.0
+
+
+@dataclass(frozen=True)
+class Design:
+    """Result of `design`.
+
+    Attributes
+    ----------
+    case : Case
+        The case with the numbers of the design.
+    values : dict of str to float
+        Numbers of the design by key.
+    cost : float
+        Their cost.
+    checks : tuple of Check
+        All targets.
+    designs : int
+        Number of computed designs.
+    records, left_out : tuple of str
+        Names of the records of the design, and of those left out.
+    """
+
+    case: Case
+    values: dict[str, float]
+    cost: float
+    checks: tuple[Check, ...]
+    designs: int
+    records: tuple[str, ...]
+    left_out: tuple[str, ...]
+
+    @property
+    def is_feasible(self) -> bool:
+        """True when all targets are met over the suite of the design."""
+        return all(check.is_met for check in self.checks)
+
+    @property
+    def missed(self) -> tuple[str, ...]:
+        """Targets that no computed design meets together with the others, with their excess."""
+        return tuple(
+            f"{check.target}: {check.value:.4g} exceeds {check.limit:.4g} by "
+            f"{100 * (check.utilisation - 1):.1f} % of the limit"
+            for check in self.checks
+            if not check.is_met
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as an object for JSON.
+
+        Returns
+        -------
+        dict
+            Values, cost, checks, missed targets, number of designs, names of records.
+        """
+        return {
+            "values": dict(self.values),
+            "cost": self.cost,
+            "is_feasible": self.is_feasible,
+            "missed": list(self.missed),
+            "checks": [vars(check) | {"is_met": check.is_met} for check in self.checks],
+            "designs": self.designs,
+            "records": list(self.records),
+            "left_out": list(self.left_out),
+        }
+
+
+@checked
+def design(
+    case: CaseLike,
+    bounds: Mapping[str, Sequence[float]],
+    targets: Sequence[Mapping[str, Any]],
+    cost: Cost,
+    records: Sequence[str | os.PathLike[str] | RecordFile | Motion] = (),
+    *,
+    left_out: Sequence[str | os.PathLike[str] | RecordFile | Motion] | None = None,
+    guess: Mapping[str, float] | None = None,
+    designs: int = 300,
+    threads: int = 0,
+    unit: str | None = None,
+    dt: float | None = None,
+) -> Design:
+    """Find the cheapest design whose suite meets all targets.
+
+    SciPy's differential evolution visits the bounds, with all designs of a generation in one sweep.
+    Then sequential quadratic programming follows gradients of the counted percentiles from the best
+    three designs. The result is the cheapest computed design that meets all targets.
+
+    Parameters
+    ----------
+    case : Case or path
+        Settings common to all designs.
+    bounds : mapping
+        Lower and upper bound by key; whole numbers for keys such as ``strands``.
+    targets : sequence of mapping
+        Each has ``quantity`` and ``limit`` in its unit, with ``percentile`` [%] or ``probability``
+        of exceedance. ``quantity='collapse'`` has a ``probability`` only. ``scale`` is a factor on
+        the motions.
+    cost : mapping or callable
+        Weights by key, or a function of the values by key.
+    records : sequence of str, path or Motion, optional
+        The suite; otherwise the motion of the case.
+    left_out : sequence of str, path or Motion, optional
+        Records that judge the design; by default every fourth record of the suite is left out.
+    guess : mapping, optional
+        A design to begin with, such as that of `rwmf.studies.displacement_based_prestress`.
+    designs : int
+        Number of designs that the first stage may visit.
+    threads, unit, dt
+        As in `rwmf.sweep`.
+
+    Returns
+    -------
+    Design
+        The design; when the targets cannot be met together, the design nearest to them.
+
+    Raises
+    ------
+    InputError
+        When an argument is not acceptable, or SciPy is not installed.
+    """
+    case = case_of(case)
+    variables, limits = variables_of(bounds), targets_of(targets)
+    price = cost_of(cost, variables)
+    to_whole("designs", designs, 1)
+    if left_out is not None:
+        left_out = _listed("left_out", left_out)
+    suite, judges = _split(records, left_out, unit, dt)
+    start = None if guess is None else _start(guess, variables)
+    runs = SuiteRuns(case, variables, limits, suite, threads)
+    best = cheapest(runs, variables, price, designs, start)
+    found = runs.compute(best[None])[0]
+    others = np.full(len(limits), np.nan)
+    if judges:
+        others = SuiteRuns(case, variables, limits, judges, threads).compute(best[None])[0]
+    checks = tuple(map(_check, limits, found.tolist(), others.tolist()))
+    return Design(
+        _with_values(case, variables, best),
+        {
+            item.name: int(x) if item.is_whole else float(x)
+            for item, x in zip(variables, best.tolist(), strict=True)
+        },
+        price(best),
+        checks,
+        len(runs.values),
+        tuple(record.name for record in suite),
+        tuple(record.name for record in judges),
+    )
+
+
+def _listed(name: str, value: object) -> list[Any]:
+    """Return the items of a list of records."""
+    one = isinstance(value, str | os.PathLike | Motion | RecordFile)
+    items = [value] if one else to_items(value)
+    if items is None:
+        raise InputError(f"{name} = {show(value)}: must be a list")
+    return items
+
+
+def _check(item: Target, value: float, other: float) -> Check:
+    limit = 1 - item.share if item.quantity == COLLAPSE else item.limit
+    return Check(
+        item.text,
+        item.quantity,
+        limit,
+        value,
+        other,
+        item.utilisation(value),
+        item.utilisation(other),
+    )
+
+
+def _split(
+    records: Sequence[str | os.PathLike[str] | RecordFile | Motion],
+    left_out: Sequence[str | os.PathLike[str] | RecordFile | Motion] | None,
+    unit: str | None,
+    dt: float | None,
+) -> tuple[Sequence[RecordFile], Sequence[RecordFile]]:
+    """Divide the records into those of the design and those that judge it."""
+    if not len(records):
+        if left_out is not None:
+            raise InputError("left_out: needs records")
+        return (), ()
+    suite = find_records(records, unit=unit, dt=dt)
+    if left_out is not None:
+        judges = find_records(left_out, unit=unit, dt=dt) if len(left_out) else ()
+        same = {record.crc32 for record in suite} & {record.crc32 for record in judges}
+        if same:
+            raise InputError("left_out: has records of the suite")
+        return suite, judges
+    if len(suite) < _FEWEST_RECORDS:
+        return suite, ()
+    judges = tuple(suite[_FEWEST_RECORDS - 1 :: _FEWEST_RECORDS])
+    return tuple(record for record in suite if record not in judges), judges
+
+
+def _start(guess: Mapping[str, float], variables: Sequence[Variable]) -> Array:
+    names = [item.name for item in variables]
+    if not isinstance(guess, Mapping) or set(guess) != set(names):
+        raise InputError(f"guess = {show(guess)}: must have the keys of bounds: {', '.join(names)}")
+    return np.array([to_number(f"guess: {name}", guess[name]) for name in names])
+
+
+def _with_values(case: Case, variables: Sequence[Variable], values: Array) -> Case:
+    """Put the numbers of a design into the case."""
+    changes: dict[str, dict[str, object]] = {}
+    for item, value in zip(variables, values.tolist(), strict=True):
+        group, key = key_of_column(item.column)
+        if item.column == "scale":
+            group, key = "motion", "scale"
+        elif item.column in ("T_s", "gamma") and "storeys" in case.groups:
+            raise InputError(f"bounds: {item.name}: no case states it beside &storeys; vary T_1, m")
+        changes.setdefault(group, {})[key] = int(value) if item.is_whole else value
+    return case.replace(**changes)

@@ -1,0 +1,239 @@
+"""Targets of a design, its variables and its cost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._numbers import show, to_array, to_items, to_number
+from rwmf._sweep.axes import kind_of, name_axes
+from rwmf._sweep.kept_quantities import find_quantities
+from rwmf.errors import InputError
+
+__all__ = ["COLLAPSE", "Cost", "Target", "Variable", "cost_of", "targets_of", "variables_of"]
+
+Array = npt.NDArray[np.float64]
+Cost = Mapping[str, float] | Callable[[dict[str, float]], float]
+# word for overturning or collapse as the quantity of a target
+COLLAPSE = "collapse"
+_ALLOWED = ("quantity", "limit", "percentile", "probability", "scale")
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A number that the design chooses.
+
+    Attributes
+    ----------
+    name : str
+        Name in the request.
+    column : str
+        Column of a table of points.
+    low, high : float
+        Bounds, included.
+    is_whole : bool
+        True for whole numbers.
+    """
+
+    name: str
+    column: str
+    low: float
+    high: float
+    is_whole: bool
+
+
+@dataclass(frozen=True)
+class Target:
+    """A limit of a design.
+
+    Attributes
+    ----------
+    quantity : str
+        Quantity of a sweep, or 'collapse'.
+    limit : float
+        Limit in its unit; NaN for a collapse.
+    share : float
+        Share of the records that must stay below the limit.
+    scale : float
+        Factor on the motions.
+    """
+
+    quantity: str
+    limit: float
+    share: float
+    scale: float
+
+    @property
+    def text(self) -> str:
+        """The target in words."""
+        what = f"{self.quantity} <= {self.limit:g}" if self.quantity != COLLAPSE else "no collapse"
+        factor = f", motions times {self.scale:g}" if self.scale != 1 else ""
+        return f"{what} in {100 * self.share:g} % of the motions{factor}"
+
+    def value_of(self, values: Array, fallen: npt.NDArray[np.bool_]) -> float:
+        """Return the quantile that the limit is for, or the share of collapses.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (motions,)
+            The quantity.
+        fallen : numpy.ndarray of bool, shape (motions,)
+            Whether wall or frame overturned or collapsed.
+
+        Returns
+        -------
+        float
+            Infinite when too many motions end in collapse.
+        """
+        if self.quantity == COLLAPSE:
+            return float(fallen.mean())
+        ranked = np.where(fallen, np.inf, values)
+        # a rank that round-off moves past the next whole number
+        share = max(self.share - 1e-12, 0.0)
+        return float(np.quantile(ranked, share, method="inverted_cdf"))
+
+    def utilisation(self, value: float) -> float:
+        """Return value over limit: the target is met up to 1.
+
+        Parameters
+        ----------
+        value : float
+            From `value_of`.
+
+        Returns
+        -------
+        float
+            The quotient; for a collapse 1 plus the share above the allowed one.
+        """
+        if self.quantity == COLLAPSE:
+            return 1.0 + value - (1.0 - self.share) - 1e-12
+        return value / self.limit
+
+
+def variables_of(bounds: Mapping[str, Sequence[float]]) -> list[Variable]:
+    """Look up the variables of a design.
+
+    Parameters
+    ----------
+    bounds : mapping
+        Lower and upper bounds by key.
+
+    Returns
+    -------
+    list of Variable
+        In the same order.
+
+    Raises
+    ------
+    InputError
+        When a key is unknown or no number, or when bounds are not two increasing numbers.
+    """
+    if not isinstance(bounds, Mapping) or not bounds:
+        raise InputError(f"bounds = {show(bounds)}: must be keys with (low, high)")
+    columns = list(name_axes(dict.fromkeys(bounds), "bounds"))
+    found = []
+    for (name, ends), column in zip(bounds.items(), columns, strict=True):
+        kind = kind_of(column)
+        if kind not in ("real", "integer", "real list"):
+            raise InputError(f"bounds: {name}: is a {kind}: a design chooses numbers")
+        low, high = (float(end) for end in _two(name, ends))
+        is_whole = kind == "integer"
+        if not low < high or (is_whole and not (low.is_integer() and high.is_integer())):
+            wanted = "two increasing whole numbers" if is_whole else "two increasing numbers"
+            raise InputError(f"bounds: {name} = {show(ends)}: must be {wanted}")
+        found.append(Variable(name, column, low, high, is_whole))
+    return found
+
+
+def _two(name: str, ends: object) -> Array:
+    items = to_array(f"bounds: {name}", ends)
+    if items.size != 2:
+        raise InputError(f"bounds: {name} = {show(ends)}: must be (low, high)")
+    return items
+
+
+def targets_of(targets: Sequence[Mapping[str, Any]]) -> list[Target]:
+    """Read the targets of a design.
+
+    Parameters
+    ----------
+    targets : sequence of mapping
+        ``quantity`` and ``limit``, with ``percentile`` [%] or ``probability`` of exceedance, or
+        ``quantity='collapse'`` with ``probability``; ``scale`` is a factor on the motions.
+
+    Returns
+    -------
+    list of Target
+        In the same order.
+
+    Raises
+    ------
+    InputError
+        When an entry is unknown, missing or out of range.
+    """
+    items = [targets] if isinstance(targets, Mapping) else to_items(targets)
+    if not items or not all(isinstance(item, Mapping) for item in items):
+        raise InputError(f"targets = {show(targets)}: must be mappings with quantity and limit")
+    return [_target(item) for item in items]
+
+
+def _target(item: Mapping[str, Any]) -> Target:
+    unknown = [str(key) for key in item if key not in _ALLOWED]
+    if unknown:
+        raise InputError(f"targets: {unknown[0]}: unknown; allowed are {', '.join(_ALLOWED)}")
+    quantity = item.get("quantity")
+    if not isinstance(quantity, str):
+        raise InputError(f"targets: quantity = {show(quantity)}: must be a text")
+    if ("percentile" in item) == ("probability" in item):
+        raise InputError(f"targets: {quantity}: give one of percentile and probability")
+    if "percentile" in item:
+        share = to_number("targets: percentile", item["percentile"], above=0.0) / 100
+    else:
+        share = 1 - to_number("targets: probability", item["probability"], below=1.0)
+    if not 0 < share <= 1:
+        raise InputError(f"targets: {quantity}: percentile in (0, 100], probability in [0, 1)")
+    scale = to_number("targets: scale", item.get("scale", 1.0), above=0.0)
+    if quantity == COLLAPSE:
+        return Target(COLLAPSE, float("nan"), share, scale)
+    name = next(iter(find_quantities((quantity,))))
+    limit = to_number(f"targets: {quantity}: limit", item.get("limit"), above=0.0)
+    return Target(name, limit, share, scale)
+
+
+def cost_of(cost: Cost, variables: Sequence[Variable]) -> Callable[[Array], float]:
+    """Make the cost of a design a function of its numbers.
+
+    Parameters
+    ----------
+    cost : mapping or callable
+        Weights by key, or a function of the values by key.
+    variables : sequence of Variable
+        The variables.
+
+    Returns
+    -------
+    callable
+        Cost of an array of the numbers.
+
+    Raises
+    ------
+    InputError
+        When a weight belongs to no variable, or the function returns no number.
+    """
+    names = [item.name for item in variables]
+    if isinstance(cost, Mapping):
+        unknown = [str(key) for key in cost if key not in names]
+        if unknown or not cost:
+            raise InputError(
+                f"cost: {', '.join(unknown)}: has no bounds; known: {', '.join(names)}"
+            )
+        weights = np.array([to_number(f"cost: {name}", cost.get(name, 0.0)) for name in names])
+        return lambda x: float(weights @ x)
+    if not callable(cost):
+        raise InputError(f"cost = {show(cost)}: must be weights by key or a function")
+    function = cost
+    return lambda x: to_number("cost", function(dict(zip(names, x.tolist(), strict=True))))

@@ -1,0 +1,1 @@
+"""Derivatives of results with respect to the numbers of a case."""

@@ -1,0 +1,339 @@
+"""Parameters of a gradient: names, values, steps, and the keys that do not follow them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf import _library
+from rwmf._gradient.differences import FAR, NEAR
+from rwmf._numbers import show
+from rwmf._sweep.axes import SCALE, key_of_column, kind_of, name_axes
+from rwmf.case import Case
+from rwmf.errors import InputError, without_lines
+
+__all__ = ["Parameter", "allowed_changes", "find_parameters", "followers", "value_of"]
+
+Array = npt.NDArray[np.float64]
+# an element of a list, as in a namelist: storey_F_y(2)
+_ELEMENT = re.compile(r"(.+)\((\d+)\)")
+_NO_PHYSICS = {
+    "output": "is a setting of the output",
+    "spectrum": "is a setting of a spectrum",
+    "solver": "is a setting of the solver",
+}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the case.
+
+    Attributes
+    ----------
+    name : str
+        Name in the request.
+    column : str
+        Column of a table of points.
+    element : int
+        Number of the element of a list, from 1; 0 for a number or a whole list.
+    is_list : bool
+        True where the numbers of a list change, which no column of a table can.
+    """
+
+    name: str
+    column: str
+    element: int = 0
+    is_list: bool = False
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Group and key."""
+        return key_of_column(self.column)
+
+    @property
+    def unit(self) -> str:
+        """Unit of the number."""
+        if self.column == SCALE:
+            return "1"
+        return _row(self).unit.replace("-", "1")
+
+
+def find_parameters(
+    case: Case, names: Sequence[str], columns: Sequence[str] = ()
+) -> list[Parameter]:
+    """Look up the parameters of a request.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    names : sequence of str
+        Keys of the case, with or without their group, and elements of lists as ``k(2)``.
+    columns : sequence of str
+        Columns that vary over points and grid.
+
+    Returns
+    -------
+    list of Parameter
+        In the same order.
+
+    Raises
+    ------
+    InputError
+        When a name is unknown, or its key is not a real number of the case.
+    """
+    if not names:
+        raise InputError("parameters: none is given")
+    found = [_find(case, name, columns) for name in names]
+    taken: dict[tuple[str, int], str] = {}
+    for item in found:
+        same = taken.setdefault((item.column, item.element), item.name)
+        if same is not item.name or list(names).count(item.name) > 1:
+            raise InputError(f"parameters: {same} and {item.name}: are the same number")
+    return found
+
+
+def _find(case: Case, name: str, columns: Sequence[str]) -> Parameter:
+    part = _ELEMENT.fullmatch(name.strip())
+    word, element = (part[1].strip(), int(part[2])) if part else (name.strip(), 0)
+    try:
+        (column,) = name_axes({word: None}, "parameters")
+    except InputError as error:
+        key = word.lower()
+        present = [group for group in case.groups if key in map(str.lower, case.groups[group])]
+        present = [group for group in present if group not in _NO_PHYSICS]
+        if "in several groups" not in str(error) or len(present) != 1:
+            raise
+        # only one group of this case has the key
+        (column,) = name_axes({f"{present[0]}.{word}": None}, "parameters")
+    kind = kind_of(column)
+    if kind not in ("real", "real list"):
+        wanted = "whole number" if kind == "integer" else kind.removesuffix(" list")
+        raise InputError(f"parameters: {name}: is a {wanted}: a derivative needs a real number")
+    has_records = "record" in columns
+    if column == SCALE and not has_records and "scale" in (case.motion or {}):
+        column = "motion.scale"
+    item = Parameter(name, column, element)
+    reason = _NO_PHYSICS.get(item.key[0])
+    if reason and item.key != ("solver", "t_end"):
+        raise InputError(f"parameters: {name}: {reason}, no number of the structure or the motion")
+    if has_records and item.key[0] == "motion" and column != SCALE:
+        raise InputError(f"parameters: {name}: the records replace &motion: ask for scale")
+    if column in columns:
+        return item
+    numbers = value_of(case, item)
+    is_list = numbers.size > 1
+    if element and not (kind == "real list" and 1 <= element <= numbers.size):
+        size = f"has {numbers.size} number{'s' * is_list}" if kind == "real list" else "is no list"
+        raise InputError(f"parameters: {name}: {word} {size}")
+    return Parameter(name, column, element if is_list else 0, is_list)
+
+
+def value_of(case: Case, item: Parameter) -> Array:
+    """Return the value of a parameter in a case.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    item : Parameter
+        The parameter.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n,)
+        One number, or those of a list.
+
+    Raises
+    ------
+    InputError
+        When the case has no such number, or derives it from others.
+    """
+    if item.column == SCALE:
+        return np.ones(1)
+    name, key = item.key
+    group = case.groups.get(name)
+    axes = case.kernel.axes()
+    if item.column in axes and (group is None or key not in group or key in group.derived):
+        value = axes[item.column].value
+        if value is not None and "storeys" in case.groups:
+            # period and mass ratio of storeys scale all stiffnesses and masses
+            return np.array([value])
+    if group is None:
+        raise InputError(
+            f"parameters: {item.name}: the case has no &{name}, so nothing depends on {key}; add "
+            f"the group, with {key} = 0 where that is allowed"
+        )
+    if key not in group:
+        others = ", ".join(_givers(case, name, key)) or ", ".join(sorted(group.given))
+        raise InputError(
+            f"parameters: {item.name}: has no value in this case, whose &{name} gives {others}"
+        )
+    if key in group.derived:
+        givers = ", ".join(_givers(case, name, key)) or ", ".join(sorted(group.given))
+        raise InputError(
+            f"parameters: {item.name}: follows from the given keys of &{name}: ask for one of "
+            f"{givers}"
+        )
+    given = group.as_given()
+    # a list given as one number for all stays one number
+    return np.atleast_1d(np.asarray(given.get(key, group[key]), dtype=np.float64))
+
+
+def _givers(case: Case, group: str, key: str) -> list[str]:
+    """List the given keys that replace a key."""
+    given = case.groups[group].given
+    return [row.key for row in _library.schema()
+            if row.group == group and row.gives == key and row.key in given]  # fmt: skip
+
+
+def scale_of(item: Parameter, value: float) -> float:
+    """Return the change of a parameter that counts as one.
+
+    Parameters
+    ----------
+    item : Parameter
+        The parameter.
+    value : float
+        Its value.
+
+    Returns
+    -------
+    float
+        The absolute value; for 0 the middle of the usual range, or 1 without one.
+    """
+    if value != 0:
+        return abs(value)
+    ends = re.findall(r"[-+.\deE]+", "" if item.column == SCALE else _row(item).usual)
+    if len(ends) != 2:
+        return 1.0
+    return math.sqrt(float(ends[0]) * float(ends[1]))
+
+
+def followers(case: Case, item: Parameter) -> list[tuple[str, str]]:
+    """List the keys whose default follows a parameter, such as eta_alpha after eta_0.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    item : Parameter
+        The parameter.
+
+    Returns
+    -------
+    list of (group, key)
+        Keys that are neither given nor derived from dimensional keys, with another default.
+    """
+    name, key = item.key
+    if item.column == SCALE or key not in case.groups.get(name, {}):
+        return []
+    numbers = value_of(case, item) if key not in case.groups[name].derived else np.zeros(0)
+    if numbers.size != 1:
+        return []
+    other = _accepted(case, item, float(numbers[0]) + NEAR[0] * scale_of(item, float(numbers[0])))
+    if isinstance(other, str):
+        return []
+    before, after = case.groups, other.groups
+    return [
+        (name, word)
+        for name, group in before.items()
+        if name not in _NO_PHYSICS or name == "solver"
+        for word in group
+        if word not in group.given | group.derived
+        and isinstance(group[word], float)
+        and (name, word) != item.key
+        and after[name].get(word) != group[word]
+    ]
+
+
+def allowed_changes(case: Case, item: Parameter, value: float, scale: float) -> dict[bool, float]:
+    """Find how far the kernel lets a parameter decrease and increase.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    item : Parameter
+        The parameter.
+    value, scale : float
+        Its value, and the change that counts as one.
+
+    Returns
+    -------
+    dict of bool to float
+        Largest of the tried changes for decreases (False) and increases (True); 0 for none.
+
+    Raises
+    ------
+    InputError
+        When the parameter can change in neither direction; the message is the kernel's.
+    """
+    found: dict[bool, float] = {}
+    reasons: list[str] = []
+    for is_up in (False, True):
+        found[is_up] = 0.0
+        for change in (*FAR[::-1], NEAR[0]):
+            other = _accepted(case, item, value + (change if is_up else -change) * scale)
+            if not isinstance(other, str):
+                found[is_up] = change
+                break
+        if isinstance(other, str):
+            reasons.append(other)
+    if not any(found.values()):
+        # beside a bound, the other side has the reason
+        text = min(reasons, key=lambda reason: "must be a number" in reason)
+        raise InputError(f"parameters: {item.name} = {show(value)} cannot change: {text}")
+    return found
+
+
+def _accepted(case: Case, item: Parameter, value: float) -> Case | str:
+    """Return the case with another value, or the kernel's reason against it."""
+    if item.column == SCALE:
+        return case
+    try:
+        return case.replace(**changed_entries(case, item, value))
+    except InputError as error:
+        text = without_lines(str(error))
+        if "storeys" in case.groups and item.column in ("T_s", "gamma"):
+            # only a sweep scales storeys; these have no other bound than zero
+            return case if value > 0 else text
+        return text
+
+
+def changed_entries(case: Case, item: Parameter, value: float) -> Mapping[str, dict[str, object]]:
+    """Return the groups that give a parameter another value.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    item : Parameter
+        The parameter.
+    value : float
+        Its value; for a whole list the mean, whose numbers keep their ratios.
+
+    Returns
+    -------
+    dict of str to dict
+        Arguments of `Case.replace`.
+    """
+    name, key = item.key
+    if not item.is_list:
+        is_list = _row(item).kind.endswith("list")
+        return {name: {key: [value] if is_list else value}}
+    numbers = value_of(case, item)
+    if item.element:
+        numbers[item.element - 1] = value
+    else:
+        numbers *= value / numbers.mean()
+    return {name: {key: numbers.tolist()}}
+
+
+def _row(item: Parameter) -> _library.KeyRow:
+    return next(row for row in _library.schema() if (row.group, row.key) == item.key)

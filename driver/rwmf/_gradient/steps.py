@@ -1,0 +1,259 @@
+"""Steps of a gradient: lanes, their differences, and smaller steps where these disagree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._gradient.differences import (
+    FAR,
+    LANES,
+    NEAR,
+    Estimate,
+    derivative_at,
+    offsets_of,
+    resolution,
+    valid_range,
+)
+from rwmf._gradient.held_keys import Parameter, allowed_changes, scale_of
+from rwmf._gradient.lanes import Lanes, Request
+from rwmf._gradient.scenes import Scenes
+from rwmf._gradient.suite_statistics import SuiteStatistic
+
+__all__ = ["Steps"]
+
+Array = npt.NDArray[np.float64]
+Truths = npt.NDArray[np.bool_]
+# factors on the steps, with the relative tolerances of their lanes: smaller steps follow only
+# where the differences disagree
+_LEVELS = ((1.0, 1e-9), (1.0, 1e-12), (0.1, 1e-13), (0.01, 1e-13), (1e-3, 1e-13))
+# ranks of a suite change with the steps, so a statistic has one set, ten times larger
+_OF_STATISTIC = ((5.0, 1e-9),)
+# disagreement over the largest p dq/dp above which smaller steps follow
+_SETTLED = 1e-9
+# error over disagreement: covers the truth in 99 % of runs
+_SAFETY = 3.0
+# error of a value over its tolerance, and round-off
+_OF_TOLERANCE, _ROUND_OFF = 1e-3, 2e-16
+# least error over the largest p dq/dp
+_LEAST = 1e-9
+# error over the derivative, and over the largest p dq/dp, above which there is no derivative
+_NO_DERIVATIVE, _NOTICED = 0.1, 1e-4
+# relative difference between jumps of one kink, and number of smaller steps that confirm it
+_SAME_JUMP, _CONFIRMED = 0.2, 2
+# change of a value over the largest p dq/dp that is left to the integration
+_UNSEEN = 1e-7
+
+
+class Steps:
+    """Derivatives of all quantities of all scenes with respect to all parameters.
+
+    Derivatives are with respect to relative changes, shape (cells, parameters, quantities); a cell
+    is a scene, or a suite of scenes with a statistic.
+
+    Parameters
+    ----------
+    scenes : Scenes
+        The scenes.
+    lanes : Lanes
+        Their runs.
+    parameters : sequence of Parameter
+        The parameters.
+    statistic : SuiteStatistic, optional
+        Statistic over the records.
+
+    Attributes
+    ----------
+    scales : numpy.ndarray, shape (rows, parameters)
+        Changes of the parameters that count as one.
+    value : numpy.ndarray, shape (cells, quantities)
+        The values.
+    derivative, error : numpy.ndarray, shape (cells, parameters, quantities)
+        Derivatives and their errors.
+    is_kink : numpy.ndarray of bool, shape (cells, parameters, quantities)
+        Where slopes differ, or no derivative is found.
+    valid_within : numpy.ndarray, shape (cells, parameters, quantities)
+        Largest relative changes for which the derivative holds.
+    bootstrap_error : numpy.ndarray, shape (cells, parameters, quantities), optional
+        Scatter of the derivative over resampled suites.
+    """
+
+    def __init__(
+        self,
+        scenes: Scenes,
+        lanes: Lanes,
+        parameters: Sequence[Parameter],
+        statistic: SuiteStatistic | None = None,
+    ) -> None:
+        self.bootstrap_error: Array | None = None
+        self._lanes = lanes
+        self._statistic = statistic
+        n_rows, n_parameters = lanes.values.shape
+        self.scales = np.empty((n_rows, n_parameters))
+        self._allowed: list[list[dict[bool, float]]] = []
+        known: dict[tuple[int, int], dict[bool, float]] = {}
+        for row in range(n_rows):
+            case = scenes.case_of(row)
+            for i, item in enumerate(parameters):
+                value = float(lanes.values[row, i])
+                self.scales[row, i] = scale = scale_of(item, value)
+                if (id(case), i) not in known or item.column in scenes.columns:
+                    known[id(case), i] = allowed_changes(case, item, value, scale)
+            self._allowed.append([known[id(case), i] for i in range(n_parameters)])
+        cells = n_rows if statistic is None else len(statistic.first(self.scales))
+        size = (cells, n_parameters, lanes.n_quantities)
+        self.value = np.full((cells, lanes.n_quantities), np.nan)
+        self.derivative, self.error = np.full(size, np.nan), np.full(size, np.inf)
+        self.is_kink: Truths = np.zeros(size, dtype=bool)
+        self.valid_within = np.zeros(size)
+        # last jump of the slopes, and smaller steps that confirm it
+        self._jump, self._smaller = np.zeros(size), np.zeros(size, dtype=int)
+        self._solve()
+
+    def _solve(self) -> None:
+        levels = _LEVELS if self._statistic is None else _OF_STATISTIC
+        offsets: list[Array] = []
+        changes: list[Array] = []
+        pending = np.ones(self.scales.shape, dtype=bool)
+        for level, (factor, rtol) in enumerate(levels):
+            near = self._offsets(factor, level == 0, pending)
+            centre, values, raw = self._compute(near, rtol)
+            self.value = np.where(np.isnan(centre), self.value, centre)
+            offsets.append(self.of_cells(near))
+            with np.errstate(invalid="ignore"):
+                changes.append(values - centre[:, None, None, :])
+            is_open = self._estimate(offsets[-1][..., :LANES], values, centre, factor, rtol)
+            if self._statistic is not None:
+                self._resample(self._statistic, raw, near)
+                break
+            pending &= is_open.any(axis=2)
+            if not pending.any():
+                break
+        largest = self._largest()[:, None, :]
+        with np.errstate(invalid="ignore"):
+            none = (self.error > _NO_DERIVATIVE * abs(self.derivative)) & (
+                self.error > _NOTICED * largest
+            )
+        self.is_kink |= none
+        self.error[np.isnan(self.derivative)] = np.nan
+        self._find_valid(np.concatenate(offsets, axis=2), np.concatenate(changes, axis=2))
+
+    def _offsets(self, factor: float, is_first: bool, pending: Truths) -> Array:
+        """Return relative changes, shape (rows, parameters, offsets), NaN for no run."""
+        found = np.full((*pending.shape, LANES + 2 * len(FAR) * is_first), np.nan)
+        for row, i in np.argwhere(pending):
+            down, up = self._allowed[row][i][False], self._allowed[row][i][True]
+            near = offsets_of((down > 0, up > 0), factor)
+            found[row, i, : near.size] = near
+            if is_first:
+                far = [sign * step for step in FAR for sign, most in ((1, up), (-1, down))
+                       if step <= most and step > abs(near).max()]  # fmt: skip
+                found[row, i, LANES : LANES + len(far)] = far
+        return found
+
+    def _compute(self, offsets: Array, rtol: float) -> tuple[Array, Array, Array]:
+        """Run the lanes: values without change, of all changes, and those before a statistic."""
+        places = np.argwhere(np.isfinite(offsets))
+        rows = np.unique(places[:, 0])
+        requests = [Request(int(row), -1, 0.0, rtol) for row in rows]
+        n_centres = len(requests)
+        for row, i, k in places:
+            value = self._lanes.values[row, i] + offsets[row, i, k] * self.scales[row, i]
+            requests.append(Request(int(row), int(i), float(value), rtol))
+        found, fallen = self._lanes.run(requests)
+        if self._statistic is not None:
+            found[fallen] = np.inf
+        centre = np.full((len(offsets), found.shape[1]), np.nan)
+        centre[rows] = found[:n_centres]
+        values = np.full((*offsets.shape, found.shape[1]), np.nan)
+        values[tuple(places.T)] = found[n_centres:]
+        if self._statistic is None:
+            return centre, values, values
+        return self._statistic.of(centre), self._statistic.of(values), values
+
+    def of_cells(self, values: Array) -> Array:
+        """Return what all scenes of a cell have in common.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (rows, ...)
+            Values that do not depend on the dimensions of a statistic.
+
+        Returns
+        -------
+        numpy.ndarray, shape (cells, ...)
+            Those of the first scene of each cell.
+        """
+        return values if self._statistic is None else self._statistic.first(values)
+
+    def _largest(self) -> Array:
+        """Return the largest of value and p dq/dp over the parameters."""
+        slopes = np.where(np.isfinite(self.derivative), abs(self.derivative), 0.0)
+        value = np.where(np.isfinite(self.value), abs(self.value), 0.0)
+        largest: Array = np.maximum(value, slopes.max(axis=1))
+        return largest
+
+    def _estimate(
+        self, offsets: Array, values: Array, centre: Array, factor: float, rtol: float
+    ) -> Truths:
+        """Differentiate, keep the better estimates, and return where steps disagree."""
+        found: dict[tuple[int, int, int], Estimate] = {}
+        for cell, i in np.argwhere(np.isfinite(offsets[..., 0])):
+            good = np.isfinite(offsets[cell, i])
+            for q in range(centre.shape[1]):
+                at = (int(cell), int(i), q)
+                near = values[cell, i, :LANES, q][good]
+                found[at] = derivative_at(offsets[cell, i][good], near, centre[cell, q])
+                if np.isnan(self.derivative[at]):
+                    self.derivative[at] = found[at].derivative
+        largest = self._largest()
+        is_open = np.zeros(self.derivative.shape, dtype=bool)
+        for at, item in found.items():
+            most = largest[at[0], at[2]]
+            if not math.isfinite(item.derivative):
+                continue
+            is_jump = item.is_kink and abs(item.jump) > _NOTICED * most
+            cell, i, q = at
+            around = np.append(values[cell, i, :LANES, q], centre[cell, q])
+            round_off = max(_ROUND_OFF * most, resolution(around)) / (NEAR[1] * factor)
+            of_tolerance = max(_OF_TOLERANCE * rtol / (NEAR[1] * factor), _LEAST)
+            floor = of_tolerance * most + round_off
+            error = _SAFETY * item.spread + floor
+            if is_jump and abs(item.jump - self._jump[at]) < _SAME_JUMP * abs(item.jump):
+                self._smaller[at] += factor < 1
+                if self._smaller[at] >= _CONFIRMED:
+                    self.is_kink[at] = True
+                    self.derivative[at], self.error[at] = item.derivative, abs(item.jump) / 2
+                    continue
+            self._jump[at] = item.jump if is_jump else 0.0
+            is_open[at] = item.spread > max(_SETTLED * most, 2 * round_off)
+            if error < self.error[at]:
+                self.derivative[at], self.error[at] = item.derivative, error
+        return is_open
+
+    def _resample(self, statistic: SuiteStatistic, raw: Array, offsets: Array) -> None:
+        """Compute the scatter of a slope over resampled suites."""
+        near = statistic.first(offsets)[:, :, :LANES, None]
+        tried = np.isfinite(near)
+        lever = np.where(tried, near - np.nanmean(near, axis=2, keepdims=True), 0.0)
+        samples = []
+        with np.errstate(invalid="ignore"):
+            for values in statistic.of_resampled(raw[:, :, :LANES]):
+                product = lever * np.where(tried, values, 0.0)
+                samples.append(product.sum(axis=2) / (lever**2).sum(axis=2))
+            low, high = np.quantile(np.array(samples), (0.16, 0.84), axis=0)
+            self.bootstrap_error = (high - low) / 2
+
+    def _find_valid(self, offsets: Array, changes: Array) -> None:
+        largest = self._largest()
+        for cell, i, q in np.ndindex(self.derivative.shape):
+            tried = np.isfinite(offsets[cell, i])
+            self.valid_within[cell, i, q] = valid_range(
+                offsets[cell, i][tried],
+                changes[cell, i, :, q][tried],
+                float(self.derivative[cell, i, q]),
+                _UNSEEN * float(largest[cell, q]),
+            )

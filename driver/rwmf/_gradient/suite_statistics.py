@@ -1,0 +1,121 @@
+"""Statistics over the records of a suite, and their scatter over resampled suites."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._numbers import float_of, show
+from rwmf.errors import InputError
+
+__all__ = ["Statistic", "SuiteStatistic"]
+
+Array = npt.NDArray[np.float64]
+Statistic = float | Callable[[Array], float]
+# resampled suites, with a fixed seed so that results repeat
+_SUITES, _SEED = 200, 1963
+
+
+class SuiteStatistic:
+    """A statistic over dimensions of the scenes, of which the first are the records.
+
+    Parameters
+    ----------
+    statistic : float or callable
+        Share of a quantile in [0, 1], or a function of an array over the dimensions.
+    axes : tuple of int
+        Positions of the dimensions among those of the scenes, first that of the records.
+    sizes : tuple of int
+        Sizes of the dimensions of the scenes.
+
+    Raises
+    ------
+    InputError
+        When the statistic is neither.
+    """
+
+    def __init__(self, statistic: Statistic, axes: tuple[int, ...], sizes: tuple[int, ...]) -> None:
+        share = float_of(statistic)
+        if not callable(statistic) and not (share is not None and 0 <= share <= 1):
+            wanted = "a share in [0, 1] or a function of an array"
+            raise InputError(f"statistic = {show(statistic)}: must be {wanted}")
+        self._statistic = statistic
+        self._axes, self._sizes = axes, sizes
+
+    def of(self, values: Array) -> Array:
+        """Compute the statistic.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (rows, ...)
+            Values of the scenes.
+
+        Returns
+        -------
+        numpy.ndarray, shape (cells, ...)
+            The statistic of each combination of the other dimensions.
+        """
+        return self._reduce(self._records_first(values))
+
+    def first(self, values: Array) -> Array:
+        """Return the values of the first record.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (rows, ...)
+            Values of the scenes.
+
+        Returns
+        -------
+        numpy.ndarray, shape (cells, ...)
+            Those of the first record.
+        """
+        known = self._records_first(values)
+        found: Array = known[(0,) * len(self._axes)]
+        return found
+
+    def of_resampled(self, values: Array) -> Iterator[Array]:
+        """Compute the statistic of suites drawn with replacement.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (rows, ...)
+            Values of the scenes; every value of a record is drawn together.
+
+        Yields
+        ------
+        numpy.ndarray, shape (cells, ...)
+            The statistic of one suite.
+        """
+        known = self._records_first(values)
+        random = np.random.default_rng(_SEED)
+        for _ in range(_SUITES):
+            yield self._reduce(known[random.integers(0, len(known), len(known))])
+
+    def _records_first(self, values: Array) -> Array:
+        """Return the values over the dimensions of the statistic, cells, and the others."""
+        shaped = values.reshape((*self._sizes, *values.shape[1:]))
+        n = len(self._axes)
+        moved = np.moveaxis(shaped, self._axes, range(n))
+        return moved.reshape((*moved.shape[:n], -1, *values.shape[1:]))
+
+    def _reduce(self, values: Array) -> Array:
+        n = len(self._axes)
+        shape = values.shape[n:]
+        if callable(self._statistic):
+            columns = np.moveaxis(values.reshape((*values.shape[:n], -1)), -1, 0)
+            # lanes that were not run have no statistic
+            found = [
+                math.nan if np.isnan(column).any() else self._statistic(column)
+                for column in columns
+            ]
+            return np.array(found, dtype=float).reshape(shape)
+        # by ranks; between two ranks their mean, so the median of an even suite is the usual one
+        flat = values.reshape((-1, *shape))
+        with np.errstate(invalid="ignore"):
+            return np.asarray(
+                np.quantile(flat, self._statistic, axis=0, method="averaged_inverted_cdf")
+            )

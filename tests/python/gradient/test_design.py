@@ -1,0 +1,136 @@
+"""Designs: cheapest of all, whole numbers, missed targets, records left out, the page."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rwmf
+from rwmf.cli import main
+from rwmf.studies import displacement_based_prestress
+from scenes import bare_frame, coupled
+
+_T = np.arange(0, 8, 0.02)
+RECORDS = [
+    rwmf.Motion(
+        a * np.sin(_T * w + i) * np.exp(-(((_T - 3) / 2) ** 2)), dt=0.02, unit="m/s2", name=f"w{i}"
+    )
+    for i, (a, w) in enumerate([(3, 4), (4, 5), (3.5, 6), (5, 7), (3, 3), (4, 8), (2.5, 5.5)])
+]
+TARGET = {"quantity": "u_s_max", "limit": 0.2, "percentile": 84}
+BOUNDS = {"eta_0": (0.0, 3.0), "xi_s": (0.02, 0.2)}
+
+
+def test_frame_with_a_known_answer() -> None:
+    """The peak of a linear frame is in proportion to the pulse: the bound is where it is met."""
+    case = bare_frame(motion={"a_max_g": 0.1}, solver={"t_end": 4.0})
+    peak = rwmf.sweep(case)["u_s_max"].item()
+    target = {"quantity": "u_s_max", "limit": 2.5 * peak, "percentile": 100}
+    found = rwmf.design(case, {"a_max_g": (0.05, 0.5)}, [target], {"a_max_g": -1.0}, designs=48)
+    assert found.is_feasible
+    assert found.values["a_max_g"] == pytest.approx(0.25, rel=1e-3)
+    assert found.left_out == ()
+    assert np.isnan(found.checks[0].value_left_out)
+    assert found.case.motion.a_max_g == found.values["a_max_g"]
+
+
+def test_cheaper_than_designs_at_random() -> None:
+    cost = {"eta_0": 1.0, "xi_s": 20.0}
+    found = rwmf.design(coupled(), BOUNDS, [TARGET], cost, RECORDS, left_out=(), designs=120)
+    assert found.is_feasible
+    random = np.random.default_rng(3)
+    table = {name: random.uniform(*ends, 300) for name, ends in BOUNDS.items()}
+    swept = rwmf.sweep(coupled(), points=table, records=RECORDS)
+    meets = rwmf.quantile(swept, "u_s_max", 0.84).values <= 0.2
+    assert 0 < meets.sum() < 300
+    assert found.cost < (table["eta_0"] + 20 * table["xi_s"])[meets].min()
+    again = rwmf.sweep(found.case, records=RECORDS)
+    value = rwmf.quantile(again, "u_s_max", 0.84).item()
+    assert value == pytest.approx(found.checks[0].value, rel=1e-9)
+    assert value <= 0.2
+
+
+def test_missed_targets_and_records_left_out() -> None:
+    targets = [TARGET, {"quantity": "u_s_max", "limit": 0.01, "probability": 0.5}]
+    targets.append({"quantity": "collapse", "probability": 0.2, "scale": 1.5})
+    found = rwmf.design(coupled(), BOUNDS, targets, lambda x: x["eta_0"], RECORDS, designs=32)
+    assert not found.is_feasible
+    assert found.left_out == ("w3",)
+    assert len(found.records) == len(RECORDS) - 1
+    missed = [check for check in found.checks if not check.is_met]
+    assert len(missed) == len(found.missed) > 0
+    assert any("0.01 in 50 %" in text and "% of the limit" in text for text in found.missed)
+    assert found.checks[1].utilisation == pytest.approx(found.checks[1].value / 0.01)
+    assert found.checks[2].is_met
+
+
+def test_whole_numbers() -> None:
+    path = Path(__file__).parents[3] / "inputs" / "six_storeys_by_dimensions.nml"
+    case = rwmf.Case.from_namelist(path).replace(solver={"t_end": 2.0})
+    table = {"strands": np.arange(4, 41)}
+    peaks = rwmf.sweep(case, points=table, quantities=("u_s_max",))["u_s_max"].values
+    limit = float(np.sort(peaks)[len(peaks) // 2])
+    target = {"quantity": "u_s_max", "limit": limit, "percentile": 100}
+    found = rwmf.design(case, {"strands": (4, 40)}, [target], {"strands": 1.0}, designs=64)
+    assert found.values == {"strands": int(table["strands"][peaks <= limit].min())}
+    assert found.case.cable.strands == found.values["strands"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"bounds": {"rule": (0, 1)}}, "design chooses numbers"),
+        ({"bounds": {"eta_0": (1.0, 0.0)}}, "increasing"),
+        ({"bounds": {"eta_0": (1.0,)}}, "low, high"),
+        ({"bounds": {}}, "keys with"),
+        ({"targets": [{"quantity": "u_s_max", "limit": 0.1}]}, "one of percentile and prob"),
+        ({"targets": [TARGET | {"top": 1}]}, "top: unknown"),
+        ({"targets": [TARGET | {"percentile": 101}]}, "percentile in"),
+        ({"targets": []}, "must be mappings"),
+        ({"cost": {"T_s": 1.0}}, "T_s: has no bounds"),
+        ({"cost": 3.0}, "weights by key"),
+        ({"left_out": RECORDS[:1]}, "records of the suite"),
+        ({"guess": {"T_s": 1.0}}, "keys of bounds"),
+    ],
+)
+def test_refused_arguments(changes: dict[str, object], message: str) -> None:
+    usual = {"bounds": {"eta_0": (0.0, 1.0)}, "targets": [TARGET], "cost": {"eta_0": 1.0}}
+    with pytest.raises(rwmf.InputError, match=message):
+        rwmf.design(coupled(), **(usual | {"records": RECORDS} | changes))
+
+
+def test_first_guess_balances_the_forces() -> None:
+    """Frame and wall together carry the force of the linear oscillator."""
+    case = coupled(frame={"T_s": 3.0})
+    found = displacement_based_prestress(case, 0.1, RECORDS)
+    eta_0, force = found["eta_0"].item(), found["force_over_m_w_g"].item()
+    wall = ((1 + eta_0) * 0.5 - 0.1 / 2) / 4.0
+    assert eta_0 > 0
+    assert wall + found["frame_force_over_m_w_g"].item() == pytest.approx(force)
+    softer = displacement_based_prestress(case, 0.2, RECORDS)
+    assert softer["effective_period"] > found["effective_period"]
+    with pytest.raises(rwmf.InputError, match="at most"):
+        displacement_based_prestress(case, 50.0, RECORDS)
+
+
+def test_command_and_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "case.nml"
+    coupled(solver={"t_end": 4.0}).to_namelist(path)
+    words = ["design", str(path), "--vary", "xi_s=0.02:0.2", "--target", "u_s_max=0.2@100"]
+    words += ["--cost", "xi_s=1", "--designs", "16", "--out", str(tmp_path / "design.nml")]
+    pages = [tmp_path / "design.html", tmp_path / "design.pdf"]
+    found = {}
+    for page in pages:
+        assert main([*words, "--report", str(page), "--json"]) == 0
+        found = json.loads(capsys.readouterr().out)
+    assert found["is_feasible"]
+    assert pages[1].read_bytes().startswith(b"%PDF")
+    text = pages[0].read_text(encoding="utf-8")
+    for part in ("<svg", "&amp;frame", "rwmf design", "u_s_max &lt;= 0.2", "No record was left"):
+        assert part in text
+    design = rwmf.Case.from_namelist(tmp_path / "design.nml")
+    assert design.frame.xi_s == found["values"]["xi_s"]
+    assert main([*words[:4], "--target", "u_s_max=0.2", "--cost", "xi_s=1"]) == 2
+    assert "PERCENTILE" in capsys.readouterr().err
