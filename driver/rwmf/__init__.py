@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rwmf._cost import Cost, cost
     from rwmf._explore import explore
     from rwmf._response import Response
+    from rwmf._risk import cloud, fragility, ida, risk, stripes
     from rwmf._simulation import simulate
     from rwmf._spectrum import spectrum
     from rwmf._sweep import RecordFile, find_records, merge, sweep
@@ -42,17 +43,22 @@ __all__ = [
     "Response",
     "RwmfError",
     "__version__",
+    "cloud",
     "cost",
     "explore",
     "find_records",
+    "fragility",
+    "ida",
     "intensity",
     "loops",
     "merge",
     "plot",
     "quantile",
     "records",
+    "risk",
     "simulate",
     "spectrum",
+    "stripes",
     "studies",
     "sweep",
 ]
@@ -69,14 +75,19 @@ _HOMES = {
     "RecordFile": "_sweep",
     "Response": "_response",
     "RwmfError": "errors",
+    "cloud": "_risk",
     "cost": "_cost",
     "explore": "_explore",
     "find_records": "_sweep",
+    "fragility": "_risk",
+    "ida": "_risk",
     "intensity": "_sweep.intensity",
     "merge": "_sweep",
     "quantile": "studies.statistics",
+    "risk": "_risk",
     "simulate": "_simulation",
     "spectrum": "_spectrum",
+    "stripes": "_risk",
     "sweep": "_sweep",
 }
 

@@ -1,7 +1,8 @@
 """Figures of datasets and results: each function takes and returns axes; none simulates.
 
 `history`, `profile`, `envelope` and `ground_motion` draw results of `rwmf.simulate`, `spectrum`
-those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`. The other functions draw the
+those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`; `ida`, `fragility`, `hazard` and `deaggregation` those of
+`rwmf.ida`, `rwmf.fragility` and `rwmf.risk`. The other functions draw the
 studies of the same name.
 """
 
@@ -11,10 +12,11 @@ from rwmf.plotting.ground import ground_motion
 from rwmf.plotting.overturning_map import draw_overturning
 from rwmf.plotting.profile import profile
 from rwmf.plotting.response import PANELS, history, spectrum
+from rwmf.plotting.risk_figures import deaggregation, fragility, hazard, ida
+from rwmf.plotting.risk_figures import fragility as draw_fragility
 from rwmf.plotting.studies import (
     draw_bands,
     draw_equal_response,
-    draw_fragility,
     draw_friction,
     draw_suite,
     draw_wall_effect,
@@ -23,6 +25,7 @@ from rwmf.plotting.style import make_panels, style
 
 __all__ = [
     "PANELS",
+    "deaggregation",
     "draw_bands",
     "draw_equal_response",
     "draw_fragility",
@@ -32,8 +35,11 @@ __all__ = [
     "draw_wall_effect",
     "envelope",
     "envelope_quantities",
+    "fragility",
     "ground_motion",
+    "hazard",
     "history",
+    "ida",
     "make_panels",
     "profile",
     "spectrum",

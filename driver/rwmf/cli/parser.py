@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rwmf.cli.records_parser import add_records
+from rwmf.cli.risk_parser import add_risk
 from rwmf.cli.study_parser import add_study
 from rwmf.cli.subcommands import Subcommands, add_case, add_plot, add_threads
 from rwmf.cli.words import number, whole, written_file
@@ -51,6 +52,7 @@ def make_parser() -> argparse.ArgumentParser:
         _add_sweep,
         _add_merge,
         add_study,
+        add_risk,
         _add_reproduce,
         _add_export,
         _add_animate,

@@ -1,5 +1,6 @@
 """Engineering studies: each computes a labelled dataset from a case."""
 
+from rwmf._risk.level_statistics import demand_percentiles
 from rwmf.studies.bands import sensitivity_bands
 from rwmf.studies.equal_response import equal_response
 from rwmf.studies.fragility import fragility, incremental_dynamic_analysis
@@ -11,6 +12,7 @@ from rwmf.studies.wall_effect import wall_effect, without_wall
 
 __all__ = [
     "cumulative_distribution",
+    "demand_percentiles",
     "equal_response",
     "fragility",
     "friction_spectra",

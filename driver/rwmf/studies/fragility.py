@@ -1,16 +1,20 @@
-"""Incremental dynamic analysis of a suite, and fragility curves."""
+"""Names of earlier versions for analyses and fragility curves.
+
+They compute nothing: the runs are those of `rwmf.sweep`, the fit is that of `rwmf.fragility`. Use
+`rwmf.ida`, `rwmf.stripes` and `rwmf.fragility` instead; the next minor version removes these.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Unpack
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
+from rwmf._risk.curves import fragility as fit
+from rwmf._risk.normal import exceedance
 from rwmf._sweep.axes import name_axes
 from rwmf._sweep.computation import SweepOptions, sweep
 from rwmf._sweep.intensity import choose_intensity
@@ -21,12 +25,7 @@ from rwmf.case import CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 
-__all__ = ["exceedance", "fragility", "incremental_dynamic_analysis"]
-
-_ITERATIONS = 100
-_CONVERGED = 1e-10
-# limits of probabilities near 0 and 1, where the weights of the fit vanish
-_FLOOR = 1e-12
+__all__ = ["fragility", "incremental_dynamic_analysis"]
 
 
 @checked
@@ -43,7 +42,7 @@ def incremental_dynamic_analysis(
     periods: Sequence[float] | None = None,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
-    """Scale every record of a suite to common intensities and compute the responses.
+    """Scale every record of a suite to common intensities; use `rwmf.stripes` or `rwmf.ida`.
 
     The intensity is the pseudo-spectral acceleration omega^2 u_max of a linear oscillator with the
     given period and damping. The default is those of the frame, for storeys the first period.
@@ -118,7 +117,7 @@ def incremental_dynamic_analysis(
 def fragility(
     analysis: xr.Dataset, limit: float, quantities: str | Sequence[str] | None = None
 ) -> xr.Dataset:
-    """Compute the probability of exceeding a limit, with a lognormal fit.
+    """Compute the probability of exceeding a limit, with a lognormal fit; use `rwmf.fragility`.
 
     Parameters
     ----------
@@ -159,7 +158,10 @@ def fragility(
     if exceeded.ndim != 1:
         raise InputError(f"fragility: needs record and scale, has also {values.dims}")
     _check_exceeded(quantity, values, limit)
-    median, dispersion = _fit(levels, exceeded.values, usable.values)
+    used = usable.values > 0
+    k, n = (item.values[used] for item in (exceeded, usable))
+    curve = fit(levels=levels[used], exceeded=k, runs=n, resamples=0)
+    median, dispersion = float(curve["median"]), float(curve["dispersion"])
     fitted = exceedance(levels, median, dispersion)
     return xr.Dataset(
         {
@@ -171,24 +173,6 @@ def fragility(
         },
         attrs=analysis.attrs | {"quantity": quantity},
     )
-
-
-def exceedance(scale: npt.ArrayLike, median: float, dispersion: float) -> np.ndarray:
-    """Compute the probability that a lognormal capacity is exceeded.
-
-    Parameters
-    ----------
-    scale : array_like, shape (n,)
-        Intensities, in the unit of the median.
-    median, dispersion : float
-        Median, and standard deviation of the logarithm [-].
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Probabilities [-].
-    """
-    return np.array([_normal(math.log(x / median) / dispersion) for x in np.asarray(scale)])
 
 
 def _check_exceeded(quantity: str, values: xr.DataArray, limit: float) -> None:
@@ -206,38 +190,3 @@ def _check_exceeded(quantity: str, values: xr.DataArray, limit: float) -> None:
             f"fragility: every run exceeds the limit: the smallest {quantity} is "
             f"{known.min():.6g}, the limit {limit:g}: give lower levels or a higher limit"
         )
-
-
-def _fit(
-    levels: npt.NDArray[np.float64],
-    exceeded: npt.NDArray[np.int64],
-    of: npt.NDArray[np.int64],
-) -> tuple[float, float]:
-    """Return the maximum-likelihood median and dispersion: probit regression by Fisher scoring."""
-    if levels.size < 2 or not (levels > 0).all():
-        raise InputError("fragility: the fit needs two levels of intensity at least, all > 0")
-    x = np.column_stack([np.ones(levels.size), np.log(levels)])
-    share = (exceeded + 0.5) / (of + 1.0)
-    # initial line through the levels
-    spread = max(float(np.std(x[:, 1])), 0.1)
-    centre = float(np.interp(0.5, np.sort(share), np.sort(x[:, 1])))
-    beta = np.array([-centre / spread, 1 / spread])
-    for _ in range(_ITERATIONS):
-        eta = np.clip(x @ beta, -8, 8)
-        p = np.clip(np.array([_normal(float(value)) for value in eta]), _FLOOR, 1 - _FLOOR)
-        density = np.exp(-0.5 * eta**2) / math.sqrt(2 * math.pi)
-        weight = of * density**2 / (p * (1 - p))
-        score = (exceeded - of * p) * density / (p * (1 - p))
-        step = np.linalg.solve(x.T @ (weight[:, None] * x), x.T @ score)
-        # for separable data the slope grows without bound: limited steps keep it finite
-        step *= min(1.0, 1.0 / float(np.abs(step).max()))
-        beta = beta + step
-        if float(np.abs(step).max()) < _CONVERGED * float(np.abs(beta).max()):
-            break
-    if beta[1] <= 0:
-        raise InputError("fragility: the demand does not grow with the intensity")
-    return math.exp(-beta[0] / beta[1]), 1 / float(beta[1])
-
-
-def _normal(x: float) -> float:
-    return 0.5 * math.erfc(-x / math.sqrt(2))
