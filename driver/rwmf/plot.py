@@ -1,9 +1,9 @@
 """Figures of datasets and results: each function takes and returns axes; none simulates.
 
 `history`, `profile`, `envelope` and `ground_motion` draw results of `rwmf.simulate`, `spectrum`
-those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`; `ida`, `fragility`, `hazard` and `deaggregation` those of
-`rwmf.ida`, `rwmf.fragility` and `rwmf.risk`. The other functions draw the
-studies of the same name.
+those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`. `ida` and `cloud` draw tables of runs,
+`fragility` curves of `rwmf.fragility`, `hazard` and `deaggregation` the parts of `rwmf.risk`. The
+other functions draw the studies of the same name.
 """
 
 from rwmf.plotting.cost_figure import work_precision
@@ -12,7 +12,7 @@ from rwmf.plotting.ground import ground_motion
 from rwmf.plotting.overturning_map import draw_overturning
 from rwmf.plotting.profile import profile
 from rwmf.plotting.response import PANELS, history, spectrum
-from rwmf.plotting.risk_figures import deaggregation, fragility, hazard, ida
+from rwmf.plotting.risk_figures import cloud, deaggregation, fragility, hazard, ida
 from rwmf.plotting.risk_figures import fragility as draw_fragility
 from rwmf.plotting.studies import (
     draw_bands,
@@ -25,6 +25,7 @@ from rwmf.plotting.style import make_panels, style
 
 __all__ = [
     "PANELS",
+    "cloud",
     "deaggregation",
     "draw_bands",
     "draw_equal_response",

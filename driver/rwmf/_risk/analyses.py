@@ -130,8 +130,8 @@ def ida(
     highest : float, optional
         Highest intensity of the search; otherwise four times the highest level.
     **how
-        ``intensity``, ``period`` [s], ``damping`` [-], ``periods`` (the measure), ``file``, ``restart``, and
-        ``threads``, ``executor``, ``progress``, ``chunk``, ``unit``, ``dt`` as for `rwmf.sweep`.
+        ``intensity``, ``period`` [s], ``damping`` [-] and ``periods`` [s] (the measure), ``file``,
+        ``restart``, and ``threads``, ``executor``, ``progress``, ``chunk``, ``unit``, ``dt`` as for `rwmf.sweep`.
 
     Returns
     -------
@@ -362,9 +362,9 @@ def _suite(
     if unknown:
         raise InputError(f"{kind}: {unknown[0]}: is no argument; further are {', '.join(known)}")
     designs = designs_of(case)
-    kind_of, *oscillator = [options.pop(word, None) for word in _MEASURE]
+    word, period, damping, periods = [options.pop(item, None) for item in _MEASURE]
     measures = {
-        name: choose_intensity(item, kind_of, *oscillator[:2], (), oscillator[2])
+        name: choose_intensity(item, word, period, damping, (), periods)
         for name, item in designs.items()
     }
     measure, *others = measures.values()

@@ -19,7 +19,6 @@ from rwmf._risk.likelihood import BELOW, EXACT, OVER
 from rwmf._risk.normal import exceedance
 from rwmf._risk.p695 import shape_factor_of
 from rwmf._risk.table import fallen, quantities_of, read_table
-from rwmf._sweep.kept_quantities import find_quantities
 from rwmf.errors import InputError
 
 __all__ = ["METHODS", "fragility"]
@@ -224,7 +223,7 @@ def _question(
     resamples: int,
     seed: int,
 ) -> _Question:
-    if method is not None and method not in METHODS:
+    if method is not None and not (isinstance(method, str) and method in METHODS):
         raise InputError(f"method = {show(method)}: must be one of {', '.join(METHODS)}")
     if "exceeded" in rows:
         if limit is not None or method not in (None, "counts"):
@@ -255,14 +254,11 @@ def _quantity(rows: xr.Dataset, quantities: str | Sequence[str] | None) -> str:
     names = texts_of("quantities", quantities)
     if len(names) != 1:
         raise InputError(f"fragility: quantities = {', '.join(names)}: must be one quantity")
-    if names[0] in known:
-        return names[0]
-    (name,) = find_quantities((names[0],))
-    if name not in known:
+    if names[0] not in known:
         raise InputError(
-            f"fragility: {name}: is not in the table, which has {', '.join(known) or 'none'}"
+            f"fragility: {names[0]}: is not in the table, which has {', '.join(known) or 'none'}"
         )
-    return name
+    return names[0]
 
 
 def _one(

@@ -74,7 +74,7 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
     """Write the demands of each design and intensity as CSV files of pelicun.
 
     Runs that overturned or collapsed are in files of their own, ``..._collapsed.csv``, because
-    their demands end with the collapse. Failed runs are left out.
+    their demands end with the collapse; they have no residual drifts. Failed runs are left out.
 
     Parameters
     ----------
@@ -100,6 +100,9 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
     levels = np.unique(np.asarray(table.attrs.get("levels", x), dtype=float))
     down = fallen(table)
     whole = np.all([np.isfinite(values) for values, _ in columns.values()], axis=0)
+    # a collapsed run has no residual drift
+    lasting = {name: item for name, item in columns.items() if "-RID-" not in name}
+    finite = np.all([np.isfinite(values) for values, _ in lasting.values()], axis=0) & bool(lasting)
     with files.reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
     written = []
@@ -107,10 +110,13 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
         for level in levels:
             own = (table["design"].values == design) & (x == level)
             stem = re.sub(r"[^\w.-]+", "_", f"{design}_{level:g}g".lstrip("_"))
-            for ending, chosen in (("", own & whole & ~down), ("_collapsed", own & whole & down)):
+            for ending, kept, chosen in (
+                ("", columns, own & whole & ~down),
+                ("_collapsed", lasting, own & finite & down),
+            ):
                 if chosen.any():
                     path = folder / f"{stem}{ending}.csv"
-                    files.write_bytes(path, _pelicun_text(columns, chosen).encode())
+                    files.write_bytes(path, _pelicun_text(kept, chosen).encode())
                     written.append((path, int(chosen.sum())))
     return written
 

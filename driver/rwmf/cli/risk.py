@@ -13,6 +13,7 @@ import rwmf
 from rwmf._files import files
 from rwmf._risk.loss import loss_quantities, nrml_text, write_pelicun
 from rwmf._risk.table import fallen, quantities_of, write_dataset
+from rwmf._sweep.executors import open_executor
 from rwmf._sweep.netcdf import check_package
 from rwmf._sweep.point_files import is_netcdf
 from rwmf.cli.output import print_json, print_warnings, print_written
@@ -52,8 +53,8 @@ def analyse(options: argparse.Namespace) -> int:
     names = options.quantities
     if names is None and options.pelicun:
         names = loss_quantities(rwmf.Case.from_namelist(options.cases[0]))
-    with progress() as report:
-        how["progress"] = report
+    with open_executor(options.engine, options.workers) as executor, progress() as report:
+        how |= {"executor": executor, "progress": report}
         if options.analysis == "cloud":
             table = rwmf.cloud(
                 options.cases, options.records, names, factors=options.factors, **how
@@ -73,7 +74,8 @@ def analyse(options: argparse.Namespace) -> int:
         written += [path for path, _ in write_pelicun(table, Path(options.pelicun))]
     if options.plot:
         with new_figure(3.8) as figure:
-            plots.ida(table, figure.subplots())
+            draw = plots.cloud if options.analysis == "cloud" else plots.ida
+            draw(table, figure.subplots())
             figures.save(figure, options.plot)
         written.append(options.plot)
     print_written(written)
@@ -242,7 +244,9 @@ def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namesp
         write_dataset(found, options.file)
     shown = [name for name in names if name in found]
     if options.json:
-        fields = {name: found[name].values for name in found.data_vars if "resampled" not in name}
+        fields = {
+            name: found[name].values for name in found.data_vars if "resampled" not in str(name)
+        }
         fields |= {str(name): found[name].values for name in found.coords}
         print_json({str(key): np.asarray(value) for key, value in fields.items()} | {
             key: value for key, value in found.attrs.items() if isinstance(value, str | int | float)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from rwmf.cli.subcommands import Subcommands, add_plot, add_threads
+from rwmf.cli.subcommands import Subcommands, add_engine, add_plot, add_threads
 from rwmf.cli.words import key_with_numbers, number, numbers, whole, written_file
 
 __all__ = ["add_risk"]
@@ -75,6 +75,7 @@ def _add_analysis(parser: argparse.ArgumentParser, name: str) -> None:
     )
     add_plot(parser, "the demand over the intensity")
     add_threads(parser)
+    add_engine(parser)
 
 
 def _add_fragility(commands: Subcommands) -> None:

@@ -8,17 +8,18 @@ import numpy as np
 import xarray as xr
 
 from rwmf._arguments import checked, dataset_of
+from rwmf._numbers import show, to_array
 from rwmf._risk.hazard import hazard_of
 from rwmf._risk.level_statistics import demand_percentiles
 from rwmf._risk.normal import exceedance
 from rwmf._risk.table import fallen, quantities_of, read_table
 from rwmf.errors import InputError
-from rwmf.plotting.style import DOTS, legend_above, series, tint
+from rwmf.plotting.style import DOTS, legend_above, make_panels, series, tint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["deaggregation", "fragility", "hazard", "ida", "intensity_label"]
+__all__ = ["cloud", "deaggregation", "fragility", "hazard", "ida", "intensity_label"]
 
 # strength of the curves of single records, and of bands
 _FAINT, _BAND = 0.3, 0.25
@@ -26,15 +27,15 @@ _SYMBOLS = {"u_s_max": r"$u_{s,\max}$", "theta_max_over_alpha": r"$\theta_{\max}
 
 
 @checked
-def ida(dataset: xr.Dataset, ax: Axes, quantity: str | None = None) -> Axes:
+def ida(dataset: xr.Dataset, ax: Axes | None = None, quantity: str | None = None) -> Axes:
     """Draw demands over intensity: every record, the median and 16 and 84 %.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Table of `rwmf.ida` or `rwmf.stripes`.
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw in; otherwise a new figure.
     quantity : str, optional
         The demand; otherwise the first of the table.
 
@@ -49,11 +50,8 @@ def ida(dataset: xr.Dataset, ax: Axes, quantity: str | None = None) -> Axes:
     InputError
         When the table lacks the demand.
     """
-    rows = read_table(dataset_of(dataset, "rwmf.ida", "intensity", "record", "status"))
-    names = quantities_of(rows)
-    if not names:
-        raise InputError("the table has no quantity to draw")
-    name = names[0] if quantity is None else quantity
+    ax = make_panels(ax, 1)[0]
+    rows, name = _rows_of(dataset, quantity)
     found = demand_percentiles(rows, [name])
     x, y, down = rows[name].values, rows["intensity"].values, fallen(rows)
     stood = np.isfinite(x) & ~down
@@ -78,12 +76,67 @@ def ida(dataset: xr.Dataset, ax: Axes, quantity: str | None = None) -> Axes:
         _draw_percentiles(ax, found.isel(design=i), name, edge, line, design)
     ax.set_xlim(0, edge)
     ax.set_ylim(bottom=0)
+    _label_demand(ax, rows, name)
+    legend_above(ax, columns=3)
+    return ax
+
+
+@checked
+def cloud(dataset: xr.Dataset, ax: Axes | None = None, quantity: str | None = None) -> Axes:
+    """Draw demands over intensity as dots in logarithmic axes; collapsed runs as crosses.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Table of `rwmf.cloud`, or another table of runs.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw in; otherwise a new figure.
+    quantity : str, optional
+        The demand; otherwise the first of the table.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes; crosses are at the largest demand before the collapse.
+
+    Raises
+    ------
+    InputError
+        When the table lacks the demand.
+    """
+    ax = make_panels(ax, 1)[0]
+    rows, name = _rows_of(dataset, quantity)
+    x, y, down = rows[name].values, rows["intensity"].values, fallen(rows)
+    designs = list(dict.fromkeys(rows["design"].values.tolist()))
+    for i, design in enumerate(designs):
+        own = (rows["design"].values == design) & (x > 0) & np.isfinite(x)
+        colour = series(i, len(designs))["color"]
+        label = design or "runs"
+        ax.loglog(x[own & ~down], y[own & ~down], ".", color=colour, label=label)
+        if (own & down).any():
+            looks = {"color": colour, "markersize": 4, "label": f"{label}, collapsed"}
+            ax.loglog(x[own & down], y[own & down], "x", **looks)
+    _label_demand(ax, rows, name)
+    legend_above(ax, columns=2)
+    return ax
+
+
+def _rows_of(dataset: xr.Dataset, quantity: str | None) -> tuple[xr.Dataset, str]:
+    """Read the table of a figure, and choose its demand."""
+    rows = read_table(dataset_of(dataset, "rwmf.ida", "intensity", "record", "status"))
+    names = quantities_of(rows)
+    if not names or (quantity is not None and quantity not in names):
+        listed = ", ".join(names) or "none"
+        raise InputError(f"quantity = {show(quantity)}: is not in the table, which has {listed}")
+    return rows, quantity or names[0]
+
+
+def _label_demand(ax: Axes, rows: xr.Dataset, name: str) -> None:
+    """Label the axes of a demand and its intensity."""
     attrs = rows[name].attrs
     unit = attrs.get("units", "1")
     ax.set_xlabel(attrs.get("long_name", name) + (f" ({unit})" if unit != "1" else ""))
     ax.set_ylabel(intensity_label(rows.attrs))
-    legend_above(ax, columns=3)
-    return ax
 
 
 def _draw_percentiles(
@@ -105,21 +158,22 @@ def _draw_percentiles(
 
 
 @checked
-def fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
+def fragility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Draw fragility curves with their bands, and the counted fractions as dots.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `rwmf.fragility`.
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw in; otherwise a new figure.
 
     Returns
     -------
     matplotlib.axes.Axes
         The axes.
     """
+    ax = make_panels(ax, 1)[0]
     dataset_of(dataset, "rwmf.fragility", "median", "dispersion", "fitted", "limit")
     where = "intensity" if "intensity" in dataset.coords else "scale"
     found = dataset if "design" in dataset.dims else dataset.expand_dims("design")
@@ -160,15 +214,15 @@ def _band(found: xr.Dataset, x: Any, total: float) -> Any:  # noqa: ANN401 (arra
 
 
 @checked
-def hazard(curve: Any, ax: Axes, levels: Any = None) -> Axes:  # noqa: ANN401
+def hazard(curve: Any, ax: Axes | None = None, levels: Any = None) -> Axes:  # noqa: ANN401
     """Draw the annual frequency of exceedance over the intensity, both logarithmic.
 
     Parameters
     ----------
     curve : path, mapping or pair
         The hazard as for `rwmf.risk`.
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw in; otherwise a new figure.
     levels : array_like, optional
         Range of intensities; otherwise that of the curve, or 0.01 to 10 for a power law.
 
@@ -177,12 +231,16 @@ def hazard(curve: Any, ax: Axes, levels: Any = None) -> Axes:  # noqa: ANN401
     matplotlib.axes.Axes
         The axes.
     """
-    curve = hazard_of(curve)
-    low, high = curve.limits if levels is None else (np.min(levels), np.max(levels))
+    ax = make_panels(ax, 1)[0]
+    found = hazard_of(curve)
+    low, high = found.limits
+    if levels is not None:
+        given = to_array("levels", levels, above=0.0, least=2)
+        low, high = given.min(), given.max()
     if low == 0.0:
         low, high = 0.01, 10.0
     x = np.geomspace(low, high, 200)
-    ax.loglog(x, curve.frequency(x), **series(0, 1))
+    ax.loglog(x, found.frequency(x), **series(0, 1))
     ax.set_xlabel("intensity")
     ax.set_ylabel("annual frequency of exceedance (1/year)")
     ax.set_xlim(low, high)
@@ -190,21 +248,22 @@ def hazard(curve: Any, ax: Axes, levels: Any = None) -> Axes:  # noqa: ANN401
 
 
 @checked
-def deaggregation(dataset: xr.Dataset, ax: Axes) -> Axes:
+def deaggregation(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Draw the share of each range of intensities in the annual frequency.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `rwmf.risk`.
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
+    ax : matplotlib.axes.Axes, optional
+        Axes to draw in; otherwise a new figure.
 
     Returns
     -------
     matplotlib.axes.Axes
         The axes.
     """
+    ax = make_panels(ax, 1)[0]
     dataset_of(dataset, "rwmf.risk", "annual_frequency", "contribution", "intensity_low")
     found = dataset if "design" in dataset.dims else dataset.expand_dims("design")
     n, bins = found.sizes["design"], found.sizes["bin"]
@@ -260,4 +319,4 @@ def intensity_label(attributes: dict[Any, Any]) -> str:
         label = str(attributes.get("intensity_label", kind)).replace("_", " ")
         return label if unit == "g" else f"{label} ({unit})"
     damping = 100 * float(attributes["intensity_damping"])
-    return f"$S_a$({float(period):.3g} s, {damping:.3g} %)/g"
+    return f"$S_a$({float(period):.3g} s, {damping:.3g} %)$/g$"

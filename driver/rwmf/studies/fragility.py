@@ -159,8 +159,8 @@ def fragility(
         raise InputError(f"fragility: needs record and scale, has also {values.dims}")
     _check_exceeded(quantity, values, limit)
     used = usable.values > 0
-    k, n = (item.values[used] for item in (exceeded, usable))
-    curve = fit(levels=levels[used], exceeded=k, runs=n, resamples=0)
+    counts = [item.values[used].tolist() for item in (exceeded, usable)]
+    curve = fit(levels=levels[used].tolist(), exceeded=counts[0], runs=counts[1], resamples=0)
     median, dispersion = float(curve["median"]), float(curve["dispersion"])
     fitted = exceedance(levels, median, dispersion)
     return xr.Dataset(
