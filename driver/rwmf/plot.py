@@ -1,9 +1,9 @@
 """Figures of datasets and results: each function takes and returns axes; none simulates.
 
 `history`, `profile`, `envelope` and `ground_motion` draw results of `rwmf.simulate`, `spectrum`
-those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`. `ida` and `cloud` draw tables of runs,
-`fragility` curves of `rwmf.fragility`, `hazard` and `deaggregation` the parts of `rwmf.risk`. The
-other functions draw the studies of the same name.
+those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`. `ida` and `cloud` draw tables of
+runs, `fragility` curves of `rwmf.fragility`, `hazard` and `deaggregation` the parts of `rwmf.risk`.
+The other functions draw the studies of the same name.
 """
 
 from rwmf.plotting.cost_figure import work_precision

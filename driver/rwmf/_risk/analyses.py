@@ -131,7 +131,8 @@ def ida(
         Highest intensity of the search; otherwise four times the highest level.
     **how
         ``intensity``, ``period`` [s], ``damping`` [-] and ``periods`` [s] (the measure), ``file``,
-        ``restart``, and ``threads``, ``executor``, ``progress``, ``chunk``, ``unit``, ``dt`` as for `rwmf.sweep`.
+        ``restart``, and ``threads``, ``executor``, ``progress``, ``chunk``, ``unit`` and ``dt`` as
+        for `rwmf.sweep`.
 
     Returns
     -------
