@@ -137,9 +137,9 @@ def ida(
     Returns
     -------
     xarray.Dataset
-        Table over ``row``: ``design``, ``record``, ``intensity`` [g], ``scale`` (factor on the
-        record), each quantity (its maximum up to a collapse) and ``status``: ok, overturned,
-        collapsed or an error. Rows ascend in intensity for each design and record.
+        Table over ``row``: ``design``, ``record``, ``intensity``, ``scale`` (factor on the record),
+        the quantities up to a collapse, and ``status``. Statuses are ok, overturned, collapsed and
+        names of errors. Rows ascend in intensity for each design and record.
 
     Raises
     ------

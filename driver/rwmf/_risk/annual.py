@@ -42,8 +42,8 @@ def risk(
     """Compute the mean annual frequency of exceeding a limit, and its deaggregation.
 
     The frequency is the integral of the hazard over the distribution of the capacity, by
-    Gauss-Legendre quadrature; the closed form for lognormal capacities and power laws (Cornell et
-    al. 2002, Journal of Structural Engineering 128(4)) stands beside it. A hazard from a file is
+    Gauss-Legendre quadrature. The result includes the closed form for power laws (Cornell et al.
+    2002, Journal of Structural Engineering 128(4)). A hazard from a file is
     linear in logarithms between its points; its two ends are continued.
 
     Parameters
@@ -61,9 +61,9 @@ def risk(
     -------
     xarray.Dataset
         Over ``design`` if there are several: ``annual_frequency`` [1/year], ``closed_form``
-        [1/year], ``return_period`` [year], ``probability_50_years`` [-], ``extrapolated``: the
-        share from intensities outside the hazard curve [-], and, from a fragility with resamples,
-        ``annual_frequency_band``. Over ``bin``: ``contribution`` [-] between ``intensity_low`` and
+        [1/year], ``return_period`` [year], ``probability_50_years`` [-], ``extrapolated`` [-].
+        The latter is the share of intensities outside the hazard curve. A fragility with resamples
+        gives ``annual_frequency_band``. Over ``bin``: ``contribution`` [-] between ``intensity_low`` and
         ``intensity_high``.
 
     Raises

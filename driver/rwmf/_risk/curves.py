@@ -29,7 +29,7 @@ _OF_ANALYSIS = {"ida": "capacities", "stripes": "counts", "cloud": "cloud"}
 COLLAPSE = "collapse"
 _RESAMPLES = 1000
 _CONFIDENCE = 0.95
-# positions of curves without levels of their own
+# positions of curves without given levels
 _POSITIONS = 41
 
 
@@ -93,9 +93,8 @@ def fragility(
     Parameters
     ----------
     table : xarray.Dataset, path, mapping or list, optional
-        Table of `rwmf.ida`, `rwmf.stripes` or `rwmf.cloud`, its file, or several of them; a mapping
-        or file with the columns ``intensity``, a demand and ``status`` of another program. A table
-        with ``intensity``, ``exceeded`` and ``runs`` holds counts.
+        Table of `rwmf.ida`, `rwmf.stripes` or `rwmf.cloud`, its file, or several of them. A table
+        of another program needs the columns ``intensity``, a demand and ``status``. A table with ``intensity``, ``exceeded`` and ``runs`` holds counts.
     limit : float, optional
         Limit of the demand in its unit; overturned and collapsed runs exceed every limit. Without
         it the curve is that of collapse or overturning.
@@ -105,9 +104,9 @@ def fragility(
         Counts instead of a table: intensities, runs that exceed the limit, and all runs (one number
         for all levels).
     method : str, optional
-        ``counts`` (maximum likelihood of the counts at each intensity, Baker 2015), ``capacities``
-        (intensity at which each record reaches the limit, interpolated in logarithms; a record that
-        never does is censored) or ``cloud`` (power law of the intensity, collapsed runs censored).
+        ``counts``: maximum likelihood of the counts at each intensity (Baker 2015).
+        ``capacities``: intensities at which the records reach the limit; others are censored.
+        ``cloud``: power law of the intensity, with collapsed runs censored.
         The default follows the analysis: counts for stripes, capacities for an incremental dynamic
         analysis, cloud for a cloud with a limit.
     dispersions : float or sequence of float
@@ -115,8 +114,8 @@ def fragility(
     mce : float, optional
         Intensity of the maximum considered earthquake, for the margin ratio.
     shape_factor : float or (period, ductility, category), optional
-        Spectral shape factor [-] of FEMA P-695, or the arguments of its table for the far-field
-        set: period [s], period-based ductility [-] and category (B, C, Dmin, Dmax).
+        Spectral shape factor [-] of FEMA P-695. A tuple has the arguments of its table for the
+        far-field set: period [s], ductility [-] and category (B, C, Dmin, Dmax).
     resamples : int
         Bootstrap resamples of the records for the bands, 0 for none.
     confidence : float

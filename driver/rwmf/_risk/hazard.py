@@ -20,8 +20,8 @@ __all__ = ["Hazard", "hazard_of"]
 
 Array = npt.NDArray[np.float64]
 _FORMS = (
-    "the path of a CSV file with intensity and annual frequency, a mapping with k0 and k or with "
-    "intensity and frequency, or a pair (k0, k)"
+    "the path of a CSV file, a mapping with k0 and k, a mapping with intensity and frequency, "
+    "or a pair (k0, k)"
 )
 
 
@@ -54,7 +54,7 @@ class Hazard:
 
         Returns
         -------
-        numpy.ndarray
+        numpy.ndarray, shape (...)
             Frequencies [1/year].
         """
         u = np.log(np.asarray(intensity, dtype=float))
@@ -68,8 +68,8 @@ def hazard_of(value: Any) -> Hazard:  # noqa: ANN401 (several forms)
     Parameters
     ----------
     value : path, mapping, pair or Hazard
-        Path of a CSV file with two columns, intensity and annual frequency; ``{"k0": , "k": }`` or
-        a pair (k0, k) for the power law k0 intensity^-k; or a mapping of ``intensity`` and
+        Path of a CSV file with the columns intensity and frequency [1/year]. ``{"k0": , "k": }`` or
+        a pair (k0, k) for the power law k0 intensity^-k. A mapping of ``intensity`` and
         ``frequency`` to arrays.
 
     Returns

@@ -1,7 +1,7 @@
 """Maximum of normal log-likelihoods with exact and censored observations, for many resamples.
 
-With the inverse standard deviation as a parameter (Olsen 1978) the log-likelihood of exact and
-censored observations is concave, so that Newton's method with shorter steps reaches its maximum.
+The inverse standard deviation is a parameter (Olsen 1978), so that the log-likelihood is concave.
+Newton's method with shorter steps therefore reaches its maximum.
 """
 
 from __future__ import annotations

@@ -73,8 +73,8 @@ def _column(kind: str, place: str) -> str:
 def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
     """Write the demands of each design and intensity as CSV files of pelicun.
 
-    Runs that overturned or collapsed are in files of their own, ``..._collapsed.csv``, because
-    their demands end with the collapse; they have no residual drifts. Failed runs are left out.
+    Separate files, ``..._collapsed.csv``, hold runs that overturned or collapsed, because their
+    demands end there. They have no residual drifts. Failed runs are left out.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ def normal_cdf(x: npt.ArrayLike) -> Array:
 
     Returns
     -------
-    numpy.ndarray
+    numpy.ndarray, shape (...)
         Probabilities [-], of the shape of `x`.
     """
     return 0.5 * np.asarray(_erfc(-np.asarray(x, dtype=float) / _ROOT_2), dtype=float)
@@ -39,12 +39,12 @@ def normal_density(x: Array) -> Array:
 
     Parameters
     ----------
-    x : numpy.ndarray
+    x : numpy.ndarray, shape (...)
         Arguments [-].
 
     Returns
     -------
-    numpy.ndarray
+    numpy.ndarray, shape (...)
         Densities [-], of the shape of `x`.
     """
     return np.asarray(np.exp(-0.5 * x**2) / _ROOT_2_PI)
@@ -55,12 +55,12 @@ def log_normal_cdf(x: Array) -> tuple[Array, Array]:
 
     Parameters
     ----------
-    x : numpy.ndarray
+    x : numpy.ndarray, shape (...)
         Arguments [-].
 
     Returns
     -------
-    value, derivative : numpy.ndarray
+    value, derivative : numpy.ndarray, shape (...)
         Of the shape of `x`. Far in the lower tail both follow the asymptotic series.
     """
     near = np.maximum(x, _FAR)
@@ -86,7 +86,7 @@ def exceedance(intensity: npt.ArrayLike, median: npt.ArrayLike, dispersion: npt.
 
     Returns
     -------
-    numpy.ndarray
+    numpy.ndarray, shape (...)
         Probabilities [-].
     """
     x, median, dispersion = (np.asarray(a, dtype=float) for a in (intensity, median, dispersion))

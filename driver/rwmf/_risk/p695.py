@@ -17,8 +17,8 @@ _NAMES = "B, C, Dmin, Dmax"
 def spectral_shape_factor(period: float, ductility: float, category: str) -> float:
     """Compute the spectral shape factor of the far-field record set of FEMA P-695.
 
-    This is the formula behind Tables 7-1a and 7-1b, to which it rounds; beyond their ends (periods
-    of 0.5 and 1.5 s, ductility 8) it is constant, as they are.
+    This is the formula behind Tables 7-1a and 7-1b. As in the tables, the factor is constant below
+    0.5 s, above 1.5 s and above a ductility of 8.
 
     Parameters
     ----------

@@ -161,6 +161,7 @@ def integrate(options: argparse.Namespace) -> int:
         with new_figure(3.8) as figure:
             left, right = figure.subplots(1, 2)
             plots.hazard(hazard, left, edges)
+            left.set_xlabel(plots.intensity_label(found.attrs))
             plots.deaggregation(found, right)
             figures.save(figure, options.plot)
     print_written([options.file, options.plot], is_json=options.json)

@@ -77,7 +77,7 @@ def ida(dataset: xr.Dataset, ax: Axes | None = None, quantity: str | None = None
     ax.set_xlim(0, edge)
     ax.set_ylim(bottom=0)
     _label_demand(ax, rows, name)
-    legend_above(ax, columns=3)
+    legend_above(ax, columns=len(designs) if len(designs) > 1 else 3)
     return ax
 
 
@@ -180,7 +180,9 @@ def fragility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     spread = found["dispersion_total" if "dispersion_total" in found else "dispersion"].values
     x = found[where].values
     n = found.sizes["design"]
-    fine = np.linspace(min(x.min(), 0.02 * x.max()), x.max(), 400)
+    highest = max([x.max(), *(float(np.max(_points(found.isel(design=i))[0], initial=0.0))
+                              for i in range(n))])  # fmt: skip
+    fine = np.linspace(min(x.min(), 0.02 * highest), highest, 400)
     for i in range(n):
         own = found.isel(design=i)
         median = float(own["median"])
@@ -191,16 +193,30 @@ def fragility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         if "median_resampled" in own:
             low, high = _band(own, fine, spread[i])
             ax.fill_between(fine, low, high, color=line["color"], alpha=_BAND, linewidth=0)
-        if "fraction" in own:
-            # complete dots where no record or all records exceed the limit
-            dots = DOTS | ({"color": line["color"]} if n > 1 else {})
-            ax.plot(x, own["fraction"].values, clip_on=False, **dots)
+        at, share = _points(own)
+        # complete dots where no record or all records exceed the limit
+        dots = DOTS | ({"color": line["color"]} if n > 1 else {})
+        ax.plot(at, share, clip_on=False, **dots)
     ax.set_xlabel(intensity_label(dataset.attrs))
     ax.set_ylabel(_condition(dataset))
-    ax.set_xlim(0, x.max())
+    ax.set_xlim(0, fine[-1])
     ax.set_ylim(0, 1.02)
     legend_above(ax, columns=1 if n > 1 else 2)
     return ax
+
+
+def _points(found: xr.Dataset) -> tuple[Any, Any]:
+    """Return the dots of a curve: capacities by rank, or counted fractions at the levels."""
+    if "capacity" in found:
+        capacity = found["capacity"].values
+        capacity = np.sort(capacity[~np.isnan(capacity)])
+        share = (np.arange(capacity.size) + 0.5) / capacity.size
+        shown = np.isfinite(capacity) & (capacity > 0)
+        return capacity[shown], share[shown]
+    if "fraction" not in found:
+        return np.empty(0), np.empty(0)
+    where = "intensity" if "intensity" in found.coords else "scale"
+    return found[where].values, found["fraction"].values
 
 
 def _band(found: xr.Dataset, x: Any, total: float) -> Any:  # noqa: ANN401 (arrays)

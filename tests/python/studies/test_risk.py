@@ -104,7 +104,7 @@ def test_measures_that_are_not_linear(kind: str) -> None:
 @pytest.mark.parametrize("name", ["t.csv", "t.nc"])
 @pytest.mark.parametrize("stop", [1, 5, 14])
 def test_interrupted_and_resumed(name: str, stop: int, tmp_path: Path) -> None:
-    """The same bytes, and nothing but the table remains."""
+    """Files are equal to the byte; all other files are removed."""
     pytest.importorskip("h5netcdf")
     count = 0
 
@@ -312,7 +312,7 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) 
 
 
 def _check_demands(folder: Path) -> None:
-    """Tables of pelicun: a row of units, numbers, collapsed rows in files of their own."""
+    """Tables of pelicun: a row of units, numbers, collapsed rows apart."""
     files = sorted(path.name for path in folder.iterdir())
     assert "weak_0.1g.csv" in files
     assert "weak_0.4g_collapsed.csv" in files
