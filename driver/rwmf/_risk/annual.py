@@ -63,8 +63,8 @@ def risk(
         Over ``design`` if there are several: ``annual_frequency`` [1/year], ``closed_form``
         [1/year], ``return_period`` [year], ``probability_50_years`` [-], ``extrapolated`` [-].
         The latter is the share of intensities outside the hazard curve. A fragility with resamples
-        gives ``annual_frequency_band``. Over ``bin``: ``contribution`` [-] between ``intensity_low`` and
-        ``intensity_high``.
+        gives ``annual_frequency_band``. Over ``bin``: ``contribution`` [-] between
+        ``intensity_low`` and ``intensity_high``.
 
     Raises
     ------

@@ -13,7 +13,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rwmf._arguments import checked, texts_of
-from rwmf._numbers import show, to_array, to_number, to_whole
+from rwmf._numbers import show, to_array, to_items, to_number, to_whole
 from rwmf._risk.fits import Fit, fit_capacities, fit_cloud, fit_counts
 from rwmf._risk.likelihood import BELOW, EXACT, OVER
 from rwmf._risk.normal import exceedance
@@ -94,7 +94,8 @@ def fragility(
     ----------
     table : xarray.Dataset, path, mapping or list, optional
         Table of `rwmf.ida`, `rwmf.stripes` or `rwmf.cloud`, its file, or several of them. A table
-        of another program needs the columns ``intensity``, a demand and ``status``. A table with ``intensity``, ``exceeded`` and ``runs`` holds counts.
+        of another program needs the columns ``intensity``, a demand and ``status``. A table
+        with ``intensity``, ``exceeded`` and ``runs`` holds counts.
     limit : float, optional
         Limit of the demand in its unit; overturned and collapsed runs exceed every limit. Without
         it the curve is that of collapse or overturning.
@@ -177,7 +178,8 @@ def fragility(
 
 def _options(confidence: float, dispersions: float | Sequence[float]) -> dict[str, Any]:
     confidence = to_number("confidence", confidence, above=0.0, below=1.0)
-    further = to_array("dispersions", dispersions) if np.size(dispersions) else np.empty(0)
+    items = to_items(dispersions)
+    further = to_array("dispersions", [dispersions] if items is None else items)
     if (further < 0).any():
         raise InputError(f"dispersions = {show(dispersions)}: must be numbers >= 0")
     return {"confidence": confidence, "further": float(np.sqrt(np.sum(further**2)))}

@@ -71,7 +71,7 @@ def _column(kind: str, place: str) -> str:
 
 
 def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
-    """Write the demands of each design and intensity as CSV files of pelicun.
+    """Write the demands of each design and intensity, or cloud, as CSV files of pelicun.
 
     Separate files, ``..._collapsed.csv``, hold runs that overturned or collapsed, because their
     demands end there. They have no residual drifts. Failed runs are left out.
@@ -97,8 +97,12 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
     """
     columns = _pelicun_columns(table)
     x = table["intensity"].values
+    is_cloud = table.attrs.get("analysis") == "cloud"
     levels = np.unique(np.asarray(table.attrs.get("levels", x), dtype=float))
+    if is_cloud:
+        levels = np.array([math.nan])
     down = fallen(table)
+    unit = str(table["intensity"].attrs.get("units", "g"))
     whole = np.all([np.isfinite(values) for values, _ in columns.values()], axis=0)
     # a collapsed run has no residual drift
     lasting = {name: item for name, item in columns.items() if "-RID-" not in name}
@@ -108,8 +112,9 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
     written = []
     for design in dict.fromkeys(table["design"].values.tolist()):
         for level in levels:
-            own = (table["design"].values == design) & (x == level)
-            stem = re.sub(r"[^\w.-]+", "_", f"{design}_{level:g}g".lstrip("_"))
+            own = (table["design"].values == design) & (is_cloud | (x == level))
+            name = f"{design}_cloud" if is_cloud else f"{design}_{level:g}{unit}"
+            stem = re.sub(r"[^\w.-]+", "_", name.lstrip("_"))
             for ending, kept, chosen in (
                 ("", columns, own & whole & ~down),
                 ("_collapsed", lasting, own & finite & down),
@@ -173,7 +178,8 @@ def nrml_text(fragility: xr.Dataset) -> str:
     if kind == "pseudo_acceleration":
         imt = f"SA({float(fragility.attrs['intensity_period_s']):g})"
     if imt is None:
-        raise InputError(f"NRML: the intensity is {kind or 'not named'}: must be one of its names")
+        known = ", ".join(("pseudo_acceleration", *_IMTS))
+        raise InputError(f"NRML: intensity = {kind or 'unknown'}: must be one of {known}")
     designs = fragility if "design" in fragility.dims else fragility.expand_dims("design")
     x = designs["intensity"].values
     quantity = str(fragility.attrs["quantity"])

@@ -26,7 +26,7 @@ from rwmf.plotting.style import new_figure
 
 __all__ = ["analyse", "fit", "integrate"]
 
-_SHARED = ("unit", "dt", "intensity", "period", "damping", "periods", "file", "restart", "threads")
+_SHARED = ("intensity", "period", "damping", "periods", "file", "restart", "threads")
 
 
 def analyse(options: argparse.Namespace) -> int:
@@ -47,26 +47,26 @@ def analyse(options: argparse.Namespace) -> int:
     InputError, NumericalError, OutputError, Interrupted
         As the analysis and the writers of files.
     """
-    files.check_outputs([options.plot, options.file], options.cases)
+    cases = [rwmf.Case.from_namelist(path) for path in options.cases]
+    records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
+    inputs = [path for case in cases for path in case.inputs]
+    inputs += [Path(record.path) for record in records if record.path]
+    files.check_outputs([options.plot, options.file], inputs)
     figures.check_formats(options.plot)
     how: dict[str, Any] = {name: getattr(options, name) for name in _SHARED}
     names = options.quantities
     if names is None and options.pelicun:
-        names = loss_quantities(rwmf.Case.from_namelist(options.cases[0]))
+        names = loss_quantities(cases[0])
     with open_executor(options.engine, options.workers) as executor, progress() as report:
         how |= {"executor": executor, "progress": report}
         if options.analysis == "cloud":
-            table = rwmf.cloud(
-                options.cases, options.records, names, factors=options.factors, **how
-            )
+            table = rwmf.cloud(cases, records, names, factors=options.factors, **how)
         elif options.analysis == "stripes":
-            table = rwmf.stripes(options.cases, options.records, options.levels, names, **how)
+            table = rwmf.stripes(cases, records, options.levels, names, **how)
         else:
             how |= {"tolerance": options.tolerance, "highest": options.highest}
             limits = _limits(options.limits)
-            table = rwmf.ida(
-                options.cases, options.records, options.levels, names, limits=limits, **how
-            )
+            table = rwmf.ida(cases, records, options.levels, names, limits=limits, **how)
     print_warnings(options.analysis, str(table.attrs["warnings"]).splitlines())
     _print_table(table)
     written: list[str | Path | None] = [options.file]
@@ -120,9 +120,10 @@ def fit(options: argparse.Namespace) -> int:
         "shape_factor", "margin_ratio_adjusted", "probability_at_mce_adjusted",
     ]  # fmt: skip
     print_warnings(options.tables[0], str(curves.attrs["warnings"]).splitlines())
+    model = nrml_text(curves) if options.nrml else ""
     _print_results(curves, names, options)
     if options.nrml:
-        files.write_bytes(options.nrml, nrml_text(curves).encode())
+        files.write_bytes(options.nrml, model.encode())
     if options.plot:
         with new_figure(3.8) as figure:
             plots.fragility(curves, figure.subplots())
@@ -228,9 +229,9 @@ def _print_table(table: xr.Dataset) -> None:
     for design in dict.fromkeys(table["design"].values.tolist()):
         own = table["design"].values == design
         counts = {word: int(np.sum(statuses[own] == word)) for word in np.unique(statuses[own])}
-        records = np.unique(table["record"].values[own].astype(str)).size
-        listed = ", ".join(f"{n} {word}" for word, n in counts.items())
-        print(f"{design}: {own.sum()} runs of {records} records: {listed}")
+        n = np.unique(table["record"].values[own].astype(str)).size
+        listed = ", ".join(f"{number} {word}" for word, number in counts.items())
+        print(f"{design}: {own.sum()} runs, {n} record{'' if n == 1 else 's'}: {listed}")
         for name in quantities_of(table):
             values = table[name].values[own & ~down]
             values = values[np.isfinite(values)]

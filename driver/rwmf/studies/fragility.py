@@ -6,6 +6,7 @@ They compute nothing: the runs are those of `rwmf.sweep`, the fit is that of `rw
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Unpack
 
@@ -83,6 +84,7 @@ def incremental_dynamic_analysis(
     InputError
         When an argument is not acceptable.
     """
+    _warn("incremental_dynamic_analysis: use rwmf.stripes or rwmf.ida")
     case = case_of(case)
     further = name_axes(grid or {})
     fixed = [name for name in ("scale", "T_s") if name in further]
@@ -139,6 +141,7 @@ def fragility(
     InputError
         When the limit is never or always exceeded, so that no fit exists.
     """
+    _warn("fragility: use rwmf.fragility")
     dataset_of(analysis, "rwmf.studies.incremental_dynamic_analysis", "scale", "status")
     if quantities is None:
         kept = [str(name) for name in analysis.data_vars if name != "status"]
@@ -173,6 +176,11 @@ def fragility(
         },
         attrs=analysis.attrs | {"quantity": quantity},
     )
+
+
+def _warn(text: str) -> None:
+    # level 4: the caller of the checked function
+    warnings.warn(f"studies.{text}; it goes with the next version", DeprecationWarning, 4)
 
 
 def _check_exceeded(quantity: str, values: xr.DataArray, limit: float) -> None:

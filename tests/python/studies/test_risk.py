@@ -316,7 +316,7 @@ def _check_demands(folder: Path) -> None:
     files = sorted(path.name for path in folder.iterdir())
     assert "weak_0.1g.csv" in files
     assert "weak_0.4g_collapsed.csv" in files
-    n = 0
+    n = 0  # all records are in one of the files
     for name in (item for item in files if item.startswith("weak_0.4g")):
         with (folder / name).open(encoding="ascii") as file:
             head, units, *rows = csv.reader(file)
