@@ -73,7 +73,7 @@ def ida(dataset: xr.Dataset, ax: Axes | None = None, quantity: str | None = None
         if ends:
             label = "last level before collapse" if len(designs) == 1 else None
             ax.plot(*np.transpose(ends), "x", color=line["color"], markersize=4, label=label)
-        _draw_percentiles(ax, found.isel(design=i), name, edge, line, design)
+        _draw_percentiles(ax, found.isel(design=i), name, edge, line, design * (len(designs) > 1))
     ax.set_xlim(0, edge)
     ax.set_ylim(bottom=0)
     _label_demand(ax, rows, name)
