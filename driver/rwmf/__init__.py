@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rwmf._explore import explore
     from rwmf._gradient.gradient import gradient
     from rwmf._response import Response
+    from rwmf._risk import cloud, fragility, ida, risk, stripes
     from rwmf._simulation import simulate
     from rwmf._spectrum import spectrum
     from rwmf._sweep import RecordFile, find_records, merge, sweep
@@ -45,19 +46,24 @@ __all__ = [
     "Response",
     "RwmfError",
     "__version__",
+    "cloud",
     "cost",
     "design",
     "explore",
     "find_records",
+    "fragility",
     "gradient",
+    "ida",
     "intensity",
     "loops",
     "merge",
     "plot",
     "quantile",
     "records",
+    "risk",
     "simulate",
     "spectrum",
+    "stripes",
     "studies",
     "sweep",
 ]
@@ -75,16 +81,21 @@ _HOMES = {
     "RecordFile": "_sweep",
     "Response": "_response",
     "RwmfError": "errors",
+    "cloud": "_risk",
     "cost": "_cost",
     "design": "_design.design",
     "explore": "_explore",
     "find_records": "_sweep",
+    "fragility": "_risk",
     "gradient": "_gradient.gradient",
+    "ida": "_risk",
     "intensity": "_sweep.intensity",
     "merge": "_sweep",
     "quantile": "studies.statistics",
+    "risk": "_risk",
     "simulate": "_simulation",
     "spectrum": "_spectrum",
+    "stripes": "_risk",
     "sweep": "_sweep",
 }
 

@@ -1,8 +1,9 @@
 """Figures of datasets and results: each function takes and returns axes; none simulates.
 
 `history`, `profile`, `envelope` and `ground_motion` draw results of `rwmf.simulate`, `spectrum`
-those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`. The other functions draw the
-studies of the same name.
+those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`. `ida` and `cloud` draw tables of
+runs, `fragility` curves of `rwmf.fragility`, `hazard` and `deaggregation` the parts of `rwmf.risk`.
+The other functions draw the studies of the same name.
 """
 
 from rwmf.plotting.cost_figure import work_precision
@@ -11,10 +12,11 @@ from rwmf.plotting.ground import ground_motion
 from rwmf.plotting.overturning_map import draw_overturning
 from rwmf.plotting.profile import profile
 from rwmf.plotting.response import PANELS, history, spectrum
+from rwmf.plotting.risk_figures import cloud, deaggregation, fragility, hazard, ida
+from rwmf.plotting.risk_figures import fragility as draw_fragility
 from rwmf.plotting.studies import (
     draw_bands,
     draw_equal_response,
-    draw_fragility,
     draw_friction,
     draw_suite,
     draw_wall_effect,
@@ -23,6 +25,8 @@ from rwmf.plotting.style import make_panels, style
 
 __all__ = [
     "PANELS",
+    "cloud",
+    "deaggregation",
     "draw_bands",
     "draw_equal_response",
     "draw_fragility",
@@ -32,8 +36,11 @@ __all__ = [
     "draw_wall_effect",
     "envelope",
     "envelope_quantities",
+    "fragility",
     "ground_motion",
+    "hazard",
     "history",
+    "ida",
     "make_panels",
     "profile",
     "spectrum",

@@ -11,14 +11,12 @@ from pathlib import Path
 
 from rwmf.cli.design_parser import add_design
 from rwmf.cli.records_parser import add_records
+from rwmf.cli.risk_parser import add_risk
 from rwmf.cli.study_parser import add_study
-from rwmf.cli.subcommands import Subcommands, add_case, add_plot, add_threads
+from rwmf.cli.subcommands import Subcommands, add_case, add_engine, add_plot, add_threads
 from rwmf.cli.words import number, whole, written_file
 
 __all__ = ["make_parser"]
-
-# above the number of processes that one machine needs, within the limits of the system
-_MOST_WORKERS = 4096
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -54,6 +52,7 @@ def make_parser() -> argparse.ArgumentParser:
         _add_sweep,
         _add_merge,
         add_study,
+        add_risk,
         _add_reproduce,
         _add_export,
         _add_animate,
@@ -203,16 +202,7 @@ def _add_sweep(commands: Subcommands) -> None:
         "--file", metavar="FILE.nc", type=written_file, help="NetCDF file (default: SWEEP.nc)"
     )
     add_threads(parser)
-    parser.add_argument(
-        "--engine",
-        metavar="NAME",
-        default="threads",
-        help="threads, processes, mpi (under mpiexec -n N python -m mpi4py.futures -m rwmf), dask "
-        "or dask:ADDRESS",
-    )
-    parser.add_argument(
-        "--workers", metavar="N", type=whole(0, _MOST_WORKERS), default=0, help="of the engine"
-    )
+    add_engine(parser)
     parser.add_argument("--part", metavar="K/N", default="1/1", help="only the K-th of N parts")
     parser.add_argument("--restart", action="store_true", help="discard an earlier sweep")
 

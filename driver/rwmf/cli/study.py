@@ -24,6 +24,7 @@ from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
 from rwmf.plotting import studies as plots
 from rwmf.plotting.overturning_map import draw_overturning
+from rwmf.plotting.risk_figures import fragility as draw_fragility
 from rwmf.plotting.style import new_figure
 
 __all__ = ["run"]
@@ -169,7 +170,7 @@ class _Study(NamedTuple):
 _STUDIES = {
     "overturning": _Study(_overturning, draw_overturning),
     "spectra": _Study(_spectra, plots.draw_suite),
-    "fragility": _Study(_fragility, plots.draw_fragility),
+    "fragility": _Study(_fragility, draw_fragility),
     "wall": _Study(_wall, plots.draw_wall_effect),
     "friction": _Study(_friction, plots.draw_friction, panels=2),
     "bands": _Study(_bands, plots.draw_bands),

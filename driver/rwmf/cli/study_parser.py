@@ -116,7 +116,7 @@ def _add_fragility(studies: Subcommands) -> None:
     parser = _new(
         studies,
         "fragility",
-        "Incremental dynamic analysis of a suite and the probability to exceed a limit.",
+        "Old name of rwmf stripes and rwmf fragility: probability to exceed a limit.",
         "inputs/study_one_sine.nml --records fema:far_field --limit 0.2 --plot f.png",
     )
     _add_records(parser, required=True)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from rwmf.cli.words import thread_count, written_file
+from rwmf.cli.words import thread_count, whole, written_file
 
-__all__ = ["Subcommands", "add_case", "add_plot", "add_threads"]
+__all__ = ["Subcommands", "add_case", "add_engine", "add_plot", "add_threads"]
+
+# above the number of processes that one machine needs, within the limits of the system
+_MOST_WORKERS = 4096
 
 
 class Subcommands:
@@ -94,4 +97,24 @@ def add_threads(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument(
         "--threads", metavar="N", type=thread_count, default=0, help="threads (0: all)"
+    )
+
+
+def add_engine(parser: argparse.ArgumentParser) -> None:
+    """Add the options for processes, MPI ranks or Dask workers instead of threads.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        Parser of the subcommand.
+    """
+    parser.add_argument(
+        "--engine",
+        metavar="NAME",
+        default="threads",
+        help="threads, processes, mpi (under mpiexec -n N python -m mpi4py.futures -m rwmf), dask "
+        "or dask:ADDRESS",
+    )
+    parser.add_argument(
+        "--workers", metavar="N", type=whole(0, _MOST_WORKERS), default=0, help="of the engine"
     )

@@ -14,7 +14,6 @@ import numpy as np
 
 from rwmf._arguments import checked, dataset_of
 from rwmf.plotting.style import (
-    DOTS,
     LEVEL,
     label_plainly,
     legend_above,
@@ -22,7 +21,6 @@ from rwmf.plotting.style import (
     period_label,
     series,
 )
-from rwmf.studies.fragility import exceedance
 from rwmf.studies.friction import CABLE, DEMAND
 
 if TYPE_CHECKING:
@@ -32,7 +30,6 @@ if TYPE_CHECKING:
 __all__ = [
     "draw_bands",
     "draw_equal_response",
-    "draw_fragility",
     "draw_friction",
     "draw_suite",
     "draw_wall_effect",
@@ -179,39 +176,6 @@ def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
 
 
 @checked
-def draw_fragility(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw a fragility curve: observed fractions as dots, the lognormal fit as a line.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.studies.fragility`.
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
-    dataset_of(dataset, "rwmf.studies.fragility", "median", "dispersion", "fraction", "limit")
-    median, dispersion = float(dataset["median"]), float(dataset["dispersion"])
-    scale = dataset["scale"].values
-    # complete dots where no record or all records exceed the limit
-    ax.plot(scale, dataset["fraction"], **DOTS, label="counted", clip_on=False)
-    text = f"lognormal, median {median:.3g}, dispersion {dispersion:.2g}"
-    fine = np.linspace(scale.min(), scale.max(), 400)
-    ax.plot(fine, exceedance(fine, median, dispersion), **series(0, 1), label=text)
-    ax.set_xlabel(_intensity_label(dataset))
-    quantity = dataset.attrs["quantity"]
-    limit = f"{float(dataset['limit']):g}" + _unit(dataset["limit"], " {}")
-    ax.set_ylabel(f"P({_SYMBOLS.get(quantity, quantity)} > {limit})")
-    ax.set_ylim(0, 1.02)
-    legend_above(ax, columns=2)
-    return ax
-
-
-@checked
 def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw the amplitudes of pulses that give the same response.
 
@@ -237,19 +201,6 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     target = f"{float(dataset['target']):g}" + _unit(dataset["target"], " {}")
     ax.set_ylabel(r"$a_{\max}/g$ for " + f"{_SYMBOLS.get(quantity, quantity)} = {target}")
     return ax
-
-
-def _intensity_label(dataset: xr.Dataset) -> str:
-    """Return the label of the intensity axis."""
-    kind, period = (dataset.attrs.get(key) for key in ("intensity", "intensity_period_s"))
-    if kind is None:
-        return "factor on the ground motion"
-    if period is None:
-        scale = dataset["scale"].attrs
-        return str(scale["long_name"]).replace("over g", "over $g$") + _unit(
-            dataset["scale"], " ({})"
-        )
-    return f"$S_a$({period:.3g} s, {100 * dataset.attrs['intensity_damping']:.3g} %)$/g$"
 
 
 def _curves(values: xr.DataArray, kept: tuple[str, ...]) -> list[tuple[str, xr.DataArray]]:

@@ -1,14 +1,11 @@
 """Engineering studies: each computes a labelled dataset from a case."""
 
+from rwmf._risk.level_statistics import demand_percentiles
 from rwmf.studies.bands import sensitivity_bands
+from rwmf.studies.capacities import annual_frequency, fragility_median
 from rwmf.studies.displacement_design import displacement_based_prestress
 from rwmf.studies.equal_response import equal_response
-from rwmf.studies.fragility import (
-    annual_frequency,
-    fragility,
-    fragility_median,
-    incremental_dynamic_analysis,
-)
+from rwmf.studies.fragility import fragility, incremental_dynamic_analysis
 from rwmf.studies.friction import friction_spectra
 from rwmf.studies.overturning import overturning_map
 from rwmf.studies.statistics import cumulative_distribution, percentiles
@@ -18,6 +15,7 @@ from rwmf.studies.wall_effect import wall_effect, without_wall
 __all__ = [
     "annual_frequency",
     "cumulative_distribution",
+    "demand_percentiles",
     "displacement_based_prestress",
     "equal_response",
     "fragility",

@@ -1,17 +1,21 @@
-"""Incremental dynamic analysis of a suite, and fragility curves."""
+"""Names of earlier versions for analyses and fragility curves.
+
+They compute nothing: the runs are those of `rwmf.sweep`, the fit is that of `rwmf.fragility`. Use
+`rwmf.ida`, `rwmf.stripes` and `rwmf.fragility` instead; the next minor version removes these.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from typing import Unpack
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
-from rwmf._numbers import show, to_array, to_number
+from rwmf._risk.curves import fragility as fit
+from rwmf._risk.normal import exceedance
 from rwmf._sweep.axes import name_axes
 from rwmf._sweep.computation import SweepOptions, sweep
 from rwmf._sweep.intensity import choose_intensity
@@ -22,18 +26,7 @@ from rwmf.case import CaseLike
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 
-__all__ = [
-    "annual_frequency",
-    "exceedance",
-    "fragility",
-    "fragility_median",
-    "incremental_dynamic_analysis",
-]
-
-_ITERATIONS = 100
-_CONVERGED = 1e-10
-# limits of probabilities near 0 and 1, where the weights of the fit vanish
-_FLOOR = 1e-12
+__all__ = ["fragility", "incremental_dynamic_analysis"]
 
 
 @checked
@@ -50,7 +43,7 @@ def incremental_dynamic_analysis(
     periods: Sequence[float] | None = None,
     **how: Unpack[SweepOptions],
 ) -> xr.Dataset:
-    """Scale every record of a suite to common intensities and compute the responses.
+    """Scale every record of a suite to common intensities; use `rwmf.stripes` or `rwmf.ida`.
 
     The intensity is the pseudo-spectral acceleration omega^2 u_max of a linear oscillator with the
     given period and damping. The default is those of the frame, for storeys the first period.
@@ -91,6 +84,7 @@ def incremental_dynamic_analysis(
     InputError
         When an argument is not acceptable.
     """
+    _warn("incremental_dynamic_analysis: use rwmf.stripes or rwmf.ida")
     case = case_of(case)
     further = name_axes(grid or {})
     fixed = [name for name in ("scale", "T_s") if name in further]
@@ -125,7 +119,7 @@ def incremental_dynamic_analysis(
 def fragility(
     analysis: xr.Dataset, limit: float, quantities: str | Sequence[str] | None = None
 ) -> xr.Dataset:
-    """Compute the probability of exceeding a limit, with a lognormal fit.
+    """Compute the probability of exceeding a limit, with a lognormal fit; use `rwmf.fragility`.
 
     Parameters
     ----------
@@ -147,6 +141,7 @@ def fragility(
     InputError
         When the limit is never or always exceeded, so that no fit exists.
     """
+    _warn("fragility: use rwmf.fragility")
     dataset_of(analysis, "rwmf.studies.incremental_dynamic_analysis", "scale", "status")
     if quantities is None:
         kept = [str(name) for name in analysis.data_vars if name != "status"]
@@ -166,7 +161,10 @@ def fragility(
     if exceeded.ndim != 1:
         raise InputError(f"fragility: needs record and scale, has also {values.dims}")
     _check_exceeded(quantity, values, limit)
-    median, dispersion = _fit(levels, exceeded.values, usable.values)
+    used = usable.values > 0
+    counts = [item.values[used].tolist() for item in (exceeded, usable)]
+    curve = fit(levels=levels[used].tolist(), exceeded=counts[0], runs=counts[1], resamples=0)
+    median, dispersion = float(curve["median"]), float(curve["dispersion"])
     fitted = exceedance(levels, median, dispersion)
     return xr.Dataset(
         {
@@ -180,118 +178,9 @@ def fragility(
     )
 
 
-@checked
-def fragility_median(
-    limit: float, levels: Sequence[float]
-) -> Callable[[npt.NDArray[np.float64]], float]:
-    """Make the statistic of `rwmf.gradient` for the median of a fragility.
-
-    The capacity of a record is the intensity at which its demand first reaches the limit, between
-    two levels by a line in logarithms. The median is the geometric mean of the capacities, a smooth
-    function, unlike one fitted to counts.
-
-    Parameters
-    ----------
-    limit : float
-        Limit of the demand in its unit.
-    levels : sequence of float
-        The values of ``scale`` in the grid.
-
-    Returns
-    -------
-    callable
-        Median intensity of an array over ``record`` and ``scale``.
-
-    Raises
-    ------
-    InputError
-        When a record does not reach the limit between the first and the last level.
-    """
-    numbers = _levels_of(levels)
-    return lambda values: math.exp(float(np.mean(_capacities(values, limit, numbers))))
-
-
-@checked
-def annual_frequency(
-    limit: float, levels: Sequence[float], k0: float, k: float
-) -> Callable[[npt.NDArray[np.float64]], float]:
-    """Make the statistic of `rwmf.gradient` for the mean annual frequency of exceedance.
-
-    With the hazard k0 s^-k and a lognormal fragility the frequency is
-    k0 theta^-k exp(k^2 beta^2/2) (Cornell and others 2002).
-
-    Parameters
-    ----------
-    limit : float
-        Limit of the demand in its unit.
-    levels : sequence of float
-        The values of ``scale`` in the grid.
-    k0, k : float
-        Annual frequency of the level 1 [1/year], and slope of the hazard [-].
-
-    Returns
-    -------
-    callable
-        Frequency [1/year] of an array over ``record`` and ``scale``.
-
-    Raises
-    ------
-    InputError
-        When a record does not reach the limit between the first and the last level.
-    """
-    numbers = _levels_of(levels)
-    k0, k = to_number("k0", k0, above=0.0), to_number("k", k, above=0.0)
-
-    def frequency(values: npt.NDArray[np.float64]) -> float:
-        logarithms = _capacities(values, limit, numbers)
-        median, variance = math.exp(float(np.mean(logarithms))), float(np.var(logarithms, ddof=1))
-        return float(k0 * median**-k * math.exp(k**2 * variance / 2))
-
-    return frequency
-
-
-def _levels_of(levels: Sequence[float]) -> npt.NDArray[np.float64]:
-    numbers = to_array("levels", levels, above=0.0, least=2)
-    if not (np.diff(numbers) > 0).all():
-        raise InputError(f"levels = {show(levels)}: must increase")
-    return numbers
-
-
-def _capacities(
-    values: npt.NDArray[np.float64], limit: float, levels: npt.NDArray[np.float64]
-) -> npt.NDArray[np.float64]:
-    """Return the logarithms of the intensities at which records first reach the limit."""
-    above = values > limit
-    if not above.any(axis=1).all() or above[:, 0].any():
-        raise InputError(
-            f"levels: every record must reach the limit {limit:g} between the first and the last"
-        )
-    at = above.argmax(axis=1)
-    rows = np.arange(len(values))
-    low, high = np.log(values[rows, at - 1]), np.log(values[rows, at])
-    # beside a collapse the middle of the two levels
-    part = np.where(np.isinf(high), 0.5, (math.log(limit) - low) / (high - low))
-    logs = np.log(levels)
-    capacities: npt.NDArray[np.float64] = logs[at - 1] + part * (logs[at] - logs[at - 1])
-    return capacities
-
-
-def exceedance(scale: npt.ArrayLike, median: float, dispersion: float) -> np.ndarray:
-    """Compute the probability that a lognormal capacity is exceeded.
-
-    Parameters
-    ----------
-    scale : array_like, shape (n,)
-        Intensities, in the unit of the median.
-    median, dispersion : float
-        Median, and standard deviation of the logarithm [-].
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Probabilities [-].
-    """
-    return np.array([_normal(math.log(x / median) / dispersion) for x in np.asarray(scale)])
+def _warn(text: str) -> None:
+    # level 4: the caller of the checked function
+    warnings.warn(f"studies.{text}; it goes with the next version", DeprecationWarning, 4)
 
 
 def _check_exceeded(quantity: str, values: xr.DataArray, limit: float) -> None:
@@ -309,38 +198,3 @@ def _check_exceeded(quantity: str, values: xr.DataArray, limit: float) -> None:
             f"fragility: every run exceeds the limit: the smallest {quantity} is "
             f"{known.min():.6g}, the limit {limit:g}: give lower levels or a higher limit"
         )
-
-
-def _fit(
-    levels: npt.NDArray[np.float64],
-    exceeded: npt.NDArray[np.int64],
-    of: npt.NDArray[np.int64],
-) -> tuple[float, float]:
-    """Return the maximum-likelihood median and dispersion: probit regression by Fisher scoring."""
-    if levels.size < 2 or not (levels > 0).all():
-        raise InputError("fragility: the fit needs two levels of intensity at least, all > 0")
-    x = np.column_stack([np.ones(levels.size), np.log(levels)])
-    share = (exceeded + 0.5) / (of + 1.0)
-    # initial line through the levels
-    spread = max(float(np.std(x[:, 1])), 0.1)
-    centre = float(np.interp(0.5, np.sort(share), np.sort(x[:, 1])))
-    beta = np.array([-centre / spread, 1 / spread])
-    for _ in range(_ITERATIONS):
-        eta = np.clip(x @ beta, -8, 8)
-        p = np.clip(np.array([_normal(float(value)) for value in eta]), _FLOOR, 1 - _FLOOR)
-        density = np.exp(-0.5 * eta**2) / math.sqrt(2 * math.pi)
-        weight = of * density**2 / (p * (1 - p))
-        score = (exceeded - of * p) * density / (p * (1 - p))
-        step = np.linalg.solve(x.T @ (weight[:, None] * x), x.T @ score)
-        # for separable data the slope grows without bound: limited steps keep it finite
-        step *= min(1.0, 1.0 / float(np.abs(step).max()))
-        beta = beta + step
-        if float(np.abs(step).max()) < _CONVERGED * float(np.abs(beta).max()):
-            break
-    if beta[1] <= 0:
-        raise InputError("fragility: the demand does not grow with the intensity")
-    return math.exp(-beta[0] / beta[1]), 1 / float(beta[1])
-
-
-def _normal(x: float) -> float:
-    return 0.5 * math.erfc(-x / math.sqrt(2))

@@ -87,6 +87,8 @@ def _found() -> dict[str, Any]:
         "spectrum": rwmf.spectrum(case, **grid),
         "analysis": analysis,
         "fragility": rwmf.studies.fragility(analysis, limit),
+        "stripes": rwmf.stripes(case, records, [0.1, 0.4, 1.5], "u_s_max"),
+        "risk": rwmf.risk((0.9, 0.4), (2e-4, 2.5)),
         "suite": rwmf.studies.suite_spectra(case, grid, records),
         "bands": rwmf.studies.sensitivity_bands(case, grid, {"e": [0.8, 0.9]}),
         "wall": rwmf.studies.wall_effect(case, grid),
@@ -103,6 +105,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
     """Give each public function arguments with which it works."""
     case, found, records = _case(), _found(), [_motion()]
     grid = {"T_s": [0.5]}
+    limit = float(found["stripes"]["u_s_max"].median())
     samples = folder / "samples.txt"
     _motion().write(samples)
     ax, both = plt.figure().subplots(), plt.figure().subplots(1, 2)
@@ -115,6 +118,17 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
                           "executor": None, "progress": None, "restart": False, "part": (1, 1),
                           "chunk": 0, "unit": None, "dt": None, "intensity": "peak_acceleration",
                           "period": None, "damping": None, "periods": None},
+        "ida": {"case": case, "records": records, "levels": [0.1], "quantities": "u_s_max",
+                "limits": {"u_s_max": 0.01}, "tolerance": 0.5, "highest": 0.2, "period": None,
+                "damping": None, "intensity": None, "periods": None, "threads": 1, "file": None,
+                "restart": False, "unit": None, "dt": None},
+        "stripes": {"case": case, "records": records, "levels": [0.1], "quantities": "u_s_max"},
+        "cloud": {"case": case, "records": records, "quantities": "u_s_max", "factors": [1.0]},
+        "fragility": {"table": found["stripes"], "limit": limit, "quantities": "u_s_max",
+                      "levels": None, "exceeded": None, "runs": None, "method": "counts",
+                      "dispersions": 0.2, "mce": 0.5, "shape_factor": (1.0, 4.0, "Dmax"),
+                      "resamples": 5, "confidence": 0.9, "seed": 0},
+        "risk": {"fragility": (0.9, 0.4), "hazard": (2e-4, 2.5), "levels": [0.5, 1.0]},
         "find_records": {"words": records, "folder": "", "unit": None, "dt": None},
         "intensity": {"motion": _motion(), "kind": "average_acceleration", "period": None,
                       "damping": 0.05, "periods": [0.5], "component": None, "g": 9.81,
@@ -134,6 +148,13 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "loops.find_loops": {"dataset": found["run"], "case": case},
         "loops.group_by_kind": {"loops": found["loops"]},
         "loops.springs_of": {"columns": {"theta": [0.1]}, "case": case},
+        "plot.ida": {"dataset": found["stripes"], "ax": ax, "quantity": "u_s_max"},
+        "plot.cloud": {"dataset": found["stripes"], "ax": ax, "quantity": "u_s_max"},
+        "plot.fragility": {"dataset": found["fragility"], "ax": ax},
+        "plot.hazard": {"curve": (2e-4, 2.5), "ax": ax, "levels": [0.1, 1.0]},
+        "plot.deaggregation": {"dataset": found["risk"], "ax": ax},
+        "studies.demand_percentiles": {"table": found["stripes"], "quantities": "u_s_max",
+                                       "q": [50.0]},
         "plot.draw_bands": {"dataset": found["bands"], "ax": ax},
         "plot.draw_equal_response": {"dataset": found["equal"], "ax": ax},
         "plot.draw_fragility": {"dataset": found["fragility"], "ax": ax},

@@ -1,0 +1,208 @@
+"""Files for loss programs: demands for pelicun, fragility models for OpenQuake."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf._files import files
+from rwmf._risk.table import fallen, quantities_of
+from rwmf.case import Case
+from rwmf.errors import InputError
+
+__all__ = ["loss_quantities", "nrml_text", "write_pelicun"]
+
+# quantity, type in pelicun, unit there; a later row is taken where an earlier one is missing
+_DEMANDS = (
+    (r"storey_(\d+)_drift_max", "PID", "rad"),
+    (r"(roof)_drift_max", "PID", "rad"),
+    (r"floor_(\d+)_acceleration_max_g", "PFA", "mps2"),
+    (r"floor_(\d+)_velocity_max(?:_m_s)?", "PFV", "mps"),
+    (r"storey_(\d+)_residual_drift_at_rest", "RID", "rad"),
+    (r"storey_(\d+)_residual_drift", "RID", "rad"),
+    (r"(roof)_residual_drift_at_rest", "RID", "rad"),
+    (r"(roof)_residual_drift", "RID", "rad"),
+)
+_G = 9.81
+_IMTS = {"peak_acceleration": "PGA", "average_acceleration": "AvgSA"}
+
+
+def loss_quantities(case: Case) -> list[str]:
+    """List the demands of a structure that pelicun takes.
+
+    Parameters
+    ----------
+    case : Case
+        The structure.
+
+    Returns
+    -------
+    list of str
+        Drifts, accelerations, velocities and residual drifts of all storeys and floors.
+
+    Raises
+    ------
+    InputError
+        When the structure has none of them.
+    """
+    known = case.replace(output={"reactions": True}).kernel.applicable()
+    found: dict[str, str] = {}
+    for pattern, kind, _ in _DEMANDS:
+        for name in known:
+            match = re.fullmatch(pattern, name)
+            if match:
+                found.setdefault(_column(kind, match[1]), name)
+    # the drift of a roof is that of the only storey
+    if "1-PID-2-1" in found or any(name.startswith("storey_1_") for name in found.values()):
+        found = {key: name for key, name in found.items() if not name.startswith("roof_")}
+    if not found:
+        raise InputError("pelicun: the case has no storey or floor with demands")
+    return list(found.values())
+
+
+def _column(kind: str, place: str) -> str:
+    return f"1-{kind}-{'1' if place == 'roof' else place}-1"
+
+
+def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
+    """Write the demands of each design and intensity, or cloud, as CSV files of pelicun.
+
+    Separate files, ``..._collapsed.csv``, hold runs that overturned or collapsed, because their
+    demands end there. They have no residual drifts. Failed runs are left out.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        Table of `rwmf.stripes` or `rwmf.ida`; of the latter the common levels.
+    folder : path
+        Folder of the files; it is created.
+
+    Returns
+    -------
+    list of (path, int)
+        Files with their numbers of rows.
+
+    Raises
+    ------
+    InputError
+        When the table has no demand that pelicun takes.
+    OutputError
+        When a file cannot be written.
+    """
+    columns = _pelicun_columns(table)
+    x = table["intensity"].values
+    is_cloud = table.attrs.get("analysis") == "cloud"
+    levels = np.unique(np.asarray(table.attrs.get("levels", x), dtype=float))
+    if is_cloud:
+        levels = np.array([math.nan])
+    down = fallen(table)
+    unit = str(table["intensity"].attrs.get("units", "g"))
+    whole = np.all([np.isfinite(values) for values, _ in columns.values()], axis=0)
+    # a collapsed run has no residual drift
+    lasting = {name: item for name, item in columns.items() if "-RID-" not in name}
+    finite = np.all([np.isfinite(values) for values, _ in lasting.values()], axis=0) & bool(lasting)
+    with files.reported(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for design in dict.fromkeys(table["design"].values.tolist()):
+        for level in levels:
+            own = (table["design"].values == design) & (is_cloud | (x == level))
+            name = f"{design}_cloud" if is_cloud else f"{design}_{level:g}{unit}"
+            stem = re.sub(r"[^\w.-]+", "_", name.lstrip("_"))
+            for ending, kept, chosen in (
+                ("", columns, own & whole & ~down),
+                ("_collapsed", lasting, own & finite & down),
+            ):
+                if chosen.any():
+                    path = folder / f"{stem}{ending}.csv"
+                    files.write_bytes(path, _pelicun_text(kept, chosen).encode())
+                    written.append((path, int(chosen.sum())))
+    return written
+
+
+def _pelicun_columns(table: xr.Dataset) -> dict[str, tuple[npt.NDArray[np.float64], str]]:
+    """Return values in pelicun's units, and the unit, by the name of the column there."""
+    g = float(table.attrs.get("g", _G))
+    factors = {"mps2": g}
+    names = quantities_of(table)
+    found: dict[str, tuple[npt.NDArray[np.float64], str]] = {}
+    for pattern, kind, unit in _DEMANDS:
+        for name in names:
+            match = re.fullmatch(pattern, name)
+            if match and _column(kind, match[1]) not in found:
+                values = np.abs(table[name].values) * factors.get(unit, 1.0)
+                found[_column(kind, match[1])] = (values, unit)
+    if not found:
+        raise InputError(
+            f"pelicun: none of {', '.join(names) or 'no quantity'} is a demand of it: give "
+            "storey_1_drift_max, floor_1_acceleration_max_g and others"
+        )
+    return dict(sorted(found.items()))
+
+
+def _pelicun_text(
+    columns: dict[str, tuple[npt.NDArray[np.float64], str]], chosen: npt.NDArray[np.bool_]
+) -> str:
+    lines = ["," + ",".join(columns), "Units," + ",".join(unit for _, unit in columns.values())]
+    rows = zip(*(values[chosen].tolist() for values, _ in columns.values()), strict=True)
+    lines += [f"{i}," + ",".join(map(repr, row)) for i, row in enumerate(rows)]
+    return "\n".join(lines) + "\n"
+
+
+def nrml_text(fragility: xr.Dataset) -> str:
+    """Write fragility curves as a fragility model in NRML 0.5, one function per design.
+
+    Parameters
+    ----------
+    fragility : xarray.Dataset
+        From `rwmf.fragility`.
+
+    Returns
+    -------
+    str
+        XML text; mean and standard deviation are those of the lognormal intensity.
+
+    Raises
+    ------
+    InputError
+        When OpenQuake has no name for the measure of intensity.
+    """
+    kind = str(fragility.attrs.get("intensity", ""))
+    imt = _IMTS.get(kind)
+    if kind == "pseudo_acceleration":
+        imt = f"SA({float(fragility.attrs['intensity_period_s']):g})"
+    if imt is None:
+        known = ", ".join(("pseudo_acceleration", *_IMTS))
+        raise InputError(f"NRML: intensity = {kind or 'unknown'}: must be one of {known}")
+    designs = fragility if "design" in fragility.dims else fragility.expand_dims("design")
+    x = designs["intensity"].values
+    quantity = str(fragility.attrs["quantity"])
+    limit = float(np.asarray(fragility["limit"].values).ravel()[0])
+    state = quantity if math.isnan(limit) else f"{quantity}_{limit:g}"
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        '<nrml xmlns="http://openquake.org/xmlns/nrml/0.5">',
+        '<fragilityModel id="rwmf" assetCategory="buildings" lossCategory="structural">',
+        f"  <description>rwmf {fragility.attrs.get('version', '')}</description>",
+        f"  <limitStates>{state}</limitStates>",
+    ]
+    for i, name in enumerate(designs["design"].values.tolist()):
+        median = float(designs["median"].values[i])
+        beta = float(designs["dispersion_total"].values[i])
+        mean = median * math.exp(0.5 * beta**2)
+        deviation = mean * math.sqrt(math.expm1(beta**2))
+        lines += [
+            f"  <fragilityFunction id={quoteattr(str(name) or 'design')} "
+            'format="continuous" shape="logncdf">',
+            f'    <imls imt="{imt}" noDamageLimit="0.0" minIML="{x.min():g}" '
+            f'maxIML="{x.max():g}"/>',
+            f'    <params ls="{state}" mean="{mean!r}" stddev="{deviation!r}"/>',
+            "  </fragilityFunction>",
+        ]
+    return "\n".join([*lines, "</fragilityModel>", "</nrml>"]) + "\n"

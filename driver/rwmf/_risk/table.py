@@ -1,0 +1,392 @@
+"""The table of rows: one run in each, as dataset, CSV file or NetCDF file.
+
+Columns are ``design``, ``record``, ``intensity``, ``scale``, the quantities and ``status``. The
+attributes hold everything that is needed to repeat the runs; in CSV they stand in the first line,
+a comment.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf._files import files
+from rwmf._files.names import shorten
+from rwmf._files.netcdf_file import new_file
+from rwmf._numbers import show
+from rwmf._sweep import netcdf
+from rwmf._sweep.kept_quantities import find_quantities
+from rwmf._sweep.point_files import is_netcdf, read_csv, read_netcdf
+from rwmf.errors import InputError
+from rwmf.quantities import ENDINGS
+
+__all__ = [
+    "COLUMNS",
+    "TEXTS",
+    "describe",
+    "fallen",
+    "join",
+    "quantities_of",
+    "read_columns",
+    "read_table",
+    "table_of",
+    "write_dataset",
+    "write_table",
+]
+
+TEXTS = ("design", "record", "status")
+COLUMNS = (*TEXTS, "intensity", "scale")
+_MARK = "# rwmf "
+_LABELS = {
+    "design": {"long_name": "case of the run"},
+    "record": {"long_name": "ground motion"},
+    "intensity": {"units": "g", "long_name": "intensity of the scaled record"},
+    "scale": {"units": "1", "long_name": "factor on the record"},
+    "status": {"long_name": "ok, overturned, collapsed, or the name of an error"},
+}
+# statuses in upper and lower case that another program may write
+_STATUSES = {name.lower(): name for name in ("ok", *ENDINGS)}
+
+
+def table_of(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> xr.Dataset:
+    """Make a table from its columns.
+
+    Parameters
+    ----------
+    columns : mapping of str to array_like, each shape (rows,)
+        The columns; ``intensity`` is required, missing texts get defaults.
+    attributes : mapping of str to object
+        Attributes of the dataset.
+
+    Returns
+    -------
+    xarray.Dataset
+        The table, over ``row``.
+
+    Raises
+    ------
+    InputError
+        When a column is missing, or when an intensity or a status is not acceptable.
+    """
+    found = {str(name): np.asarray(values) for name, values in columns.items()}
+    if "intensity" not in found:
+        raise InputError(f"table: has no column intensity, only {', '.join(found) or 'none'}")
+    x = found["intensity"]
+    n = x.size
+    found.setdefault("design", np.full(n, "", dtype=object))
+    found.setdefault("record", np.array([str(i) for i in range(n)], dtype=object))
+    found.setdefault("scale", np.ones(n))
+    found.setdefault("status", np.full(n, "ok", dtype=object))
+    for name, values in found.items():
+        if values.shape != (n,):
+            raise InputError(f"table: {name}: has the shape {values.shape}: must be ({n},)")
+        if name in TEXTS:
+            texts = [str(value) for value in values.tolist()]
+            if name == "status":
+                texts = [_STATUSES.get(text.lower(), text) for text in texts]
+            found[name] = np.array(texts, dtype=object)
+        elif values.dtype.kind not in "iuf":
+            raise InputError(f"table: {name}: must be a column of numbers")
+        else:
+            found[name] = values.astype(float)
+    x = found["intensity"]
+    if n == 0 or not (np.isfinite(x) & (x > 0)).all():
+        wrong = "no row" if n == 0 else f"{x[~(np.isfinite(x) & (x > 0))][0]!r}"
+        raise InputError(f"table: intensity = {wrong}: must be finite numbers > 0")
+    names = ["design", "record", "intensity", "scale"]
+    names += [name for name in found if name not in COLUMNS]
+    dataset = xr.Dataset(attrs=dict(attributes))
+    for name in [*names, "status"]:
+        dataset[name] = ("row", found[name], _LABELS.get(name) or _labels(name))
+    unit = str(dataset.attrs.get("intensity_unit", "g"))
+    dataset["intensity"].attrs |= {"units": unit}
+    return dataset
+
+
+def _labels(name: str) -> dict[str, str]:
+    try:
+        (quantity,) = find_quantities((name,)).values()
+    except InputError:
+        return {}
+    return quantity.attributes
+
+
+def quantities_of(table: xr.Dataset) -> list[str]:
+    """List the demands of a table.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        From `table_of`.
+
+    Returns
+    -------
+    list of str
+        Names of its quantities.
+    """
+    return [str(name) for name in table.data_vars if name not in COLUMNS]
+
+
+def fallen(table: xr.Dataset) -> npt.NDArray[np.bool_]:
+    """Find the runs that ended by overturning or collapse.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        From `table_of`.
+
+    Returns
+    -------
+    numpy.ndarray of bool, shape (rows,)
+        True where the run ended so.
+    """
+    return np.isin(table["status"].values.astype(str), ENDINGS)
+
+
+def read_table(source: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
+    """Read a table of rows.
+
+    Parameters
+    ----------
+    source : path, xarray.Dataset, mapping or pandas.DataFrame
+        CSV or NetCDF file, or the columns; several of them in a list are joined.
+
+    Returns
+    -------
+    xarray.Dataset
+        The table.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or when a column is missing or not acceptable.
+    """
+    if isinstance(source, list | tuple):
+        return join([read_table(item) for item in source])
+    if isinstance(source, str | os.PathLike):
+        path = Path(source)
+        try:
+            return _read_file(path)
+        except InputError as error:
+            text = str(error)
+            raise InputError(text if text.startswith(str(path)) else f"{path}: {text}") from error
+    if isinstance(source, xr.Dataset):
+        if len(source.sizes) != 1:
+            raise InputError(
+                f"table: has the dimensions {', '.join(map(str, source.sizes)) or 'none'}: must "
+                "have one, its rows"
+            )
+        columns = {str(name): source[name].values for name in source.variables}
+        columns.pop(str(next(iter(source.sizes))), None)
+        return table_of(columns, source.attrs)
+    if hasattr(source, "columns") and hasattr(source, "to_numpy"):
+        return table_of({name: source[name].to_numpy() for name in source.columns}, {})
+    if isinstance(source, Mapping):
+        return table_of(_arrays(source), {})
+    raise InputError(
+        f"table = {show(source)}: must be a path, a dataset, a mapping or a pandas.DataFrame"
+    )
+
+
+def _arrays(columns: Mapping[Any, Any]) -> dict[str, npt.NDArray[Any]]:
+    found = {}
+    for name, values in columns.items():
+        try:
+            found[str(name)] = np.atleast_1d(np.asarray(values))
+        except Exception as error:
+            raise InputError(f"table: {show(name)}: must be a column of values") from error
+    return found
+
+
+def _read_file(path: Path) -> xr.Dataset:
+    if is_netcdf(path):
+        if not path.is_file():
+            raise InputError(f"{path}: the file does not exist, or is no regular file")
+        return read_table(read_netcdf(path))
+    columns, _ = read_columns(path, set(TEXTS), "table")
+    first = path.open(encoding="utf-8", errors="replace").readline()
+    attributes = {}
+    if first.startswith(_MARK):
+        try:
+            attributes = json.loads(first.removeprefix(_MARK))
+        except ValueError as error:
+            raise InputError(f"{path}, line 1: the attributes are damaged: {error}") from error
+    return table_of(columns, attributes)
+
+
+def read_columns(
+    path: Path, texts: set[str], what: str
+) -> tuple[dict[str, npt.NDArray[Any]], npt.NDArray[np.int64]]:
+    """Read the columns of a CSV file.
+
+    Parameters
+    ----------
+    path : path
+        The file: a line of names, then one line per row; lines with # are comments.
+    texts : set of str
+        Names of the columns of texts.
+    what : str
+        Content of the file, for messages.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray, each shape (rows,)
+        Columns by name.
+    numpy.ndarray, shape (rows,)
+        Line of each row in the file.
+
+    Raises
+    ------
+    InputError
+        When the file does not exist, cannot be read or is malformed.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: the {what} does not exist, or is no regular file")
+    return read_csv(path, lambda name: name not in texts)
+
+
+def join(tables: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Join tables whose intensities have one measure.
+
+    Parameters
+    ----------
+    tables : sequence of xarray.Dataset
+        From `read_table`.
+
+    Returns
+    -------
+    xarray.Dataset
+        All rows; quantities that a table lacks are NaN there. Attributes that differ are dropped.
+
+    Raises
+    ------
+    InputError
+        When there is no table, or when the measures of intensity differ.
+    """
+    if not tables:
+        raise InputError("table: the list is empty")
+    first = tables[0]
+    for table in tables[1:]:
+        keys = {key for key in (*first.attrs, *table.attrs) if key.startswith("intensity")}
+        for key in sorted(keys):
+            old, new = first.attrs.get(key), table.attrs.get(key)
+            if old is not None and new is not None and not _same(old, new):
+                raise InputError(f"tables: differ in {key}: {old} and {new}: give both one measure")
+    if len(tables) == 1:
+        return first
+    names = dict.fromkeys(str(name) for table in tables for name in table.data_vars)
+    columns = {
+        name: np.concatenate(
+            [
+                table[name].values if name in table else np.full(table.sizes["row"], math.nan)
+                for table in tables
+            ]
+        )
+        for name in names
+    }
+    attributes = {
+        key: value
+        for key, value in first.attrs.items()
+        if all(key in table.attrs and _same(table.attrs[key], value) for table in tables)
+    }
+    for key in ("cases", "records"):
+        if all(key in table.attrs for table in tables):
+            parts: dict[str, Any] = {}
+            for table in tables:
+                parts |= json.loads(table.attrs[key])
+            attributes[key] = json.dumps(parts)
+    return table_of(columns, attributes)
+
+
+def _same(old: object, new: object) -> bool:
+    return bool(np.array_equal(np.asarray(old), np.asarray(new)))
+
+
+def write_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a table as CSV or NetCDF; equal tables give equal bytes.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        From `table_of`.
+    path : str or path
+        File to write; its ending decides: ``.nc`` and others of NetCDF, otherwise CSV.
+
+    Raises
+    ------
+    OutputError
+        When the file cannot be written.
+    """
+    if is_netcdf(Path(path)):
+        write_dataset(table, path)
+        return
+    names = [str(name) for name in table.data_vars]
+    attributes = {key: np.asarray(value).tolist() for key, value in table.attrs.items()}
+    lines = [_MARK + json.dumps(attributes, sort_keys=True), ",".join(names)]
+    columns = [_cells(table[name].values) for name in names]
+    lines += [",".join(row) for row in zip(*columns, strict=True)]
+    files.write_bytes(path, ("\n".join(lines) + "\n").encode())
+
+
+def _cells(values: npt.NDArray[Any]) -> Iterable[str]:
+    if values.dtype.kind == "f":
+        return [repr(value) for value in values.tolist()]
+    return [_quoted(str(value)) for value in values.tolist()]
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n\r') else text
+
+
+def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Write a dataset as NetCDF without a time stamp.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The dataset.
+    path : str or path
+        File to write.
+
+    Raises
+    ------
+    InputError
+        When the packages for NetCDF are missing.
+    OutputError
+        When the file cannot be written.
+    """
+    netcdf.check_package()
+    with new_file(Path(path)) as (file, _):
+        dataset.dump_to_store(xr.backends.H5NetCDFStore(file))
+
+
+def describe(path: Path) -> str:
+    """Return the request that made the table of a file.
+
+    Parameters
+    ----------
+    path : path
+        CSV or NetCDF file.
+
+    Returns
+    -------
+    str
+        JSON text.
+
+    Raises
+    ------
+    InputError
+        When the file is no table of this program.
+    """
+    try:
+        return str(read_table(path).attrs["request"])
+    except (InputError, KeyError):
+        raise InputError(f"{shorten(path)}: exists and is not the table of an analysis") from None

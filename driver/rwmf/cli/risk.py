@@ -1,0 +1,277 @@
+"""Subcommands ``rwmf ida``, ``stripes``, ``cloud``, ``fragility`` and ``risk``."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+import rwmf
+from rwmf._files import files
+from rwmf._risk.loss import loss_quantities, nrml_text, write_pelicun
+from rwmf._risk.table import fallen, quantities_of, write_dataset
+from rwmf._sweep.executors import open_executor
+from rwmf._sweep.netcdf import check_package
+from rwmf._sweep.point_files import is_netcdf
+from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.progress import progress
+from rwmf.cli.words import numbers
+from rwmf.errors import InputError
+from rwmf.plotting import image_files as figures
+from rwmf.plotting import risk_figures as plots
+from rwmf.plotting.style import new_figure
+
+__all__ = ["analyse", "fit", "integrate"]
+
+_SHARED = ("intensity", "period", "damping", "periods", "file", "restart", "threads")
+
+
+def analyse(options: argparse.Namespace) -> int:
+    """Run an analysis of a suite (``rwmf ida``, ``rwmf stripes``, ``rwmf cloud``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, NumericalError, OutputError, Interrupted
+        As the analysis and the writers of files.
+    """
+    cases = [rwmf.Case.from_namelist(path) for path in options.cases]
+    records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
+    inputs = [path for case in cases for path in case.inputs]
+    inputs += [Path(record.path) for record in records if record.path]
+    files.check_outputs([options.plot, options.file], inputs)
+    figures.check_formats(options.plot)
+    how: dict[str, Any] = {name: getattr(options, name) for name in _SHARED}
+    names = options.quantities
+    if names is None and options.pelicun:
+        names = loss_quantities(cases[0])
+    with open_executor(options.engine, options.workers) as executor, progress() as report:
+        how |= {"executor": executor, "progress": report}
+        if options.analysis == "cloud":
+            table = rwmf.cloud(cases, records, names, factors=options.factors, **how)
+        elif options.analysis == "stripes":
+            table = rwmf.stripes(cases, records, options.levels, names, **how)
+        else:
+            how |= {"tolerance": options.tolerance, "highest": options.highest}
+            limits = _limits(options.limits)
+            table = rwmf.ida(cases, records, options.levels, names, limits=limits, **how)
+    print_warnings(options.analysis, str(table.attrs["warnings"]).splitlines())
+    _print_table(table)
+    written: list[str | Path | None] = [options.file]
+    if options.pelicun:
+        written += [path for path, _ in write_pelicun(table, Path(options.pelicun))]
+    if options.plot:
+        with new_figure(3.8) as figure:
+            draw = plots.cloud if options.analysis == "cloud" else plots.ida
+            draw(table, figure.subplots())
+            figures.save(figure, options.plot)
+        written.append(options.plot)
+    print_written(written)
+    return 0
+
+
+def fit(options: argparse.Namespace) -> int:
+    """Fit fragility curves (``rwmf fragility``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, OutputError
+        As the fit and the writers of files.
+    """
+    _check_outputs(options, [*options.tables])
+    factor = None if options.shape_factor is None else _shape_factor(options.shape_factor)
+    curves = rwmf.fragility(
+        options.tables,
+        options.limit,
+        options.quantity and [options.quantity],
+        method=options.method,
+        dispersions=options.dispersions or (),
+        mce=options.mce,
+        shape_factor=factor,
+        resamples=options.resamples,
+        confidence=options.confidence,
+        seed=options.seed,
+    )
+    names = [
+        "median", "median_band", "dispersion", "dispersion_band", "dispersion_total",
+        "exceeded", "runs", "margin_ratio", "probability_at_mce",
+        "shape_factor", "margin_ratio_adjusted", "probability_at_mce_adjusted",
+    ]  # fmt: skip
+    print_warnings(options.tables[0], str(curves.attrs["warnings"]).splitlines())
+    model = nrml_text(curves) if options.nrml else ""
+    _print_results(curves, names, options)
+    if options.nrml:
+        files.write_bytes(options.nrml, model.encode())
+    if options.plot:
+        with new_figure(3.8) as figure:
+            plots.fragility(curves, figure.subplots())
+            figures.save(figure, options.plot)
+    print_written([options.file, options.nrml, options.plot], is_json=options.json)
+    return 0
+
+
+def integrate(options: argparse.Namespace) -> int:
+    """Compute annual frequencies (``rwmf risk``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, OutputError
+        As the computation and the writers of files.
+    """
+    inputs = [word for word in (options.fragility, options.hazard) if Path(word).is_file()]
+    _check_outputs(options, inputs)
+    hazard = _pair("--hazard", options.hazard) or options.hazard
+    found = rwmf.risk(_read_fragility(options.fragility), hazard, levels=options.levels)
+    names = ["annual_frequency", "annual_frequency_band", "closed_form", "return_period"]
+    print_warnings(options.hazard, str(found.attrs["warnings"]).splitlines())
+    _print_results(found, [*names, "probability_50_years", "extrapolated"], options)
+    if options.plot:
+        edges = found["intensity_low"].values[1:]
+        with new_figure(3.8) as figure:
+            left, right = figure.subplots(1, 2)
+            plots.hazard(hazard, left, edges)
+            left.set_xlabel(plots.intensity_label(found.attrs))
+            plots.deaggregation(found, right)
+            figures.save(figure, options.plot)
+    print_written([options.file, options.plot], is_json=options.json)
+    return 0
+
+
+def _check_outputs(options: argparse.Namespace, inputs: list[str]) -> None:
+    written = [options.plot, options.file, getattr(options, "nrml", None)]
+    files.check_outputs(written, inputs)
+    figures.check_formats(options.plot)
+
+
+def _limits(given: list[tuple[str, list[float]]]) -> dict[str, float]:
+    for name, values in given:
+        if len(values) != 1:
+            raise InputError(f"--limits {name}: has {len(values)} values: must be one number")
+    return {name: values[0] for name, values in given}
+
+
+def _pair(option: str, word: str) -> tuple[float, float] | None:
+    """Read two numbers; None for the name of a file."""
+    if Path(word).exists() or "," not in word:
+        return None
+    try:
+        first, second = (float(item) for item in word.split(","))
+    except ValueError:
+        raise InputError(f"{option} {word}: must be a file, or two numbers") from None
+    return first, second
+
+
+def _shape_factor(word: str) -> float | tuple[float, float, str]:
+    items = word.split(",")
+    try:
+        if len(items) == 3:
+            return float(items[0]), float(items[1]), items[2].strip()
+        (value,) = numbers(word)
+    except (ValueError, argparse.ArgumentTypeError):
+        raise InputError(
+            f"--shape-factor {word}: must be a number, or PERIOD,DUCTILITY,CATEGORY"
+        ) from None
+    return value
+
+
+def _read_fragility(word: str) -> xr.Dataset | tuple[float, float]:
+    pair = _pair("FRAGILITY", word)
+    if pair is not None:
+        return pair
+    path = Path(word)
+    if not path.is_file():
+        raise InputError(f"{word}: the file does not exist, or is no regular file")
+    if not is_netcdf(path):
+        raise InputError(f"{word}: must be a NetCDF file of rwmf fragility --file")
+    check_package()
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+            return dataset.load()
+    except (OSError, ValueError) as error:
+        raise InputError(f"{word}: cannot be read as NetCDF: {error}") from error
+
+
+def _print_table(table: xr.Dataset) -> None:
+    """Print the counts of runs, and percentiles of each demand over the runs that stand."""
+    down, statuses = fallen(table), table["status"].values.astype(str)
+    for design in dict.fromkeys(table["design"].values.tolist()):
+        own = table["design"].values == design
+        counts = {word: int(np.sum(statuses[own] == word)) for word in np.unique(statuses[own])}
+        n = np.unique(table["record"].values[own].astype(str)).size
+        listed = ", ".join(f"{number} {word}" for word, number in counts.items())
+        print(f"{design}: {own.sum()} runs, {n} record{'' if n == 1 else 's'}: {listed}")
+        for name in quantities_of(table):
+            values = table[name].values[own & ~down]
+            values = values[np.isfinite(values)]
+            if values.size:
+                low, middle, high = np.quantile(values, [0, 0.5, 1], method="inverted_cdf")
+                print(f"  {name}: {low:.4g} to {high:.4g}, median {middle:.4g}, without collapse")
+
+
+def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namespace) -> None:
+    """Print numbers of all designs in one table, or as JSON; write the dataset."""
+    if options.file:
+        write_dataset(found, options.file)
+    shown = [name for name in names if name in found]
+    if options.json:
+        fields = {
+            name: found[name].values for name in found.data_vars if "resampled" not in str(name)
+        }
+        fields |= {str(name): found[name].values for name in found.coords}
+        print_json({str(key): np.asarray(value) for key, value in fields.items()} | {
+            key: value for key, value in found.attrs.items() if isinstance(value, str | int | float)
+        })  # fmt: skip
+        return
+    each = found if "design" in found.dims else found.expand_dims("design")
+    designs = [str(name) for name in np.atleast_1d(each["design"].values)]
+    wide = max([26, *(len(name) + 2 for name in designs)])
+    if designs != [""]:
+        print(" " * 30 + "".join(f"{name:>{wide}}" for name in designs))
+    for name in shown:
+        values = each[name]
+        unit = str(values.attrs.get("units", "1"))
+        label = name if unit == "1" else f"{name} [{unit}]"
+        cells = [
+            _cell(values.isel(design=i) if "design" in values.dims else values)
+            for i in range(len(designs))
+        ]
+        print(f"{label:30}" + "".join(f"{cell:>{wide}}" for cell in cells))
+
+
+def _cell(values: xr.DataArray) -> str:
+    numbers = np.ravel(values.values)
+    if "intensity" in values.dims:
+        numbers = np.array([np.nansum(numbers)])
+    return " to ".join(f"{value:.5g}" for value in numbers)

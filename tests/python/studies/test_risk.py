@@ -1,0 +1,327 @@
+"""From records to risk: analyses, fragility curves, annual frequencies, files of loss programs."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import rwmf
+import xarray as xr
+from rwmf import cli, studies
+from rwmf.errors import InputError
+
+BAKER: dict[str, Any] = {
+    "levels": [0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0],
+    "exceeded": [0, 0, 0, 4, 6, 13, 12, 16],
+    "runs": 40,
+}
+LEVELS = [0.1, 0.2, 0.4]
+OSCILLATOR: dict[str, Any] = {"period": 1.2, "damping": 0.05}
+
+
+def frame(strength: float = 0.06) -> rwmf.Case:
+    """Make a yielding frame that its weight brings down."""
+    groups: dict[str, dict[str, object]] = {
+        "frame": {"T_s": 1.2, "xi_s": 0.05},
+        "yielding": {"f_y_over_m_s_g": strength, "hardening": 0.02},
+        "p_delta": {"m_g_over_m_s": 2.0, "h_f": 8.0, "drift_limit": 0.1},
+        "motion": {"kind": "none"},
+        "model": {"formulation": "exact"},
+        "solver": {"method": "dop853", "rtol": 1e-6, "t_end": 1.0},
+    }
+    return rwmf.Case(**groups)
+
+
+def suite(n: int = 4) -> list[rwmf.Motion]:
+    """Make filtered noise that grows and fades."""
+    chance = np.random.default_rng(5)
+    t = 0.02 * np.arange(500)
+    envelope = (t / 3) ** 2 * np.exp(2 * (1 - t / 3))
+    shape = np.hanning(15)
+    return [
+        rwmf.Motion(envelope * np.convolve(chance.standard_normal(t.size), shape, "same"),
+                    dt=0.02, unit="m/s2", name=f"r{i}")
+        for i in range(n)
+    ]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def table() -> xr.Dataset:
+    """Run an analysis of two designs."""
+    stronger = frame(0.09)
+    designs = {"frame": frame(), "stronger": stronger}
+    names = ["u_s_max", "roof_drift_max"]
+    return rwmf.ida(designs, suite(), LEVELS, names, limits={"u_s_max": 0.4}, **OSCILLATOR)
+
+
+def test_every_record_is_bracketed(table: xr.Dataset) -> None:
+    """All levels run; each capacity lies between two runs 2 % apart."""
+    rows = table.to_dataframe()
+    for (_, _), own in rows.groupby(["design", "record"]):
+        assert set(LEVELS) <= set(own["intensity"])
+        assert own["intensity"].is_monotonic_increasing
+        over = (own["status"] == "collapsed") | (own["u_s_max"] > 0.4)
+        first = own["intensity"][over].min()
+        last = own["intensity"][own["intensity"] < first].max()
+        assert first <= last * 1.02 * (1 + 1e-12)
+    # one factor for each record, whatever the design
+    factors = (rows["scale"] / rows["intensity"]).groupby(rows["record"])
+    assert (factors.max() / factors.min() < 1 + 1e-12).all()
+
+
+def test_runs_are_those_of_a_sweep(table: xr.Dataset) -> None:
+    """To the bit."""
+    found = rwmf.sweep(frame(), {"scale": LEVELS}, suite(), intensity="pseudo_acceleration",
+                       **OSCILLATOR)  # fmt: skip
+    rows = table.to_dataframe().query("design == 'frame'")
+    for i, record in enumerate(["r0", "r1", "r2", "r3"]):
+        for j, level in enumerate(LEVELS):
+            own = rows[(rows["record"] == record) & (rows["intensity"] == level)]
+            assert own["u_s_max"].item() == found["u_s_max"].squeeze().values[i, j]
+
+
+@pytest.mark.parametrize("kind", ["peak_velocity", "arias", "peak_acceleration"])
+def test_measures_that_are_not_linear(kind: str) -> None:
+    """The scaled record has the intensity of its row, in stripes and clouds."""
+    motions = suite(2)
+    rows = [
+        *rwmf.stripes(frame(), motions, [0.3], intensity=kind).to_dataframe().itertuples(),
+        *rwmf.cloud(frame(), motions, factors=[0.5], intensity=kind).to_dataframe().itertuples(),
+    ]
+    for row in rows:
+        motion = motions[int(row.record[1:])]
+        scaled = rwmf.Motion(motion.values * row.scale, dt=0.02, unit="m/s2", name="x")
+        unit = 9.81 if kind == "peak_acceleration" else 1.0
+        assert rwmf.intensity(scaled, kind) / unit == pytest.approx(row.intensity, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["t.csv", "t.nc"])
+@pytest.mark.parametrize("stop", [1, 5, 14])
+def test_interrupted_and_resumed(name: str, stop: int, tmp_path: Path) -> None:
+    """Files are equal to the byte; all other files are removed."""
+    pytest.importorskip("h5netcdf")
+    count = 0
+
+    def interrupt(_: int, __: int) -> None:
+        nonlocal count
+        count += 1
+        if count == stop:
+            raise KeyboardInterrupt
+
+    def analyse(folder: str, **how: Any) -> bytes:  # noqa: ANN401 (any option)
+        path = tmp_path / folder / name
+        path.parent.mkdir(exist_ok=True)
+        rwmf.ida(frame(), suite(2), [0.2], tolerance=0.3, file=path, chunk=1, **how)
+        assert list(path.parent.iterdir()) == [path]
+        return path.read_bytes()
+
+    whole = analyse("whole")
+    with pytest.raises(rwmf.Interrupted, match="continues"):
+        analyse("part", progress=interrupt, threads=1)
+    assert analyse("part") == whole
+    assert analyse("part", restart=True) == whole
+    with pytest.raises(InputError, match=r"holds another analysis, which differs in .*levels"):
+        rwmf.ida(frame(), suite(2), [0.3], tolerance=0.3, file=tmp_path / "part" / name)
+
+
+def test_tables_survive_their_files(table: xr.Dataset, tmp_path: Path) -> None:
+    pytest.importorskip("h5netcdf")
+    from rwmf._risk import read_table, write_table
+
+    for name in ("t.csv", "t.nc"):
+        write_table(table, tmp_path / name)
+        found = read_table(tmp_path / name)
+        assert found.to_dataframe().equals(table.to_dataframe())
+        assert {"cases", "records", "version", "levels"} <= set(found.attrs)
+        assert "crc32" in json.loads(found.attrs["records"])["r0"]
+        curve = rwmf.fragility(tmp_path / name)
+        xr.testing.assert_equal(curve, rwmf.fragility(table))
+
+
+def test_percentiles_are_infinite_where_records_collapse(table: xr.Dataset) -> None:
+    found = studies.demand_percentiles(table, "u_s_max", q=[0, 50, 100]).isel(design=0)
+    rows = table.to_dataframe().query("design == 'frame'")
+    first = rows.query("status == 'collapsed'").groupby("record")["intensity"].min().sort_values()
+    most = found["u_s_max"].sel(percentile=100).values
+    assert np.isposinf(most[found["intensity"].values >= first.iloc[0]]).all()
+    stands = rows.groupby("intensity").filter(lambda x: len(x) == 4 and (x.status == "ok").all())
+    expected = stands.groupby("intensity")["u_s_max"].min()
+    lowest = found["u_s_max"].sel(percentile=0, intensity=expected.index.values)
+    np.testing.assert_array_equal(lowest, expected)
+
+
+def test_example_of_baker() -> None:
+    found = rwmf.fragility(**BAKER)
+    assert float(found["median"]) == pytest.approx(1.076116, abs=5e-7)
+    assert float(found["dispersion"]) == pytest.approx(0.429237, abs=5e-7)
+    low, high = found["median_band"].values
+    assert low < 1.076 < high
+    # order and repeated levels do not matter
+    flipped = {k: v if k == "runs" else v[::-1] for k, v in BAKER.items()}
+    assert float(rwmf.fragility(**flipped)["median"]) == float(found["median"])
+
+
+def test_clouds_with_and_without_collapses() -> None:
+    """Least squares in logarithms; censored runs move the median down."""
+    chance = np.random.default_rng(2)
+    x = np.exp(chance.uniform(-2, 1, 400))
+    y = 0.02 * x**1.3 * np.exp(0.3 * chance.standard_normal(x.size))
+    columns = {"intensity": x, "drift": y}
+    found = rwmf.fragility(columns, 0.03, method="cloud", resamples=50)
+    b, a = np.polyfit(np.log(x), np.log(y), 1)
+    rest = np.log(y) - a - b * np.log(x)
+    sigma = math.sqrt(np.sum(rest**2) / (x.size - 2))
+    assert float(found["median"]) == pytest.approx(math.exp((math.log(0.03) - a) / b), rel=1e-9)
+    assert float(found["dispersion"]) == pytest.approx(sigma / b, rel=1e-9)
+    # collapse above a drift: the censored fit recovers the law, dropping the runs would not
+    down = y > 0.04
+    censored = columns | {
+        "drift": np.where(down, 0.04, y),
+        "status": np.where(down, "collapsed", "ok"),
+    }
+    again = rwmf.fragility(censored, 0.03, method="cloud", resamples=0)
+    assert float(again["median"]) == pytest.approx(float(found["median"]), rel=0.03)
+
+
+def test_capacities_margins_and_dispersions() -> None:
+    """Geometric mean of capacities; total dispersion; P-695's table to its digits."""
+    capacity = np.array([0.5, 0.8, 1.1, 1.6])
+    rows: dict[str, Any] = {"record": [], "intensity": [], "status": []}
+    for i, c in enumerate(capacity):
+        for level, word in ((c / 1.001, "ok"), (c * 1.001, "collapsed")):
+            rows["record"].append(str(i))
+            rows["intensity"].append(level)
+            rows["status"].append(word)
+    found = rwmf.fragility(rows, method="capacities", dispersions=[0.3, 0.4], mce=0.7,
+                           shape_factor=(2.0, 8.0, "Dmax"))  # fmt: skip
+    logs = np.log(capacity)
+    assert float(found["median"]) == pytest.approx(math.exp(logs.mean()), rel=1e-9)
+    assert float(found["dispersion"]) == pytest.approx(logs.std(ddof=1), rel=1e-9)
+    total = math.hypot(logs.std(ddof=1), 0.5)
+    assert float(found["dispersion_total"]) == pytest.approx(total)
+    ratio = math.exp(logs.mean()) / 0.7
+    assert float(found["margin_ratio"]) == pytest.approx(ratio)
+    chance = 0.5 * math.erfc(math.log(ratio) / total / math.sqrt(2))
+    assert float(found["probability_at_mce"]) == pytest.approx(chance)
+    assert float(found["shape_factor"]) == pytest.approx(1.61, abs=0.005)
+
+
+def test_example_of_risk() -> None:
+    found = rwmf.risk((0.9, 0.4), {"k0": 2e-4, "k": 2.5})
+    exact = 4.291122997679e-4
+    assert float(found["closed_form"]) == pytest.approx(exact, rel=1e-12)
+    assert float(found["annual_frequency"]) == pytest.approx(exact, rel=1e-10)
+    assert float(found["contribution"].sum()) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(("median", "beta", "k"), [(0.3, 0.1, 1.0), (2.0, 0.9, 4.0), (1.0, 0, 3)])
+def test_quadrature_of_other_laws(median: float, beta: float, k: float, tmp_path: Path) -> None:
+    """Power laws, given as such, as points and as a file."""
+    exact = 1e-4 * median**-k * math.exp(0.5 * (k * beta) ** 2)
+    x = np.geomspace(1e-3, 1e2, 7)
+    path = tmp_path / "hazard.csv"
+    lines = [f"{a!r},{1e-4 * a**-k!r}" for a in x.tolist()]
+    path.write_text("intensity,frequency\n" + "\n".join(lines) + "\n", encoding="ascii")
+    for hazard in ((1e-4, k), {"intensity": x, "frequency": 1e-4 * x**-k}, path):
+        found = rwmf.risk({"median": median, "dispersion": beta}, hazard, levels=[0.1, 0.5, 1.0])
+        assert float(found["annual_frequency"]) == pytest.approx(exact, rel=1e-10)
+
+
+def test_designs_in_one_table(table: xr.Dataset) -> None:
+    curves = rwmf.fragility(table, resamples=100)
+    found = rwmf.risk(curves, (1e-4, 2.3))
+    assert found["design"].values.tolist() == ["frame", "stronger"]
+    weak, strong = found["annual_frequency"].values
+    assert weak > strong
+    for i, value in enumerate((weak, strong)):
+        low, high = found["annual_frequency_band"].values[i]
+        assert low < value < high
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (BAKER | {"exceeded": [0] * 8}, "no run collapses: the median is above the highest"),
+        (BAKER | {"exceeded": [40] * 8}, "every run collapses: the median is below the lowest"),
+        (BAKER | {"exceeded": [9, 8, 7, 6, 5, 4, 3, 2]}, "does not grow with the intensity"),
+        (BAKER | {"exceeded": [0.5] * 8}, "exceeded = 0.5 of runs = 40 at intensity 0.2"),
+        (BAKER | {"runs": 10}, "exceeded = 13 of runs = 10 at intensity 0.8"),
+        ({"levels": [0.1], "exceeded": [5], "runs": 10}, "at one intensity, 0.1"),
+        (BAKER | {"levels": [math.nan, *BAKER["levels"][1:]]}, "levels = nan"),
+        (BAKER | {"shape_factor": 1.2}, "shape_factor: needs mce"),
+        (BAKER | {"mce": 1, "shape_factor": (1, 4, "E")}, "must be one of B, C, Dmin, Dmax"),
+        (BAKER | {"mce": 1, "shape_factor": (1, 0.5, "B")}, "ductility = 0.5: must be >= 1"),
+        ({"table": {"intensity": [0.1], "d": [1.0]}, "limit": 2, "quantities": "e"}, "has d"),
+        ({"table": {"d": [1.0]}, "limit": 2}, "no column intensity, only d"),
+    ],
+)
+def test_degenerate_data_say_why(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        rwmf.fragility(**arguments)
+
+
+def test_step_has_no_dispersion() -> None:
+    found = rwmf.fragility(levels=[0.1, 0.2], exceeded=[0, 10], runs=10)
+    assert float(found["dispersion"]) == 0.0
+    assert 0.1 < float(found["median"]) < 0.2
+    assert "for want of levels between" in found.attrs["warnings"]
+
+
+def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:  # noqa: ANN401
+    """From namelists to annual frequency, in four commands; tables and figures are files."""
+    pytest.importorskip("h5netcdf")
+    monkeypatch.chdir(tmp_path)
+    frame().to_namelist("weak.nml")
+    frame(0.09).to_namelist("strong.nml")
+    for motion in suite(3):
+        times = np.column_stack([motion.times, motion.values])
+        np.savetxt(f"{motion.name}.csv", times, fmt="%.17g", delimiter=",")
+    how = "--records r0.csv r1.csv r2.csv --unit m/s2 --period 1.2 --damping 0.05"
+    two = f"weak.nml strong.nml {how}"
+    for words in (
+        f"ida {two} --levels 0.1,0.3 --tolerance 0.2 --file ida.csv --plot ida.png",
+        f"stripes {two} --levels 0.1,0.2,0.4 --file stripes.nc --pelicun demands",
+        f"cloud {two} --factors 0.02,0.1 --file cloud.csv --plot cloud.png",
+        "fragility ida.csv --mce 0.2 --dispersions 0.3 --resamples 20 --file f.nc --nrml f.xml "
+        "--plot f.png --shape-factor 1.2,4,Dmax",
+        "risk f.nc --hazard 1e-4,2.3 --file r.nc --plot r.png",
+    ):
+        assert cli.main(words.split()) == 0, capsys.readouterr().err
+        out = capsys.readouterr().out
+        assert "weak" in out
+        assert "strong" in out
+    assert cli.main(["risk", "0.9,0.4", "--hazard", "2e-4,2.5", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["annual_frequency"] == pytest.approx(4.291122997679e-4, rel=1e-10)
+    model = ElementTree.parse("f.xml").getroot()[0]
+    (params, *_) = [item for item in model.iter() if item.tag.endswith("params")]
+    mean, deviation = float(params.attrib["mean"]), float(params.attrib["stddev"])
+    with xr.open_dataset("f.nc", engine="h5netcdf") as curves:
+        assert {"cases", "records", "version"} <= set(curves.attrs)
+        beta = math.sqrt(math.log1p((deviation / mean) ** 2))
+        assert beta == pytest.approx(float(curves["dispersion_total"][0]))
+    _check_demands(Path("demands"))
+    for words in ("fragility none.csv", "risk f.nc --hazard none.csv", "risk ida.csv --hazard 1,2"):
+        assert cli.main(words.split()) == 2
+
+
+def _check_demands(folder: Path) -> None:
+    """Tables of pelicun: a row of units, numbers, collapsed rows apart."""
+    files = sorted(path.name for path in folder.iterdir())
+    assert "weak_0.1g.csv" in files
+    assert "weak_0.4g_collapsed.csv" in files
+    n = 0  # all records are in one of the files
+    for name in (item for item in files if item.startswith("weak_0.4g")):
+        with (folder / name).open(encoding="ascii") as file:
+            head, units, *rows = csv.reader(file)
+        assert "1-PID-1-1" in head
+        assert units[0] == "Units"
+        assert all(math.isfinite(float(item)) for row in rows for item in row)
+        n += len(rows)
+    assert n == 3
