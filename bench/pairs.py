@@ -71,7 +71,6 @@ EFFECTS = [
             "bending": {"EI_over_m_w": 5000.0, "modes": 2, "damping": "stiffness"},
             "impact": {"rule": "coupled"},
             "model": {"formulation": "exact"},
-            "output": {"reactions": None},
         },
         "bending",
         no_element="the modes are states, and an element holds none",

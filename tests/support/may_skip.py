@@ -20,7 +20,11 @@ MAY_SKIP = (
     ("test_validation.py", "'mujoco'", "its stored histories are compared in any case"),
     ("test_validation.py", "ccx is not installed", "its stored histories are compared in any case"),
     ("test_validation.py", "no OpenSees", "its stored histories are compared in any case"),
-    ("test_opensees.py", "no OpenSees", "each script is read in any case; stored histories as well"),
+    (
+        "test_opensees.py",
+        "no OpenSees",
+        "each script is read in any case; stored histories as well",
+    ),
     ("test_laws.py", "no OpenSees", "its laws are held against closed forms in any case"),
     ("test_hard_faults.py", "this user may read everything", "nothing is forbidden to root"),
     ("test_hard_faults.py", "to mount a small disk", "containers may not; /dev/full is tried too"),

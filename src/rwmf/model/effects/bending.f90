@@ -252,8 +252,8 @@ contains
       type(case_t), intent(in) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      call fail(error, err_input, 'an element must not have &bending: it holds no state, ' &
-         //'and the modes are states; a stepping wall (create_stepping) allows it')
+      call fail(error, err_input, 'an element has no &bending: the modes are states, and an ' &
+         //'element holds none; a stepping wall (create_stepping) allows it')
    end subroutine refuse_element
 
 end module rwmf_model_effects_bending
