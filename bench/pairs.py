@@ -68,7 +68,12 @@ EFFECTS = [
     Effect(
         "`&bending`",
         {
-            "bending": {"EI_over_m_w": 5000.0, "modes": 2, "damping": "stiffness"},
+            "bending": {
+                "EI_over_m_w": 5000.0,
+                "modes": 2,
+                "xi": 0.1,
+                "damping": "stiffness",
+            },
             "impact": {"rule": "coupled"},
             "model": {"formulation": "exact"},
         },

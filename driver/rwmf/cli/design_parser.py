@@ -25,8 +25,8 @@ def add_design(commands: Subcommands) -> None:
     parser = commands.add(
         "design",
         "Find the cheapest design whose suite meets all targets; records left out judge it.",
-        "inputs/study_elcentro.nml --vary eta_0=0:3 --target u_s_max=0.1@84 --cost eta_0=1 "
-        "--records suite/*.csv --report design.html",
+        "inputs/study_elcentro.nml --vary eta_0=0:3 --target u_s_max=0.1@84 --cost eta_0=1"
+        " --records suite/*.csv",
         "design_command.run",
     )
     add_case(parser)

@@ -21,14 +21,14 @@ def add_risk(commands: Subcommands) -> None:
     commands : Subcommands
         Subcommands of the command line.
     """
-    suite = "inputs/study_one_sine.nml --records suite/*.csv --unit m/s2"
+    suite = "inputs/study_one_sine.nml --records suite/*.csv"
     texts = {
         "ida": "Incremental dynamic analysis: common levels, then the capacity of each record.",
         "stripes": "Run all records at all levels of intensity.",
         "cloud": "Run records with their own intensities.",
     }
     for name, text in texts.items():
-        example = f"{suite} --file {name}.csv --plot {name}.png"
+        example = f"{suite} --plot {name}.png"
         _add_analysis(commands.add(name, text, example, "risk.analyse", analysis=name), name)
     _add_fragility(commands)
     _add_frequency(commands)
