@@ -16,13 +16,13 @@ __all__ = ["base_section", "ufp_force"]
 
 
 def base_section(
-    N: npt.ArrayLike,  # noqa: N803 (the symbol of the theory)
+    N: npt.ArrayLike,
     theta: npt.ArrayLike,
     *,
     width: float,
     thickness: float,
     k: float,
-    E: float | None = None,  # noqa: N803
+    E: float | None = None,
 ) -> xr.Dataset:
     """Compute contact, stress and moment of a base on a strip of springs without tension.
 

@@ -101,7 +101,7 @@ class LimitCheck:
     share_above : float
         Share of the runs that exceed the limit; runs that overturn or collapse count.
     at : dict of str to float or str
-        Coordinates of the suite in a grid.
+        Coordinates in a grid; axes with one value are left out.
     """
 
     key: str
@@ -182,7 +182,7 @@ class Checks:
 
     def __str__(self) -> str:
         """Return the table as text, with the governing floor or storey of each demand."""
-        from rwmf._checks.table import text_of
+        from rwmf._checks.check_table import text_of
 
         return text_of(self)
 
@@ -229,7 +229,8 @@ def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
     has_ended = ending_of(result) != "ok"
     heights = _heights(case, limits)
     rows = [
-        _check(limit, heights, np.array([float(result.get(limit.key, math.nan))])) for limit in limits
+        _check(limit, heights, np.array([float(result.get(limit.key, math.nan))]))
+        for limit in limits
     ]
     return Checks(tuple(rows), 1, int(has_ended), 0)
 
@@ -268,8 +269,10 @@ def _check(
     demands: Array,
     fallen: npt.NDArray[np.bool_] | None = None,
     at: dict[str, Any] | None = None,
+    *,
+    is_suite: bool = False,
 ) -> LimitCheck:
-    """Count the demands of runs; those of a suite come with the runs that ended early."""
+    """Count the demands of runs; those of a grid come with the runs that ended early."""
     ratios = limit.ratio(demands)
     if fallen is not None:
         demands = np.where(fallen, 0.0 if limit.is_least else math.inf, demands)
@@ -289,8 +292,8 @@ def _check(
         limit.value,
         float(ranked[-1]) if n else math.nan,
         float(sorted_ratios[-1]) if n else math.nan,
-        {} if fallen is None else {q: float(ranked[i]) for q, i in places.items()},
-        {} if fallen is None else {q: float(sorted_ratios[i]) for q, i in places.items()},
+        {q: float(ranked[i]) for q, i in places.items()} if is_suite else {},
+        {q: float(sorted_ratios[i]) for q, i in places.items()} if is_suite else {},
         float(np.mean(sorted_ratios > 1)) if n else math.nan,
         at or {},
     )
@@ -315,7 +318,8 @@ def _checks_of_grid(case: Case, limits: list[Limit], dataset: xr.Dataset) -> Che
         lost = np.atleast_1d(is_failed.isel(where).values)
         for limit in limits:
             values = np.atleast_1d(dataset[names[limit.key]].isel(where).values).astype(float)
-            rows.append(_check(limit, heights, np.where(lost, math.nan, values), fallen, at))
+            values[lost] = math.nan
+            rows.append(_check(limit, heights, values, fallen, at, is_suite=suite is not None))
     runs = 1 if suite is None else dataset.sizes[suite]
     return Checks(tuple(rows), runs, int(is_fallen.sum()), int(is_failed.sum()))
 
@@ -329,5 +333,6 @@ def _points(
         at = {
             str(dim): dataset[dim].values[i].item() if dim in dataset.coords else i
             for dim, i in where.items()
+            if dataset.sizes[dim] > 1
         }
         yield at, where

@@ -1,4 +1,4 @@
-!> Group `&base_section`: the strip of springs under the base, whose contact and stress are reported.
+!> Group `&base_section`: the strip of springs under the base, for its contact and its stress.
 module rwmf_input_groups_base_section
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp

@@ -98,8 +98,9 @@ contains
          == '`&wall`') then
          if (.not. has_group(values, 'wall')) lacking = '&wall'
       end if
-      if (lacking == '' .and. quantity%ratio > 0 .and. .not. has_mass(values)) &
+      if (lacking == '' .and. quantity%ratio > 0 .and. .not. has_mass(values)) then
          lacking = 'the mass of the wall, or of the frame without a wall,'
+      end if
       if (lacking /= '') then
          call fail_key(values, name, key, 'needs '//lacking//' to have this demand', error)
          return
@@ -178,8 +179,9 @@ contains
 
       lowest_link = floors
       if (.not. allocated(case%storeys)) return
-      if (any(case%storeys%coupling == [character(11) :: 'every_floor', 'springs'])) &
-         lowest_link = 1
+      associate (coupling => case%storeys%coupling)
+         if (coupling == 'every_floor' .or. coupling == 'springs') lowest_link = 1
+      end associate
    end function lowest_link
 
 end module rwmf_input_groups_limits

@@ -57,9 +57,7 @@ def _title_row(found: Checks) -> list[str]:
     return ["checks", "demand", "limit", "ratio", ""]
 
 
-def _shown(
-    rows: Iterable[LimitCheck], *, is_all: bool
-) -> list[tuple[LimitCheck, str]]:
+def _shown(rows: Iterable[LimitCheck], *, is_all: bool) -> list[tuple[LimitCheck, str]]:
     """Choose the rows of a table, each with a note on its floor or storey."""
     shown = []
     for (key, level), part in groupby(rows, key=lambda row: _pattern(row.key)):
