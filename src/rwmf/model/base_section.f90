@@ -55,7 +55,7 @@ contains
       if (length >= strip%width) stress = stress/2 + normal/(strip%width*strip%thickness)
    end function toe_stress
 
-   !> Moment of the stresses about the middle of the base [N m].
+   !> Moment of the stresses about the middle of the base [N m]; zero without a compressive force.
    elemental real(wp) function base_moment(strip, normal, phi) result(moment)
       type(strip_t), intent(in) :: strip
       real(wp), intent(in) :: normal
@@ -66,7 +66,7 @@ contains
 
       length = contact_length(strip, normal, phi)
       if (length < strip%width) then
-         moment = normal*(strip%width/2 - length/3)
+         moment = max(normal, 0.0_wp)*(strip%width/2 - length/3)
       else
          moment = strip%k*phi*strip%thickness*length**3/12
       end if

@@ -132,22 +132,25 @@ contains
    subroutine fill_limits(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
-      logical :: is_given(size(all_quantities))
+      type(quantity_t), allocatable :: given(:)
       integer :: i
 
+      allocate (given(0))
       do i = 1, size(all_quantities)
-         is_given(i) = is_limited(all_quantities(i))
-         if (is_given(i)) is_given(i) = has_key(case%values, name, &
-            trim(limit_key(all_quantities(i))))
+         if (.not. is_limited(all_quantities(i))) cycle
+         if (has_key(case%values, name, trim(limit_key(all_quantities(i))))) given = [given, &
+            all_quantities(i)]
       end do
-      if (.not. any(is_given)) return
+      if (size(given) == 0) return
       if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
-      associate (output => case%output, observed => pack(all_quantities%observed, is_given))
-         output%reactions = output%reactions .or. any(observed == of_reactions)
-         output%demands = output%demands .or. any(observed == of_demands)
-         output%envelopes = output%envelopes .or. any(observed == of_envelopes)
+      associate (output => case%output)
+         do i = 1, size(given)
+            output%reactions = output%reactions .or. given(i)%observed == of_reactions
+            output%demands = output%demands .or. given(i)%observed == of_demands
+            output%envelopes = output%envelopes .or. given(i)%observed == of_envelopes
+         end do
       end associate
-      call list_demands(case, pack(all_quantities, is_given), case%output%limited)
+      call list_demands(case, given, case%output%limited)
    end subroutine fill_limits
 
    !> List the keys of the limited demands, those of floors and storeys with their numbers.
