@@ -128,5 +128,4 @@ def write_csv(found: Checks, path: str | os.PathLike[str]) -> None:
         {key: repr(value) if isinstance(value, float) else value for key, value in row.items()}
         for row in rows
     )
-    with files.replacing(path) as stream:
-        stream.write(text.getvalue().encode())
+    files.write_bytes(path, text.getvalue().encode())

@@ -221,15 +221,17 @@ def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
     if isinstance(result, xr.Dataset):
         if "status" in result.data_vars:
             return _checks_of_grid(case, limits, result)
-        result = Response(result.data_vars, result.coords, result.attrs).flat()
-    if not isinstance(result, Mapping):
+        scalars: Mapping[str, Any] = Response(result.data_vars, result.coords, result.attrs).flat()
+    elif isinstance(result, Mapping):
+        scalars = result
+    else:
         raise InputError(f"result = {show(result)}: must be a dataset or the scalars of a run")
-    if not any(limit.key in result for limit in limits):
+    if not any(limit.key in scalars for limit in limits):
         raise InputError(f"result: has none of the demands: {', '.join(x.key for x in limits)}")
-    has_ended = ending_of(result) != "ok"
+    has_ended = ending_of(scalars) != "ok"
     heights = _heights(case, limits)
     rows = [
-        _check(limit, heights, np.array([float(result.get(limit.key, math.nan))]))
+        _check(limit, heights, np.array([float(scalars.get(limit.key, math.nan))]))
         for limit in limits
     ]
     return Checks(tuple(rows), 1, int(has_ended), 0)
