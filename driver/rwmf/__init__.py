@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rwmf import loops, plot, records, studies
+    from rwmf._base_section import base_section, ufp_force
+    from rwmf._checks.checks import Checks, LimitCheck, checks
     from rwmf._cost import Cost, cost
     from rwmf._design.design import Design, design
     from rwmf._explore import explore
@@ -35,10 +37,12 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Case",
+    "Checks",
     "Cost",
     "Design",
     "InputError",
     "Interrupted",
+    "LimitCheck",
     "Motion",
     "NumericalError",
     "OutputError",
@@ -46,6 +50,8 @@ __all__ = [
     "Response",
     "RwmfError",
     "__version__",
+    "base_section",
+    "checks",
     "cloud",
     "cost",
     "design",
@@ -66,21 +72,26 @@ __all__ = [
     "stripes",
     "studies",
     "sweep",
+    "ufp_force",
 ]
 
 # module of each public name; an empty one where the name is a module itself
 _HOMES = {
     "Case": "case",
+    "Checks": "_checks.checks",
     "Cost": "_cost",
     "Design": "_design.design",
     "InputError": "errors",
     "Interrupted": "errors",
+    "LimitCheck": "_checks.checks",
     "Motion": "case",
     "NumericalError": "errors",
     "OutputError": "errors",
     "RecordFile": "_sweep",
     "Response": "_response",
     "RwmfError": "errors",
+    "base_section": "_base_section",
+    "checks": "_checks.checks",
     "cloud": "_risk",
     "cost": "_cost",
     "design": "_design.design",
@@ -97,6 +108,7 @@ _HOMES = {
     "spectrum": "_spectrum",
     "stripes": "_risk",
     "sweep": "_sweep",
+    "ufp_force": "_base_section",
 }
 
 

@@ -78,6 +78,8 @@ def spectrum(
     keys = [] if quantities is None else keys_of(_without_second_names(quantities))
     if quantities is not None and not (keys and _can_be_told_apart(keys)):
         _refuse(case, keys)
+    if keys:
+        keys += [key for key in case.kernel.limited_demands() if key not in keys]
     try:
         with start(with_grid(case, T_s, gamma, b), threads, progress, keys) as sweep:
             return to_dataset(sweep)

@@ -3,9 +3,10 @@
 `history`, `profile`, `envelope` and `ground_motion` draw results of `rwmf.simulate`, `spectrum`
 those of `rwmf.spectrum`, `work_precision` those of `rwmf.cost`. `ida` and `cloud` draw tables of
 runs, `fragility` curves of `rwmf.fragility`, `hazard` and `deaggregation` the parts of `rwmf.risk`.
-The other functions draw the studies of the same name.
+`checks` draws the result of `rwmf.checks`. The other functions draw the studies of the same name.
 """
 
+from rwmf.plotting.checks_figure import checks
 from rwmf.plotting.cost_figure import work_precision
 from rwmf.plotting.envelope import envelope, envelope_quantities
 from rwmf.plotting.ground import ground_motion
@@ -25,6 +26,7 @@ from rwmf.plotting.style import make_panels, style
 
 __all__ = [
     "PANELS",
+    "checks",
     "cloud",
     "deaggregation",
     "draw_bands",

@@ -123,6 +123,11 @@ class Quantity:
         return replace(self, name=self.name.replace("_{i}", "s"), meaning=meaning)
 
     @property
+    def limit_key(self) -> str:
+        """Key of `&limits` for the quantity; a list over floors or storeys is a plural."""
+        return self.key.replace("_{i}", "s")
+
+    @property
     def attributes(self) -> dict[str, str]:
         """Attributes of its variable."""
         return {"units": self.unit, "long_name": self.meaning}

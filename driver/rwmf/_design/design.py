@@ -160,8 +160,8 @@ def design(
         Lower and upper bound by key; whole numbers for keys such as ``strands``.
     targets : sequence of mapping
         Each has ``quantity`` and ``limit`` in its unit, with ``percentile`` [%] or ``probability``
-        of exceedance. ``quantity='collapse'`` has a ``probability`` only. ``scale`` is a factor on
-        the motions.
+        of exceedance. ``quantity='collapse'`` has a ``probability`` only, ``quantity='limits'``
+        (every limit of the case's ``&limits``) no ``limit``. ``scale`` is a factor on the motions.
     cost : mapping or callable
         Weights by key, or a function of the values by key.
     records : sequence of str, path or Motion, optional
@@ -186,7 +186,7 @@ def design(
         When an argument is not acceptable, or SciPy is not installed.
     """
     case = case_of(case)
-    variables, limits = variables_of(bounds), targets_of(targets)
+    variables, limits = variables_of(bounds), targets_of(targets, case)
     price = cost_of(cost, variables)
     to_whole("designs", designs, 1)
     if left_out is not None:

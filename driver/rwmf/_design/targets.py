@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from rwmf._checks.checks import Limit, limits_of
 from rwmf._numbers import show, to_array, to_items, to_number
 from rwmf._sweep.axes import kind_of, name_axes
 from rwmf._sweep.kept_quantities import find_quantities
+from rwmf.case import Case
 from rwmf.errors import InputError
 
 __all__ = ["COLLAPSE", "Cost", "Target", "Variable", "cost_of", "targets_of", "variables_of"]
@@ -20,6 +22,8 @@ Array = npt.NDArray[np.float64]
 Cost = Mapping[str, float] | Callable[[dict[str, float]], float]
 # word for overturning or collapse as the quantity of a target
 COLLAPSE = "collapse"
+# word for all limits of the case as the quantity of a target
+_LIMITS = "limits"
 _ALLOWED = ("quantity", "limit", "percentile", "probability", "scale")
 
 
@@ -60,17 +64,22 @@ class Target:
         Share of the records that must stay below the limit.
     scale : float
         Factor on the motions.
+    is_least : bool
+        True when the quantity must not be smaller than the limit.
     """
 
     quantity: str
     limit: float
     share: float
     scale: float
+    is_least: bool = False
 
     @property
     def text(self) -> str:
         """The target in words."""
-        what = f"{self.quantity} <= {self.limit:g}" if self.quantity != COLLAPSE else "no collapse"
+        sign = ">=" if self.is_least else "<="
+        what = f"{self.quantity} {sign} {self.limit:g}"
+        what = what if self.quantity != COLLAPSE else "no collapse"
         factor = f", motions times {self.scale:g}" if self.scale != 1 else ""
         return f"{what} in {100 * self.share:g} % of the motions{factor}"
 
@@ -91,10 +100,12 @@ class Target:
         """
         if self.quantity == COLLAPSE:
             return float(fallen.mean())
-        ranked = np.where(fallen, np.inf, values)
+        # larger is worse; residuals have a sign
+        ranked = np.where(fallen, np.inf, -values if self.is_least else np.abs(values))
         # a rank that round-off moves past the next whole number
         share = max(self.share - 1e-12, 0.0)
-        return float(np.quantile(ranked, share, method="inverted_cdf"))
+        worst = float(np.quantile(ranked, share, method="inverted_cdf"))
+        return max(-worst, 0.0) if self.is_least else worst
 
     def utilisation(self, value: float) -> float:
         """Return value over limit: the target is met up to 1.
@@ -111,6 +122,8 @@ class Target:
         """
         if self.quantity == COLLAPSE:
             return 1.0 + value - (1.0 - self.share) - 1e-12
+        if self.is_least:
+            return self.limit / value if value > 0 else np.inf
         return value / self.limit
 
 
@@ -156,14 +169,17 @@ def _two(name: str, ends: object) -> Array:
     return items
 
 
-def targets_of(targets: Sequence[Mapping[str, Any]]) -> list[Target]:
+def targets_of(targets: Sequence[Mapping[str, Any]], case: Case) -> list[Target]:
     """Read the targets of a design.
 
     Parameters
     ----------
     targets : sequence of mapping
         ``quantity`` and ``limit``, with ``percentile`` [%] or ``probability`` of exceedance, or
-        ``quantity='collapse'`` with ``probability``; ``scale`` is a factor on the motions.
+        ``quantity='collapse'`` with ``probability``; ``scale`` is a factor on the motions. The
+        quantity 'limits' without a limit means every limit of the case.
+    case : Case
+        The case, for its limits.
 
     Returns
     -------
@@ -178,7 +194,20 @@ def targets_of(targets: Sequence[Mapping[str, Any]]) -> list[Target]:
     items = [targets] if isinstance(targets, Mapping) else to_items(targets)
     if not items or not all(isinstance(item, Mapping) for item in items):
         raise InputError(f"targets = {show(targets)}: must be mappings with quantity and limit")
-    return [_target(item) for item in items]
+    limits = limits_of(case)
+    return [target for item in items for target in _targets(item, limits)]
+
+
+def _targets(item: Mapping[str, Any], limits: Sequence[Limit]) -> list[Target]:
+    """Read one entry; that of all limits gives a target for each."""
+    if item.get("quantity") != _LIMITS:
+        return [_target(item)]
+    if "limit" in item:
+        raise InputError("targets: limits: has no limit; those of &limits apply")
+    if not limits:
+        raise InputError("targets: limits: the case has no &limits")
+    found = [_target({**item, "quantity": x.key, "limit": x.value}) for x in limits]
+    return [replace(target, is_least=x.is_least) for target, x in zip(found, limits, strict=True)]
 
 
 def _target(item: Mapping[str, Any]) -> Target:

@@ -23,6 +23,7 @@ from rwmf._library.tables import (
     quantities,
     result_names,
     schema,
+    strip_under,
     version,
 )
 
@@ -47,5 +48,6 @@ __all__ = [
     "start_rows",
     "start_simulation",
     "start_spectrum",
+    "strip_under",
     "version",
 ]

@@ -291,6 +291,16 @@ class KernelCase:
                 raise
             raise InputError(without_lines(str(error))) from None
 
+    def limited_demands(self) -> list[str]:
+        """Return the keys of the demands that `&limits` requests, with numbers of floors.
+
+        Returns
+        -------
+        list of str
+            In the order of the table of quantities; empty without limits.
+        """
+        return fetch_text(_kernel.limited_demands, self.handle).split()
+
     def end_of_motion(self) -> float:
         """Return the end of the pulse or record; 0 without motion [s].
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 import functools
 from typing import NamedTuple
 
+import numpy as np
+import numpy.typing as npt
+
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.marshalling import encode, fetch_text, split_table
 
@@ -17,6 +20,7 @@ __all__ = [
     "quantities",
     "result_names",
     "schema",
+    "strip_under",
     "version",
 ]
 
@@ -126,6 +130,32 @@ def digits_of(rtol: float, sensitivity: float) -> int:
         The number, 1 at least.
     """
     return int(_kernel.digits_of(rtol, sensitivity))
+
+
+def strip_under(
+    width: float,
+    thickness: float,
+    k: float,
+    normal: npt.NDArray[np.float64],
+    phi: npt.NDArray[np.float64],
+    found: npt.NDArray[np.float64],
+) -> None:
+    """Compute contact length [m], toe stress [Pa] and moment [N m] of a strip under a base.
+
+    Parameters
+    ----------
+    width, thickness : float
+        Dimensions of the base [m].
+    k : float
+        Stiffness per area [N/m3].
+    normal : numpy.ndarray, shape (n,)
+        Compressive forces [N].
+    phi : numpy.ndarray, shape (n,)
+        Magnitudes of the rotation [rad].
+    found : numpy.ndarray, shape (n, 3), in the order of Fortran
+        The results.
+    """
+    _kernel.strip_under(width, thickness, k, normal, phi, found)
 
 
 def meant_quantity(word: str) -> str:

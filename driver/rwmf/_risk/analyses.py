@@ -376,7 +376,8 @@ def _suite(
     first = next(iter(designs.values()))
     scaled = scale_to_one(first, found, measure)
     units = np.array([one.scale / own.scale for one, own in zip(scaled, found, strict=True)])
-    names = tuple(find_quantities(tuple(quantities or (default_quantity(first),))))
+    limited = first.kernel.limited_demands()
+    names = tuple(find_quantities((*(quantities or (default_quantity(first),)), *limited)))
     used = found if kind == "cloud" else scaled
     return Suite(kind, designs, used, units, names, measure), options
 

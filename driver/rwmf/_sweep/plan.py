@@ -255,7 +255,8 @@ def make_plan(request: Request) -> Plan:
     _check_names(grid, axes, points)
     base = _base_entries(case, axes)
     quantities = (default_quantity(case),) if request.quantities is None else request.quantities
-    wanted = find_quantities(tuple(quantities))
+    # the demands of &limits come with every row
+    wanted = find_quantities((*quantities, *case.kernel.limited_demands()))
     if getattr(case.output, "conditioning", False):
         wanted |= _sensitivities(wanted)
     for quantity in wanted.values():

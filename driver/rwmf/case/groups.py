@@ -589,6 +589,234 @@ class Output(Group):
     conditioning: bool
 
 
+class BaseSection(Group):
+    """Group ``&base_section``.
+
+    Attributes
+    ----------
+    k : float
+        Subgrade modulus: stress per settlement of the strip, which takes no tension [N/m3].
+    E : float
+        Modulus of elasticity: toe strain = stress/E; beside length: k = E/length [Pa].
+    length : float
+        Height of the strip over which it is strained; beside k: E = k length [m].
+    """
+
+    __slots__ = ()
+    k: float
+    E: float
+    length: float
+
+
+class Limits(Group):
+    """Group ``&limits``.
+
+    Attributes
+    ----------
+    u_s_max_m : float
+        Largest displacement of the frame [m].
+    tip_deflection_max_m : float
+        Largest deflection of the top from the straight axis [m].
+    theta_max_over_alpha : float
+        Largest rotation over slenderness.
+    theta_dot_max_rad_s : float
+        Largest angular velocity [rad/s].
+    cable_force_increment_max_over_m_w_g : float
+        Largest increment of the cable force over weight of wall.
+    cable_prestress_loss_over_m_w_g : float
+        Cable force at theta = 0 that is lost in the end, over weight of wall.
+    ductility : float
+        Largest displacement over that at first yield.
+    residual_displacement_m : float
+        Displacement at which the frame alone would be without force in the end [m].
+    theta_end_over_alpha : float
+        Rotation in the end over alpha, at which fuses may hold the wall up.
+    storeys_ductility : tuple[float, ...]
+        Largest displacement of storey over that at first yield: one for all, or one each.
+    storeys_residual_drift : tuple[float, ...]
+        Drift of storey that unloading would leave in the end: one for all, or one each.
+    storeys_residual_drift_at_rest : tuple[float, ...]
+        Drift of storey in static equilibrium after the motion: one for all, or one each.
+    base_shear_max_over_weight : float
+        Largest base shear over weight of wall and frame.
+    friction_demand_max : float
+        Required coefficient of friction.
+    shear_key_force_max_over_m_w_g : float
+        Largest force of the shear key over weight of wall.
+    wall_drift_max : float
+        Largest drift of the wall.
+    frame_drift_max : float
+        Largest displacement of the frame, that of its roof, over the wall's height.
+    cable_force_increment_max_N : float
+        Largest increment of the cable force [N].
+    cable_prestress_loss_N : float
+        Cable force at theta = 0 that is lost in the end [N].
+    base_shear_max_N : float
+        Largest base shear [N].
+    shear_key_force_max_N : float
+        Largest force of the shear key [N].
+    tendon_force_max_over_m_w_g : float
+        Largest force of the cable over weight of wall.
+    tendon_force_max_N : float
+        Largest force of the cable [N].
+    tendon_stress_max_Pa : float
+        Largest stress of the strands of the cable [Pa].
+    storeys_drift_max : tuple[float, ...]
+        Largest drift of storey over its height: one for all, or one each.
+    storey_drift_max : float
+        Largest drift of all storeys over their heights.
+    roof_drift_max : float
+        Largest displacement of the roof over its height.
+    storey_residual_drift_max : float
+        Largest drift of a storey that unloading would leave in the end.
+    roof_residual_drift : float
+        Displacement of the roof that unloading would leave over its height.
+    roof_residual_drift_at_rest : float
+        Drift of the roof in static equilibrium after the motion.
+    floors_acceleration_max_g : tuple[float, ...]
+        Largest absolute acceleration of floor over g: one for all, or one each.
+    floor_acceleration_max_g : float
+        Largest absolute acceleration of all floors over g.
+    storeys_shear_max_over_m_w_g : tuple[float, ...]
+        Largest shear of the columns of storey over the weight that its mass is over: one for all,
+        or one each.
+    overturning_moment_max_over_weight_m : float
+        Largest moment of all horizontal inertia about the ground over the weight [m].
+    wall_shear_max_over_m_w_g : float
+        Largest shear inside the wall over its weight.
+    wall_moment_max_over_m_w_g_m : float
+        Largest bending moment inside the wall over its weight [m].
+    storeys_shear_max_N : tuple[float, ...]
+        Largest shear of the columns of storey: one for all, or one each [N].
+    overturning_moment_max_N_m : float
+        Largest moment of all horizontal inertia about the ground [N m].
+    wall_shear_max_N : float
+        Largest shear inside the wall [N].
+    wall_moment_max_N_m : float
+        Largest bending moment inside the wall [N m].
+    wall_shear_base_max_over_m_w_g : float
+        Largest shear in the wall at its base over its weight.
+    wall_moment_base_max_over_m_w_g_m : float
+        Largest bending moment in the wall at its base over its weight [m].
+    wall_shear_mid_max_over_m_w_g : float
+        Largest shear in the wall at mid-height over its weight.
+    wall_moment_mid_max_over_m_w_g_m : float
+        Largest bending moment in the wall at mid-height over its weight [m].
+    wall_shears_max_over_m_w_g : tuple[float, ...]
+        Largest shear in the wall just below floor over its weight: one for all, or one each.
+    wall_shears_above_max_over_m_w_g : tuple[float, ...]
+        Largest shear in the wall just above floor over its weight: one for all, or one each.
+    wall_moments_max_over_m_w_g_m : tuple[float, ...]
+        Largest moment in the wall just below floor over its weight: one for all, or one each [m].
+    wall_moments_above_max_over_m_w_g_m : tuple[float, ...]
+        Largest moment in the wall just above floor over its weight: one for all, or one each [m].
+    links_force_max_over_m_w_g : tuple[float, ...]
+        Largest axial force of the link at floor over weight of wall: one for all, or one each.
+    pivot_normal_max_over_m_w_g : float
+        Largest pivot reaction over weight of wall.
+    fuse_stroke_max_m : float
+        Largest stroke of a fuse [m].
+    fuse_stroke_sum_m : float
+        Travel of a fuse there and back, of both the longer one [m].
+    floors_velocity_max_m_s : tuple[float, ...]
+        Largest absolute velocity of floor: one for all, or one each [m/s].
+    wall_shear_base_max_N : float
+        Largest shear in the wall at its base [N].
+    wall_moment_base_max_N_m : float
+        Largest bending moment in the wall at its base [N m].
+    wall_shear_mid_max_N : float
+        Largest shear in the wall at mid-height [N].
+    wall_moment_mid_max_N_m : float
+        Largest bending moment in the wall at mid-height [N m].
+    wall_shears_max_N : tuple[float, ...]
+        Largest shear in the wall just below floor: one for all, or one each [N].
+    wall_shears_above_max_N : tuple[float, ...]
+        Largest shear in the wall just above floor: one for all, or one each [N].
+    wall_moments_max_N_m : tuple[float, ...]
+        Largest moment in the wall just below floor: one for all, or one each [N m].
+    wall_moments_above_max_N_m : tuple[float, ...]
+        Largest moment in the wall just above floor: one for all, or one each [N m].
+    links_force_max_N : tuple[float, ...]
+        Largest axial force of the link at floor: one for all, or one each [N].
+    pivot_normal_max_N : float
+        Largest pivot reaction [N].
+    contact_length_min_m : float
+        Smallest contact length of the base [m].
+    toe_stress_max_Pa : float
+        Largest compressive stress at the toe of the wall [Pa].
+    toe_strain_max : float
+        Largest compressive strain at the toe of the wall.
+    """
+
+    __slots__ = ()
+    u_s_max_m: float
+    tip_deflection_max_m: float
+    theta_max_over_alpha: float
+    theta_dot_max_rad_s: float
+    cable_force_increment_max_over_m_w_g: float
+    cable_prestress_loss_over_m_w_g: float
+    ductility: float
+    residual_displacement_m: float
+    theta_end_over_alpha: float
+    storeys_ductility: tuple[float, ...]
+    storeys_residual_drift: tuple[float, ...]
+    storeys_residual_drift_at_rest: tuple[float, ...]
+    base_shear_max_over_weight: float
+    friction_demand_max: float
+    shear_key_force_max_over_m_w_g: float
+    wall_drift_max: float
+    frame_drift_max: float
+    cable_force_increment_max_N: float
+    cable_prestress_loss_N: float
+    base_shear_max_N: float
+    shear_key_force_max_N: float
+    tendon_force_max_over_m_w_g: float
+    tendon_force_max_N: float
+    tendon_stress_max_Pa: float
+    storeys_drift_max: tuple[float, ...]
+    storey_drift_max: float
+    roof_drift_max: float
+    storey_residual_drift_max: float
+    roof_residual_drift: float
+    roof_residual_drift_at_rest: float
+    floors_acceleration_max_g: tuple[float, ...]
+    floor_acceleration_max_g: float
+    storeys_shear_max_over_m_w_g: tuple[float, ...]
+    overturning_moment_max_over_weight_m: float
+    wall_shear_max_over_m_w_g: float
+    wall_moment_max_over_m_w_g_m: float
+    storeys_shear_max_N: tuple[float, ...]
+    overturning_moment_max_N_m: float
+    wall_shear_max_N: float
+    wall_moment_max_N_m: float
+    wall_shear_base_max_over_m_w_g: float
+    wall_moment_base_max_over_m_w_g_m: float
+    wall_shear_mid_max_over_m_w_g: float
+    wall_moment_mid_max_over_m_w_g_m: float
+    wall_shears_max_over_m_w_g: tuple[float, ...]
+    wall_shears_above_max_over_m_w_g: tuple[float, ...]
+    wall_moments_max_over_m_w_g_m: tuple[float, ...]
+    wall_moments_above_max_over_m_w_g_m: tuple[float, ...]
+    links_force_max_over_m_w_g: tuple[float, ...]
+    pivot_normal_max_over_m_w_g: float
+    fuse_stroke_max_m: float
+    fuse_stroke_sum_m: float
+    floors_velocity_max_m_s: tuple[float, ...]
+    wall_shear_base_max_N: float
+    wall_moment_base_max_N_m: float
+    wall_shear_mid_max_N: float
+    wall_moment_mid_max_N_m: float
+    wall_shears_max_N: tuple[float, ...]
+    wall_shears_above_max_N: tuple[float, ...]
+    wall_moments_max_N_m: tuple[float, ...]
+    wall_moments_above_max_N_m: tuple[float, ...]
+    links_force_max_N: tuple[float, ...]
+    pivot_normal_max_N: float
+    contact_length_min_m: float
+    toe_stress_max_Pa: float
+    toe_strain_max: float
+
+
 class Spectrum(Group):
     """Group ``&spectrum``.
 
@@ -669,6 +897,10 @@ class Groups:
         Group ``&solver``.
     output : Output
         Group ``&output``.
+    base_section : BaseSection
+        Group ``&base_section``.
+    limits : Limits
+        Group ``&limits``.
     spectrum : Spectrum
         Group ``&spectrum``.
     """
@@ -693,6 +925,8 @@ class Groups:
     model: Model
     solver: Solver
     output: Output
+    base_section: BaseSection
+    limits: Limits
     spectrum: Spectrum
 
 
@@ -716,5 +950,7 @@ TYPES: dict[str, type[Group]] = {
     "model": Model,
     "solver": Solver,
     "output": Output,
+    "base_section": BaseSection,
+    "limits": Limits,
     "spectrum": Spectrum,
 }

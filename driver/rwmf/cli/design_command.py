@@ -85,7 +85,8 @@ def _commands(options: argparse.Namespace) -> list[str]:
     for item in options.target:
         ends = f"@{item['percentile']!r}" if "percentile" in item else ""
         ends += f"x{item['scale']!r}" if "scale" in item else ""
-        words.append(f"{item['quantity']}={item.get('limit', item.get('probability'))!r}{ends}")
+        value = item.get("limit", item.get("probability"))
+        words.append(f"{item['quantity']}{'' if value is None else f'={value!r}'}{ends}")
     words += ["--cost", *(f"{key}={weight!r}" for key, weight in options.cost)]
     for name in ("records", "left_out"):
         given = getattr(options, name)

@@ -12,6 +12,7 @@ from rwmf.cli.words import key_with_numbers, number, whole, written_file
 __all__ = ["add_design"]
 
 _TARGET = re.compile(r"(\w+)=([^@x]+)(?:@([^@x]+))?(?:x([^@x]+))?")
+_LIMITS = re.compile(r"limits@([^@x]+)(?:x([^@x]+))?")
 
 
 def add_design(commands: Subcommands) -> None:
@@ -39,7 +40,8 @@ def add_design(commands: Subcommands) -> None:
         type=_target,
         nargs="+",
         required=True,
-        help="limits of percentiles, collapse=PROBABILITY; xFACTOR at the end scales the motions",
+        help="limits of percentiles, limits@PERCENTILE for those of &limits, collapse=PROBABILITY; "
+        "xFACTOR at the end scales the motions",
     )
     parser.add_argument(
         "--cost", metavar="KEY=WEIGHT", type=_weight, nargs="+", required=True, help="weights"
@@ -80,12 +82,15 @@ def _weight(word: str) -> tuple[str, float]:
 
 def _target(word: str) -> dict[str, object]:
     """Read a target: a percentile of a quantity, or a probability of collapse."""
+    read = number()
+    if limits := _LIMITS.fullmatch(word):
+        scale = {"scale": read(limits[2])} if limits[2] else {}
+        return {"quantity": "limits", "percentile": read(limits[1])} | scale
     parts = _TARGET.fullmatch(word)
     is_collapse = parts is not None and parts[1] == "collapse"
     if parts is None or (parts[3] is None) != is_collapse:
-        wanted = "KEY=LIMIT@PERCENTILE or collapse=PROBABILITY, and xFACTOR at the end"
+        wanted = "KEY=LIMIT@PERCENTILE, limits@PERCENTILE or collapse=PROBABILITY, and xFACTOR"
         raise argparse.ArgumentTypeError(f"{shorten(word)}: must be {wanted}")
-    read = number()
     found: dict[str, object] = {"quantity": parts[1]}
     if is_collapse:
         found["probability"] = read(parts[2])

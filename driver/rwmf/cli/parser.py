@@ -13,7 +13,14 @@ from rwmf.cli.design_parser import add_design
 from rwmf.cli.records_parser import add_records
 from rwmf.cli.risk_parser import add_risk
 from rwmf.cli.study_parser import add_study
-from rwmf.cli.subcommands import Subcommands, add_case, add_engine, add_plot, add_threads
+from rwmf.cli.subcommands import (
+    Subcommands,
+    add_case,
+    add_checks,
+    add_engine,
+    add_plot,
+    add_threads,
+)
 from rwmf.cli.words import number, whole, written_file
 
 __all__ = ["make_parser"]
@@ -98,6 +105,7 @@ def _add_run(commands: Subcommands) -> None:
         help="draw force over displacement of frame, cable and fuses",
     )
     parser.add_argument("--out", metavar="DIR", help="write the CSV files of rwmf-batch there")
+    add_checks(parser)
 
 
 def _add_spectrum(commands: Subcommands) -> None:
@@ -113,6 +121,7 @@ def _add_spectrum(commands: Subcommands) -> None:
         "--csv", metavar="FILE", type=written_file, help="write the spectrum as rwmf-batch does"
     )
     add_plot(parser, "the spectrum")
+    add_checks(parser)
     add_threads(parser)
     parser.add_argument(
         "--quantity",
@@ -204,6 +213,7 @@ def _add_sweep(commands: Subcommands) -> None:
     add_threads(parser)
     add_engine(parser)
     parser.add_argument("--part", metavar="K/N", default="1/1", help="only the K-th of N parts")
+    add_checks(parser)
     parser.add_argument("--restart", action="store_true", help="discard an earlier sweep")
 
 

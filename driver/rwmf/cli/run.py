@@ -15,6 +15,7 @@ from rwmf import _simulation as simulation
 from rwmf._files import files
 from rwmf._headline import grouped, headline_of_case, value_text
 from rwmf.case import Case
+from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
 from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.plotting import image_files as figures
 from rwmf.quantities import SENSITIVITY, find
@@ -50,9 +51,10 @@ def run(options: argparse.Namespace) -> int:
     case = Case.from_namelist(options.case)
     names = _library.result_names(options.case) if options.out else ()
     found = [Path(options.out, name) for name in names]
-    outputs = [options.plot, options.loops, *found]
+    outputs = [options.plot, options.loops, *(options.checks or ()), *found]
     files.check_outputs(outputs, case.inputs)
     figures.check_formats(options.plot, options.loops)
+    check_words(case, options.checks)
     if options.loops:
         loops.check_springs(case)
     before = {path: _place_of(path) for path in found}
@@ -65,14 +67,18 @@ def run(options: argparse.Namespace) -> int:
         if options.loops:
             _plot_loops(case, result, options.loops)
     print_warnings(options.case, summary["warnings"])
+    checks = checks_if_limited(case, summary)
+    write_checks(checks, options.checks)
     if options.json:
-        print_json(summary)
+        print_json(summary if checks is None else summary | {"checks": checks.to_dict()})
     else:
         digits = _digits(summary, _tolerance_of(case, summary))
         _print_table(case, summary, digits, is_all=options.all)
+        print_checks(checks, is_all=options.all)
     # a written file replaces an older one
     new = [path for path in found if _place_of(path) not in (None, before[path])]
-    print_written([*new, options.plot, options.loops], is_json=options.json)
+    written = [*new, options.plot, options.loops, *(options.checks or ())]
+    print_written(written, is_json=options.json)
     return 0
 
 

@@ -12,6 +12,7 @@ from rwmf import _spectrum
 from rwmf._files import files
 from rwmf.case import Case
 from rwmf.case.grid import with_grid
+from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
 from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.cli.progress import progress_bar
 from rwmf.plotting import image_files as figures
@@ -40,8 +41,10 @@ def run(options: argparse.Namespace) -> int:
     """
     case = Case.from_namelist(options.case)
     case = with_grid(case, quantities=options.quantity)
-    files.check_outputs([options.plot, options.csv], case.inputs)
+    outputs = [options.plot, options.csv, *(options.checks or ())]
+    files.check_outputs(outputs, case.inputs)
     figures.check_formats(options.plot)
+    check_words(case, options.checks)
     with (
         progress_bar(case.kernel.ordinates()) as report,
         _spectrum.start(case, options.threads, report) as sweep,
@@ -52,11 +55,15 @@ def run(options: argparse.Namespace) -> int:
     print_warnings(options.case, dataset.attrs["warnings"].splitlines())
     if options.plot:
         figures.save_spectrum(dataset, options.plot)
+    checks = checks_if_limited(case, dataset)
+    write_checks(checks, options.checks)
     if options.json:
-        print_json(_spectrum_object(dataset))
+        found = _spectrum_object(dataset)
+        print_json(found if checks is None else found | {"checks": checks.to_dict()})
     else:
         _print_spectrum(dataset, options)
-    print_written([options.csv, options.plot], is_json=options.json)
+        print_checks(checks)
+    print_written(outputs, is_json=options.json)
     return 0
 
 

@@ -6,7 +6,7 @@ import argparse
 
 from rwmf.cli.words import thread_count, whole, written_file
 
-__all__ = ["Subcommands", "add_case", "add_engine", "add_plot", "add_threads"]
+__all__ = ["Subcommands", "add_case", "add_checks", "add_engine", "add_plot", "add_threads"]
 
 # above the number of processes that one machine needs, within the limits of the system
 _MOST_WORKERS = 4096
@@ -70,6 +70,23 @@ def add_case(parser: argparse.ArgumentParser) -> None:
         Parser of the subcommand.
     """
     parser.add_argument("case", metavar="CASE.nml", help="namelist file")
+
+
+def add_checks(parser: argparse.ArgumentParser) -> None:
+    """Add the option ``--checks``.
+
+    Parameters
+    ----------
+    parser : argparse.ArgumentParser
+        Parser of a subcommand.
+    """
+    parser.add_argument(
+        "--checks",
+        metavar="FILE",
+        type=written_file,
+        nargs="+",
+        help="write the demands over the limits of &limits (csv), or draw them (png, pdf, svg)",
+    )
 
 
 def add_plot(parser: argparse.ArgumentParser, content: str) -> None:

@@ -11,12 +11,14 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from rwmf._arguments import case_of
 from rwmf._files import files
 from rwmf._sweep.computation import merge, path_of_store, sweep
 from rwmf._sweep.csv_parts import merge_csv
 from rwmf._sweep.executors import open_executor
 from rwmf._sweep.sweep_file import read_sweep_file
-from rwmf.cli.output import print_warnings
+from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
+from rwmf.cli.output import print_warnings, print_written
 from rwmf.cli.progress import progress
 from rwmf.errors import InputError, Interrupted
 
@@ -45,7 +47,9 @@ def run(options: argparse.Namespace) -> int:
     if options.file:
         path = Path(options.file)
     part = _parse_part(options.part)
-    files.check_outputs([path], [options.sweep, str(request.case)])
+    files.check_outputs([path, *(options.checks or ())], [options.sweep, str(request.case)])
+    case = case_of(request.case)
+    check_words(case, options.checks)
     started = time.perf_counter()
     try:
         with open_executor(options.engine, options.workers) as executor, progress() as report:
@@ -69,6 +73,10 @@ def run(options: argparse.Namespace) -> int:
         print(f"part {part[0]}/{part[1]} is done: {path_of_store(path, part)} ({seconds:.1f} s)")
     else:
         _print_counts(dataset, path, seconds)
+        checks = checks_if_limited(case, dataset)
+        write_checks(checks, options.checks)
+        print_checks(checks)
+        print_written(options.checks or ())
     return 0
 
 

@@ -22,6 +22,7 @@ module rwmf_bindings_python_kernel
    use rwmf_input_describe, only: describe_case
    use rwmf_input_schema, only: write_groups, write_schema
    use rwmf_integrator_factory, only: method_of_spectrum => spectrum_method
+   use rwmf_model_base_section, only: base_moment, contact_length, strip_t, toe_stress
    use rwmf_motion_ground_motion, only: motion_end, motion_t, peak_acceleration
    use rwmf_output_csv, only: case_name, file_names, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
@@ -419,6 +420,19 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine result_write
 
+   !> Contact length [m], toe stress [Pa] and moment [N m] of a strip under a base at each state.
+   subroutine strip_under(width, thickness, k, normal, phi, found)
+      real(c_double), intent(in) :: width, thickness, k
+      real(c_double), intent(in) :: normal(:), phi(:)
+      real(c_double), intent(inout) :: found(:, :)
+      type(strip_t) :: strip
+
+      strip = strip_t(width, thickness, k)
+      found(:, 1) = contact_length(strip, normal, phi)
+      found(:, 2) = toe_stress(strip, normal, phi)
+      found(:, 3) = base_moment(strip, normal, phi)
+   end subroutine strip_under
+
    !> Largest number of threads for a spectrum on this machine.
    subroutine most_threads(n)
       integer(c_int), intent(out) :: n
@@ -545,6 +559,22 @@ contains
       kept => find(sweep)
       call put_text(joined(kept%spectrum%quantities), buffer, length)
    end subroutine spectrum_quantities
+
+   !> Keys of the demands that `&limits` of a case requests, separated by tabs.
+   subroutine limited_demands(handle, buffer, length)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+      type(kept_t), pointer :: kept
+      character(:), allocatable :: text
+
+      kept => find(handle)
+      text = ''
+      if (allocated(kept%case%output)) then
+         if (allocated(kept%case%output%limited)) text = joined(kept%case%output%limited)
+      end if
+      call put_text(text, buffer, length)
+   end subroutine limited_demands
 
    !> Keys of the quantities applicable to a spectrum of the scene, separated by tabs.
    subroutine applicable(handle, buffer, length, status, message, message_length)

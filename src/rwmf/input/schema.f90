@@ -4,7 +4,9 @@
 !> Validation, messages, the namelist reference and the type hints of the Python package use it.
 module rwmf_input_schema
    use rwmf_input_groups_analysis, only: model_group, output_group, solver_group
+   use rwmf_input_groups_base_section, only: base_section_group
    use rwmf_input_groups_excitation, only: motion_group
+   use rwmf_input_groups_limits, only: limits_group
    use rwmf_input_groups_spectrum, only: spectrum_group
    use rwmf_input_groups_structure, only: cable_group, frame_group, impact_group, initial_group, &
       wall_group
@@ -30,7 +32,7 @@ contains
       integer :: j
 
       ! assigned one by one: gfortran 12 loses the keys of elements of an array constructor
-      allocate (basic(10))
+      allocate (basic(12))
       basic(1) = wall_group()
       basic(2) = frame_group()
       basic(3) = cable_group()
@@ -40,7 +42,9 @@ contains
       basic(7) = model_group()
       basic(8) = solver_group()
       basic(9) = output_group()
-      basic(10) = spectrum_group()
+      basic(10) = base_section_group()
+      basic(11) = limits_group()
+      basic(12) = spectrum_group()
       effects = all_effects()
       allocate (groups(size(basic) + size(effects)))
       n = 0

@@ -252,6 +252,8 @@ module rwmf_problem_case
       !! available coefficient of friction, to be compared with the demand [-]
       logical, allocatable :: conditioning
       !! report the sensitivity of each peak to the motion; absent: single runs do
+      character(key_length), allocatable :: limited(:)
+      !! (demands) keys of the demands that `&limits` requests; absent without limits
    end type output_t
 
    !> Loop over frame periods, `&spectrum`.

@@ -31,9 +31,9 @@ module rwmf_problem_group_values
    !> The values of one key.
    type :: key_values_t
       character(12) :: group
-      character(20) :: key
+      character(40) :: key
       !! in the spelling of the documentation
-      character(20) :: name
+      character(40) :: name
       !! in lower case
       logical :: is_given
       !! given by the case, not a default

@@ -14,7 +14,7 @@ module rwmf_problem_key
    !> One key. Texts are padded with blanks.
    type :: key_t
       character(12) :: group
-      character(20) :: key
+      character(40) :: key
       !! in the spelling of the documentation; a case may use upper or lower case
       character(9) :: type
       !! 'real', 'real list', 'integer', 'logical', 'choice', 'text' or 'text list'
@@ -35,7 +35,7 @@ module rwmf_problem_key
       character(6) :: si = ''
       !! of a ratio to the mass or weight of the wall: unit after multiplication by the weight ('N')
       !! or the mass (others); '' for other keys
-      character(20) :: gives = ''
+      character(40) :: gives = ''
       !! of a dimensional key: key of the group that is derived from it; '' for other keys
       character(64) :: needs = ''
       !! required other keys of the group, separated by blanks; one of several separated by '|' is

@@ -8,7 +8,7 @@ module rwmf_problem_quantity_table
 
    public :: quantity_t, id, key_of, all_quantities, look_up, canonical_key, is_of_ordinate, is_peak
    public :: key_length, own_key, sensitivity_id, sensitivity_row
-   public :: requested_by, quantities_text
+   public :: requested_by, quantities_text, is_limited, limit_key
    public :: of_displacement, of_velocity, of_storeys, of_reactions, of_demands, of_energy
    public :: of_envelopes, of_verification
 
@@ -110,6 +110,8 @@ module rwmf_problem_quantity_table
       integer :: link_i_force_max_N = 167, pivot_normal_max_N = 168
       integer :: q_i_m = 169, tip_deflection_max_m = 170, energy_bending_J_per_kg = 171
       integer :: energy_bending_damping_J_per_kg = 172
+      integer :: contact_length_m = 173, toe_stress_Pa = 174, toe_strain = 175
+      integer :: contact_length_min_m = 176, toe_stress_max_Pa = 177, toe_strain_max = 178
    end type ids_t
 
    type(ids_t), parameter :: id = ids_t()
@@ -134,7 +136,7 @@ module rwmf_problem_quantity_table
       character(32) :: outputs
       !! outputs that contain it: 'history', 'run', 'ordinate' (of a spectrum, on request),
       !! 'spectrum', 'sweep', 'cost'
-      character(8) :: group
+      character(12) :: group
       !! group of the case that it requires; '' for none
       character(12) :: observed
       !! required observation of a run, one of the names above
@@ -262,7 +264,13 @@ module rwmf_problem_quantity_table
       'bending moment in the wall at its base', id%wall_moment_base_over_m_w_g_m), &
       quantity_t(id%link_i_force_N, 'link_{i}_force_N', 'link_{i}_force', 'N', 'real', 'row', &
       'history', 'frame', of_envelopes, 'a mass; `&wall`', &
-      'axial force of the link at floor {i}', id%link_i_force_over_m_w_g)]
+      'axial force of the link at floor {i}', id%link_i_force_over_m_w_g), &
+      quantity_t(id%contact_length_m, 'contact_length_m', 'contact_length', 'm', 'real', 'row', &
+      'history', 'base_section', of_envelopes, '', 'contact length of the base'), &
+      quantity_t(id%toe_stress_Pa, 'toe_stress_Pa', 'toe_stress', 'Pa', 'real', 'row', &
+      'history', 'base_section', of_envelopes, '', 'compressive stress at the toe of the wall'), &
+      quantity_t(id%toe_strain, 'toe_strain', 'toe_strain', '1', 'real', 'row', 'history', &
+      'base_section', of_envelopes, '`E` or `length`', 'compressive strain at the toe of the wall')]
 
    !> Scalars of a run.
    type(quantity_t), parameter :: scalars(*) = [ &
@@ -572,7 +580,16 @@ module rwmf_problem_quantity_table
       'largest axial force of the link at floor {i}', id%link_i_force_max_over_m_w_g), &
       quantity_t(id%pivot_normal_max_N, 'pivot_normal_max_N', 'pivot_normal_max', 'N', 'real', &
       'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', 'largest pivot reaction', &
-      id%pivot_normal_max_over_m_w_g)]
+      id%pivot_normal_max_over_m_w_g), &
+      quantity_t(id%contact_length_min_m, 'contact_length_min_m', 'contact_length_min', 'm', &
+      'real', 'peak', 'run ordinate', 'base_section', of_envelopes, '', &
+      'smallest contact length of the base'), &
+      quantity_t(id%toe_stress_max_Pa, 'toe_stress_max_Pa', 'toe_stress_max', 'Pa', 'real', &
+      'peak', 'run ordinate', 'base_section', of_envelopes, '', &
+      'largest compressive stress at the toe of the wall'), &
+      quantity_t(id%toe_strain_max, 'toe_strain_max', 'toe_strain_max', '1', 'real', 'peak', &
+      'run ordinate', 'base_section', of_envelopes, '`E` or `length`', &
+      'largest compressive strain at the toe of the wall')]
 
    !> Parts of the energy ledger, and its residual. Their error is at most 100 rtol times the
    !> largest part times their sensitivity to the motion (at least 1).
@@ -765,6 +782,29 @@ contains
       is_peak = quantity%found == 'peak' .and. index(quantity%outputs, 'run') > 0 &
          .and. index(quantity%key, '_height_m') == 0
    end function is_peak
+
+   !> True if `&limits` can have a limit of the quantity: peaks and final values.
+   elemental logical function is_limited(quantity)
+      type(quantity_t), intent(in) :: quantity
+
+      is_limited = .false.
+      if (.not. is_of_ordinate(quantity) .or. quantity%kind /= 'real') return
+      if (quantity%found == 'end') then
+         is_limited = index(quantity%outputs, 'run') > 0 .and. quantity%observed /= of_energy
+      else if (is_peak(quantity)) then
+         is_limited = index(quantity%key, 'pivot_normal_min') == 0
+      end if
+   end function is_limited
+
+   !> Key of `&limits` for a quantity; a list over floors or storeys is a plural.
+   elemental character(key_length) function limit_key(quantity) result(key)
+      type(quantity_t), intent(in) :: quantity
+      integer :: braces
+
+      key = quantity%key
+      braces = index(key, '_{i}')
+      if (braces > 0) key = key(:braces - 1)//'s'//key(braces + 4:)
+   end function limit_key
 
    !> Number of the sensitivity of a quantity.
    elemental integer function sensitivity_id(number)

@@ -166,6 +166,12 @@ module rwmf_simulation_result
       !! (floors) peak wall moments at the same places [m]
       real(wp), allocatable :: link_max(:)
       !! (links) peak axial forces, the roof link last [-]
+      real(wp), allocatable :: contact_min
+      !! smallest contact length of the base [m]; absent without `&base_section`, as is the next
+      real(wp), allocatable :: toe_stress_max
+      !! [Pa]
+      real(wp), allocatable :: toe_strain_max
+      !! [-]; absent if the modulus of the strip is unknown
    end type envelope_extremes_t
 
    !> Sensitivities of one reported peak.

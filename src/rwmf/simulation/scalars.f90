@@ -186,6 +186,9 @@ contains
       call keep_list(values, id%floor_i_velocity_max_m_s, envelopes%velocity_max)
       call keep(values, id%fuse_stroke_max_m, envelopes%fuse_stroke_max)
       call keep(values, id%fuse_stroke_sum_m, envelopes%fuse_stroke_sum)
+      call keep(values, id%contact_length_min_m, envelopes%contact_min)
+      call keep(values, id%toe_stress_max_Pa, envelopes%toe_stress_max)
+      call keep(values, id%toe_strain_max, envelopes%toe_strain_max)
       if (.not. allocated(envelopes%base)) return
       call keep(values, id%pivot_normal_max_over_m_w_g, envelopes%normal_max)
       call keep(values, id%wall_shear_base_max_over_m_w_g, envelopes%base(1))

@@ -67,15 +67,22 @@ contains
       if (allocated(case%frame)) key = displacement
    end function default_quantity
 
-   !> Keys of the quantities that the `&spectrum` group of a case requests.
+   !> Keys of the quantities that the groups `&spectrum` and `&limits` of a case request.
    pure function requested_keys_of(case) result(keys)
       type(case_t), intent(in) :: case
       character(key_length), allocatable :: keys(:)
       !! (quantities)
+      integer :: i
 
       keys = [character(key_length) :: default_quantity(case)]
-      if (.not. allocated(case%spectrum)) return
-      if (allocated(case%spectrum%quantities)) keys = case%spectrum%quantities
+      if (allocated(case%spectrum)) then
+         if (allocated(case%spectrum%quantities)) keys = case%spectrum%quantities
+      end if
+      if (.not. allocated(case%output)) return
+      if (.not. allocated(case%output%limited)) return
+      do i = 1, size(case%output%limited)
+         if (.not. any(keys == case%output%limited(i))) keys = [keys, case%output%limited(i)]
+      end do
    end function requested_keys_of
 
    !> Describe the requested quantities of a case.

@@ -7,6 +7,7 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
    use rwmf_model_assembly, only: equation_t, interval_of
+   use rwmf_model_base_section, only: contact_length, strip_t, toe_stress
    use rwmf_model_bent_sections, only: find_bent_sections
    use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_demands, only: building_of, building_t, links_of
@@ -17,7 +18,7 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_model_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, turning_point, velocities_at_knots, &
       velocity
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_numbers, numbers_of
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_first_change, only: moment_t, span_between, span_t, &
       stop_at_change, watch_t
@@ -41,6 +42,8 @@ module rwmf_simulation_recorder_force_envelopes
    integer, parameter :: of_sections = 5
    !! place before the four of each floor: shear below and above it, moment below and above it
    integer, parameter :: per_floor = 4
+   integer, parameter :: of_strip = 2
+   !! last quantities with a strip under the base: contact length, negative, and toe stress
 
    !> Running maxima over m_w: shears [m/s2], moments [m2/s2], link forces and normal force [m/s2].
    !>
@@ -66,6 +69,14 @@ module rwmf_simulation_recorder_force_envelopes
       real(wp) :: travel(2) = 0
       !! travel of the left and the right fuse [m]
       logical :: has_fuses = .false.
+      integer :: n_links = 0
+      !! number of link forces
+      type(strip_t), allocatable :: strip
+      !! strip under the base; absent without `&base_section`
+      real(wp) :: m_w = 0
+      !! mass of the wall on the strip [kg]
+      real(wp), allocatable :: modulus
+      !! modulus of the strip [Pa]; absent if it is unknown
    contains
       procedure :: find => find_envelopes
    end type envelope_recorder_t
@@ -80,7 +91,6 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at the beginning
       real(wp), allocatable :: least(:)
-      integer :: links
 
       if (.not. allocated(case%output)) return
       if (.not. case%output%envelopes) return
@@ -94,10 +104,12 @@ contains
          least = spread(-1.0_wp, 1, n)
          if (equation%has_wall) then
             call place_sections(recorder, equation)
-            links = min(1, n)
-            if (equation%floors%are_linked) links = n
+            recorder%n_links = min(1, n)
+            if (equation%floors%are_linked) recorder%n_links = n
             least = [least, -huge(1.0_wp), spread(-1.0_wp, 1, of_sections - 1 + per_floor*n &
-               + links)]
+               + recorder%n_links)]
+            call lay_strip(recorder, case, equation)
+            if (allocated(recorder%strip)) least = [least, -huge(1.0_wp), -1.0_wp]
          end if
          call begin_search(recorder, equation, y, least)
          recorder%has_middle = .true.
@@ -134,6 +146,21 @@ contains
             recorder%nodes(i + 1:)]
       end associate
    end subroutine place_sections
+
+   !> Put the strip of `&base_section` under the base.
+   pure subroutine lay_strip(recorder, case, equation)
+      type(envelope_recorder_t), intent(inout) :: recorder
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      !! equation of a scene with a wall
+
+      if (.not. has_numbers(case, 'base_section')) return
+      associate (numbers => numbers_of(case, 'base_section'))
+         recorder%strip = strip_t(2*equation%p%R*equation%p%sin_alpha, numbers(2), numbers(1))
+      end associate
+      recorder%m_w = case%unit_mass
+      if (has_numbers(case, 'toe_strain')) recorder%modulus = sum(numbers_of(case, 'toe_strain'))
+   end subroutine lay_strip
 
    !> Mark forces above a section that need no separate search.
    !>
@@ -182,9 +209,26 @@ contains
                forces(first + 2:first + 4:2) = abs(above(:, section))
             end associate
          end do
-         forces(of_sections + per_floor*n + 1:) = norm2(self%links%force, 1)
+         associate (last => of_sections + per_floor*n + self%n_links)
+            forces(last - self%n_links + 1:last) = norm2(self%links%force, 1)
+            if (allocated(self%strip)) forces(last + 1:) = at_base(self, reactions%normal, y(1))
+         end associate
       end associate
    end subroutine find_envelopes
+
+   !> Contact length, negative [m], and toe stress [Pa] of the strip under the base.
+   pure function at_base(self, normal, theta) result(found)
+      type(envelope_recorder_t), intent(in) :: self
+      !! with a strip
+      real(wp), intent(in) :: normal
+      !! normal force of the pivot over m_w [m/s2]
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: found(of_strip)
+
+      found = [-contact_length(self%strip, self%m_w*normal, abs(theta)), &
+         toe_stress(self%strip, self%m_w*normal, abs(theta))]
+   end function at_base
 
    !> Compute the forces of the links and at the sections, with their signs.
    subroutine find_forces(self, equation, t, y, y_dot)
@@ -357,6 +401,8 @@ contains
       !! (states)
       real(wp), intent(in) :: y_dot(:)
       !! (states) their rates
+      type(reactions_t) :: reactions
+      real(wp) :: strip(of_strip)
 
       if (.not. equation%has_wall) return
       call find_forces(recorder, equation, t, y, y_dot)
@@ -367,6 +413,12 @@ contains
          if (n > 0) call put(row, id%link_i_force_over_m_w_g, sign(norm2(force, 1), force(1, :)) &
             /equation%p%g, n - size(force, 2))
       end associate
+      if (.not. allocated(recorder%strip)) return
+      reactions = reactions_at(equation, t, y, y_dot)
+      strip = at_base(recorder, reactions%normal, y(1))
+      call put(row, id%contact_length_m, -strip(1))
+      call put(row, id%toe_stress_Pa, strip(2))
+      if (allocated(recorder%modulus)) call put(row, id%toe_strain, strip(2)/recorder%modulus)
    end subroutine put_envelopes
 
    !> Return the envelopes of the run.
@@ -385,6 +437,14 @@ contains
          extremes%fuse_stroke_sum = maxval(recorder%travel)
       end if
       if (.not. equation%has_wall) return
+      if (allocated(recorder%strip)) then
+         associate (last => size(recorder%largest))
+            extremes%contact_min = -recorder%largest(last - 1)
+            extremes%toe_stress_max = recorder%largest(last)
+         end associate
+         if (allocated(recorder%modulus)) extremes%toe_strain_max = extremes%toe_stress_max &
+            /recorder%modulus
+      end if
       associate (forces => recorder%largest(n + 1:)/equation%p%g)
          extremes%normal_max = forces(of_normal)
          extremes%base = forces(of_base:of_base + 1)
@@ -397,7 +457,9 @@ contains
             extremes%moment_below = sections(3, :)
             extremes%moment_above = sections(4, :)
          end associate
-         extremes%link_max = forces(of_sections + per_floor*n + 1:)
+         associate (last => of_sections + per_floor*n + recorder%n_links)
+            extremes%link_max = forces(last - recorder%n_links + 1:last)
+         end associate
       end associate
    end subroutine envelope_extremes
 

@@ -1,0 +1,1 @@
+"""Demands over the limits of a case."""

@@ -1,0 +1,340 @@
+"""Demands of runs and suites over the limits of `&limits`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf._arguments import case_of
+from rwmf._numbers import show
+from rwmf._response import Response
+from rwmf.case import Case, CaseLike
+from rwmf.case.heights import heights_of_storeys
+from rwmf.errors import InputError
+from rwmf.quantities import ENDINGS, Quantity, ending_of, find_numbered, names_by_key
+
+__all__ = ["PERCENTILES", "Checks", "Limit", "LimitCheck", "checks", "limits_of"]
+
+Array = npt.NDArray[np.float64]
+# median, one standard deviation of a normal distribution on both sides, and the largest [%]
+PERCENTILES = (16.0, 50.0, 84.0, 100.0)
+# dimensions whose runs are a suite, in this order
+_SUITES = ("record", "point", "row")
+# demands whose smallest value counts
+_SMALLEST = ("contact_length_min_m",)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A limit of a demand.
+
+    Attributes
+    ----------
+    key : str
+        Key of the demand in ``rwmf run --json``.
+    quantity : Quantity
+        Its row of the table of quantities.
+    number : int
+        Number of the floor or storey, 0 for none.
+    value : float
+        The limit in the unit of the demand.
+    """
+
+    key: str
+    quantity: Quantity
+    number: int
+    value: float
+
+    @property
+    def is_least(self) -> bool:
+        """True when the demand must not be smaller than the limit."""
+        return self.key in _SMALLEST
+
+    def ratio(self, demand: Any) -> Any:  # noqa: ANN401 (a number or an array)
+        """Return demand over limit, or limit over demand where the smallest demand counts.
+
+        Parameters
+        ----------
+        demand : float or numpy.ndarray
+            Demand in its unit.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            The ratio: the limit is met up to 1.
+        """
+        if not self.is_least:
+            return np.abs(demand) / self.value
+        with np.errstate(divide="ignore"):
+            return self.value / np.asarray(demand)
+
+
+@dataclass(frozen=True)
+class LimitCheck:
+    """A demand and its limit.
+
+    Attributes
+    ----------
+    key : str
+        Key of the demand in ``rwmf run --json``.
+    meaning, unit : str
+        Its definition and unit.
+    number : int
+        Number of the floor or storey, 0 for none.
+    height : float
+        Height of this floor, or of the top of this storey [m]; NaN without one.
+    limit : float
+        The limit.
+    demand : float
+        Demand of the run, the worst one of a suite; NaN where the run has none.
+    ratio : float
+        Demand over limit; limit over demand for the smallest contact length.
+    demands, ratios : dict of float to float
+        Counted percentiles of a suite by percentage; empty for a run.
+    share_above : float
+        Share of the runs that exceed the limit; runs that overturn or collapse count.
+    at : dict of str to float or str
+        Coordinates in a grid; axes with one value are left out.
+    """
+
+    key: str
+    meaning: str
+    unit: str
+    number: int
+    height: float
+    limit: float
+    demand: float
+    ratio: float
+    demands: dict[float, float]
+    ratios: dict[float, float]
+    share_above: float
+    at: dict[str, Any]
+
+    @property
+    def is_met(self) -> bool:
+        """True when no run exceeds the limit."""
+        return self.share_above <= 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the check as an object for JSON.
+
+        Returns
+        -------
+        dict
+            Attributes by name; percentiles with names such as ``demand_p84``, ``ratio_max``.
+        """
+        row = {name: getattr(self, name) for name in ("key", "number", "height", "unit", "limit")}
+        row |= {"demand": self.demand, "ratio": self.ratio}
+        for q in self.demands:
+            name = "max" if q == PERCENTILES[-1] else f"p{q:g}"
+            row |= {f"demand_{name}": self.demands[q], f"ratio_{name}": self.ratios[q]}
+        return row | {"share_above": self.share_above, "is_met": self.is_met} | self.at
+
+
+@dataclass(frozen=True)
+class Checks:
+    """All checks of a run, a suite or a grid.
+
+    Attributes
+    ----------
+    rows : tuple of LimitCheck
+        In the order of the table of quantities, from the ground up.
+    runs : int
+        Number of runs of each check: 1, or the records of the suite.
+    ended : int
+        Number of runs, over the whole grid, that overturned or collapsed.
+    failed : int
+        Number of runs without a result; they are not counted.
+    """
+
+    rows: tuple[LimitCheck, ...]
+    runs: int
+    ended: int
+    failed: int
+
+    @property
+    def is_met(self) -> bool:
+        """True when all runs end as planned and meet all limits."""
+        return not self.ended and not self.failed and all(row.is_met for row in self.rows)
+
+    @property
+    def worst(self) -> LimitCheck:
+        """The check with the largest ratio."""
+        return max(self.rows, key=lambda row: -1.0 if math.isnan(row.ratio) else row.ratio)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the checks as an object for JSON.
+
+        Returns
+        -------
+        dict
+            ``is_met``, counts of runs, and ``rows``.
+        """
+        counts = {name: getattr(self, name) for name in ("is_met", "runs", "ended", "failed")}
+        return counts | {"rows": [row.to_dict() for row in self.rows]}
+
+    def __str__(self) -> str:
+        """Return the table as text, with the governing floor or storey of each demand."""
+        from rwmf._checks.check_table import text_of
+
+        return text_of(self)
+
+
+def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
+    """Compare the demands of runs with the limits of a case.
+
+    Parameters
+    ----------
+    case : Case or path
+        The case, with ``&limits``.
+    result : xarray.Dataset or mapping
+        Dataset of `rwmf.simulate`, `rwmf.sweep`, `rwmf.spectrum` or of an analysis of a suite; or
+        scalars with the keys of ``rwmf run --json``, for example of a static curve.
+
+    Returns
+    -------
+    Checks
+        Demand, limit and ratio of every limit. A suite (dimension ``record``, ``point`` or ``row``)
+        has counted percentiles and the share of its runs above the limit; runs that overturn or
+        collapse count as above. Other dimensions of a grid have checks of their own.
+
+    Raises
+    ------
+    InputError
+        When the case has no limits, or the dataset lacks a demand.
+
+    Examples
+    --------
+    >>> print(rwmf.checks(case, rwmf.simulate(case)))  # doctest: +SKIP
+    """
+    case = case_of(case)
+    limits = limits_of(case)
+    if not limits:
+        raise InputError("&limits: is missing or empty: a check needs limits of demands")
+    if isinstance(result, xr.Dataset):
+        if "status" in result.data_vars:
+            return _checks_of_grid(case, limits, result)
+        scalars: Mapping[str, Any] = Response(result.data_vars, result.coords, result.attrs).flat()
+    elif isinstance(result, Mapping):
+        scalars = result
+    else:
+        raise InputError(f"result = {show(result)}: must be a dataset or the scalars of a run")
+    if not any(limit.key in scalars for limit in limits):
+        raise InputError(f"result: has none of the demands: {', '.join(x.key for x in limits)}")
+    has_ended = ending_of(scalars) != "ok"
+    heights = _heights(case, limits)
+    rows = [
+        _check(limit, heights, np.array([float(scalars.get(limit.key, math.nan))]))
+        for limit in limits
+    ]
+    return Checks(tuple(rows), 1, int(has_ended), 0)
+
+
+def limits_of(case: Case) -> list[Limit]:
+    """Return the limits of a case, one for each floor or storey.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+
+    Returns
+    -------
+    list of Limit
+        In the order of the table of quantities; empty without ``&limits``.
+    """
+    found = []
+    for key in case.kernel.limited_demands():
+        quantity, number = find_numbered(key)
+        value = case.limits[quantity.limit_key]
+        if isinstance(value, tuple):
+            value = value[number - 1] if len(value) > 1 else value[0]
+        found.append(Limit(key, quantity, number, float(value)))
+    return found
+
+
+def _heights(case: Case, limits: list[Limit]) -> list[float]:
+    """Return the heights of the floors above the base [m]."""
+    return list(accumulate(heights_of_storeys(case, max(limit.number for limit in limits))))
+
+
+def _check(
+    limit: Limit,
+    heights: list[float],
+    demands: Array,
+    fallen: npt.NDArray[np.bool_] | None = None,
+    at: dict[str, Any] | None = None,
+    *,
+    is_suite: bool = False,
+) -> LimitCheck:
+    """Count the demands of runs; those of a grid come with the runs that ended early."""
+    ratios = limit.ratio(demands)
+    if fallen is not None:
+        demands = np.where(fallen, 0.0 if limit.is_least else math.inf, demands)
+        ratios = np.where(fallen, math.inf, ratios)
+    counted = ~np.isnan(ratios)
+    order = np.argsort(ratios[counted], kind="stable")
+    ranked, sorted_ratios = demands[counted][order], ratios[counted][order]
+    n = order.size
+    # the smallest rank whose share of the runs reaches the percentage
+    places = {q: max(math.ceil(q / 100 * n - 1e-9), 1) - 1 for q in PERCENTILES} if n else {}
+    return LimitCheck(
+        limit.key,
+        limit.quantity.meaning.replace("{i}", str(limit.number)),
+        limit.quantity.unit,
+        limit.number,
+        heights[limit.number - 1] if 0 < limit.number <= len(heights) else math.nan,
+        limit.value,
+        float(ranked[-1]) if n else math.nan,
+        float(sorted_ratios[-1]) if n else math.nan,
+        {q: float(ranked[i]) for q, i in places.items()} if is_suite else {},
+        {q: float(sorted_ratios[i]) for q, i in places.items()} if is_suite else {},
+        float(np.mean(sorted_ratios > 1)) if n else math.nan,
+        at or {},
+    )
+
+
+def _checks_of_grid(case: Case, limits: list[Limit], dataset: xr.Dataset) -> Checks:
+    """Check each suite of a grid."""
+    names = names_by_key(dataset.data_vars)
+    missing = [limit.key for limit in limits if limit.key not in names]
+    if missing:
+        raise InputError(f"result: has no {missing[0]}: request it with quantities")
+    status = dataset["status"]
+    words = str(status.attrs.get("flag_meanings", "")).split()
+    codes = [words.index(name) if words else name for name in ENDINGS if name in words or not words]
+    is_fallen = status.isin(codes)
+    is_failed = ~is_fallen & ~status.isin([words.index("ok") if "ok" in words else "ok"])
+    suite = next((dim for dim in _SUITES if dim in status.dims), None)
+    heights = _heights(case, limits)
+    rows = []
+    for at, where in _points(dataset, [dim for dim in status.dims if dim != suite]):
+        fallen = np.atleast_1d(is_fallen.isel(where).values)
+        lost = np.atleast_1d(is_failed.isel(where).values)
+        for limit in limits:
+            values = np.atleast_1d(dataset[names[limit.key]].isel(where).values).astype(float)
+            values[lost] = math.nan
+            rows.append(_check(limit, heights, values, fallen, at, is_suite=suite is not None))
+    runs = 1 if suite is None else dataset.sizes[suite]
+    return Checks(tuple(rows), runs, int(is_fallen.sum()), int(is_failed.sum()))
+
+
+def _points(
+    dataset: xr.Dataset, dims: list[Any]
+) -> Iterator[tuple[dict[str, Any], dict[Any, int]]]:
+    """Iterate over a grid: coordinates and places of each point."""
+    for places in np.ndindex(*(dataset.sizes[dim] for dim in dims)):
+        where = dict(zip(dims, places, strict=True))
+        at = {
+            str(dim): dataset[dim].values[i].item() if dim in dataset.coords else i
+            for dim, i in where.items()
+            if dataset.sizes[dim] > 1
+        }
+        yield at, where

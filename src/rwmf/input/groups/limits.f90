@@ -1,0 +1,190 @@
+!> Group `&limits`: the user's limits of demands. Its keys are those of the table of quantities.
+!>
+!> A limit requests its demand as `&spectrum quantities` or `&output reactions` do. Python compares
+!> the two (`rwmf.checks`).
+module rwmf_input_groups_limits
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_history_row, only: numbered
+   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, text_of
+   use rwmf_problem_key, only: optional_key, positive
+   use rwmf_problem_quantity_table, only: all_quantities, is_limited, key_length, limit_key, &
+      of_demands, of_envelopes, of_reactions, quantity_t
+   use rwmf_problem_rules, only: fail_key
+   use rwmf_text_strings, only: integer_to_text
+   implicit none
+   private
+
+   public :: limits_group
+
+   character(*), parameter :: name = 'limits'
+   !! name of the group
+
+contains
+
+   !> Group `&limits` with its keys and hooks.
+   type(case_group_t) function limits_group() result(group)
+      integer :: i, n
+
+      group%name = name
+      group%is_of_scene = .false.
+      allocate (group%keys(count(is_limited(all_quantities))))
+      n = 0
+      do i = 1, size(all_quantities)
+         associate (quantity => all_quantities(i))
+            if (.not. is_limited(quantity)) cycle
+            n = n + 1
+            group%keys(n) = optional_key(name, trim(limit_key(quantity)), &
+               trim(merge('real list', 'real     ', has_levels(quantity))), &
+               trim(merge('-     ', quantity%unit(:6), quantity%unit == '1')), '', positive, &
+               trim(help_of(quantity)))
+         end associate
+      end do
+      group%check => check_limits
+      group%fill => fill_limits
+   end function limits_group
+
+   !> Meaning of a limit.
+   pure function help_of(quantity) result(text)
+      type(quantity_t), intent(in) :: quantity
+      character(104) :: text
+      integer :: braces
+
+      text = quantity%meaning
+      braces = index(text, ' {i}')
+      if (braces > 0) text = text(:braces - 1)//text(braces + 4:)
+      if (braces > 0) text = trim(text)//': one for all, or one each'
+   end function help_of
+
+   !> True for a quantity of every floor or storey.
+   elemental logical function has_levels(quantity)
+      type(quantity_t), intent(in) :: quantity
+
+      has_levels = index(quantity%key, '{i}') > 0
+   end function has_levels
+
+   !> Check that the demands of all limits can exist, and the number of values of the lists.
+   subroutine check_limits(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+      integer :: i
+
+      if (.not. has_group(values, name)) return
+      do i = 1, size(all_quantities)
+         if (.not. is_limited(all_quantities(i))) cycle
+         if (.not. has_key(values, name, trim(limit_key(all_quantities(i))))) cycle
+         call check_limit(values, all_quantities(i), error)
+         if (allocated(error)) return
+      end do
+   end subroutine check_limits
+
+   !> Check one limit against groups and masses of the case.
+   subroutine check_limit(values, quantity, error)
+      type(group_values_t), intent(in) :: values
+      type(quantity_t), intent(in) :: quantity
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: key, lacking
+      real(wp), allocatable :: limits(:), heights(:)
+      integer :: floors
+
+      key = trim(limit_key(quantity))
+      lacking = ''
+      if (quantity%group /= '') then
+         if (.not. has_group(values, trim(quantity%group))) lacking = '&'//trim(quantity%group)
+      end if
+      if (lacking == '' .and. index(quantity%needs, '; `&wall`') > 0 .or. quantity%needs &
+         == '`&wall`') then
+         if (.not. has_group(values, 'wall')) lacking = '&wall'
+      end if
+      if (lacking == '' .and. quantity%ratio > 0 .and. .not. has_mass(values)) then
+         lacking = 'the mass of the wall, or of the frame without a wall,'
+      end if
+      if (lacking /= '') then
+         call fail_key(values, name, key, 'needs '//lacking//' to have this demand', error)
+         return
+      end if
+      if (.not. has_levels(quantity)) return
+      call get_list(values, name, key, limits)
+      floors = 1
+      if (has_group(values, 'storeys')) then
+         call get_list(values, 'storeys', 'height', heights)
+         floors = size(heights)
+      end if
+      if (size(limits) /= 1 .and. size(limits) /= floors) call fail_key(values, name, key, &
+         'must have one value, or one for each of '//trim(integer_to_text(floors)) &
+         //' from the ground up', error)
+   end subroutine check_limit
+
+   !> True if the case gives masses, so that it has forces in N.
+   pure logical function has_mass(values)
+      type(group_values_t), intent(in) :: values
+
+      if (has_group(values, 'wall')) then
+         has_mass = has_key(values, 'wall', 'm_w') .or. has_key(values, 'wall', 'density')
+      else
+         has_mass = has_key(values, 'frame', 'm_s') .or. has_key(values, 'storeys', 'm')
+      end if
+   end function has_mass
+
+   !> Request the demands of the limits.
+   subroutine fill_limits(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+      type(quantity_t), allocatable :: given(:)
+      integer :: i
+
+      allocate (given(0))
+      do i = 1, size(all_quantities)
+         if (.not. is_limited(all_quantities(i))) cycle
+         if (has_key(case%values, name, trim(limit_key(all_quantities(i))))) given = [given, &
+            all_quantities(i)]
+      end do
+      if (size(given) == 0) return
+      if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
+      associate (output => case%output)
+         do i = 1, size(given)
+            output%reactions = output%reactions .or. given(i)%observed == of_reactions
+            output%demands = output%demands .or. given(i)%observed == of_demands
+            output%envelopes = output%envelopes .or. given(i)%observed == of_envelopes
+         end do
+      end associate
+      call list_demands(case, given, case%output%limited)
+   end subroutine fill_limits
+
+   !> List the keys of the limited demands, those of floors and storeys with their numbers.
+   pure subroutine list_demands(case, quantities, keys)
+      type(case_t), intent(in) :: case
+      type(quantity_t), intent(in) :: quantities(:)
+      character(key_length), allocatable, intent(out) :: keys(:)
+      integer :: i, j, first, floors
+
+      floors = 1
+      if (allocated(case%storeys)) floors = size(case%storeys%frame%m)
+      allocate (keys(0))
+      do i = 1, size(quantities)
+         if (.not. has_levels(quantities(i))) then
+            keys = [keys, quantities(i)%key]
+            cycle
+         end if
+         first = 1
+         if (index(quantities(i)%key, 'link_') == 1) first = lowest_link(case, floors)
+         keys = [keys, (numbered(quantities(i)%key, j), j=first, floors)]
+      end do
+   end subroutine list_demands
+
+   !> Number of the lowest floor with a link: the roof, unless every floor has one.
+   pure integer function lowest_link(case, floors)
+      type(case_t), intent(in) :: case
+      integer, intent(in) :: floors
+      !! number of floors
+
+      lowest_link = floors
+      if (.not. allocated(case%storeys)) return
+      associate (coupling => case%storeys%coupling)
+         if (coupling == 'every_floor' .or. coupling == 'springs') lowest_link = 1
+      end associate
+   end function lowest_link
+
+end module rwmf_input_groups_limits

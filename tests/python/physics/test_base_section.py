@@ -1,0 +1,211 @@
+"""The section at the base on a strip without tension: printed numbers, equilibrium, every scene."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+import rwmf
+import xarray as xr
+from checkout import Runner
+from scenes import bare_frame, block, coupled, read_table
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+WIDTH, THICKNESS, K = 4.0, 0.35, 1e10
+WALL = {"h": 9.6, "b": 2.0, "thickness": THICKNESS, "density": 2500.0, "m_w": None}
+SECTION = {"k": K, "E": 3e10}
+DEMANDS = ("contact_length_min_m", "toe_stress_max_Pa", "toe_strain_max")
+
+
+def _section(force: npt.ArrayLike, theta: npt.ArrayLike, **changes: float | None) -> xr.Dataset:
+    given: dict[str, Any] = {"width": WIDTH, "thickness": THICKNESS, "k": K} | changes
+    return rwmf.base_section(force, theta, **given)
+
+
+def test_printed_moments() -> None:
+    """Moments of an independent computation, to every printed digit (MN m)."""
+    found = _section(3.07e6, [0.001, 0.005, 0.01]).moment.values / 1e6
+    assert [f"{value:.6f}" for value in found] == ["4.784601", "5.533847", "5.711385"]
+
+
+def test_force_of_a_u_shaped_plate() -> None:
+    assert f"{rwmf.ufp_force(350e6, 0.12, 0.01, 0.1) / 1e3:.3f}" == "21.000"
+    with pytest.raises(rwmf.InputError, match=r"^thickness = 0: must be a finite number > 0"):
+        rwmf.ufp_force(350e6, 0.12, 0, 0.1)
+
+
+@pytest.mark.parametrize("theta", [0.0, 1e-6, 1e-4, 2.5e-4, 2.8e-4, 1e-3, 0.02, -0.02])
+def test_stresses_balance_the_force(theta: float) -> None:
+    """Springs that only press, integrated over the base, in full and in partial contact."""
+    force = 3.07e6
+
+    def stress(x: float, settlement: float) -> float:
+        return max(0.0, K * (settlement + abs(theta) * x))
+
+    def resultant(settlement: float, power: int) -> float:
+        knee = -settlement / abs(theta) if theta else -WIDTH
+        start = min(max(knee, -WIDTH / 2), WIDTH / 2)
+        return float(
+            quad(lambda x: THICKNESS * x**power * stress(x, settlement), start, 2.0, epsabs=1e-3)[0]
+        )
+
+    reach = abs(theta) * WIDTH + 2 * force / (K * THICKNESS * WIDTH)
+    settled = brentq(lambda s: resultant(s, 0) - force, -reach, reach, xtol=1e-18, rtol=1e-15)
+    found = _section(force, theta, E=3e10)
+    assert float(found.moment) == pytest.approx(resultant(settled, 1), rel=1e-9, abs=1e-3)
+    assert float(found.toe_stress) == pytest.approx(stress(2.0, settled), rel=1e-9)
+    assert float(found.toe_strain) == float(found.toe_stress) / 3e10
+    contact = min(WIDTH, 2.0 + settled / abs(theta)) if theta else WIDTH
+    assert float(found.contact_length) == pytest.approx(contact, rel=1e-9)
+
+
+def test_full_contact_joins_partial_contact() -> None:
+    """Value and slope are continuous where the contact is just the width."""
+    force = 2e6
+    edge = 2 * force / (K * THICKNESS * WIDTH**2)
+    for name in ("toe_stress", "moment", "contact_length"):
+        below, at, above = _section(force, edge * np.array([1 - 1e-7, 1, 1 + 1e-7]))[name].values
+        assert at == pytest.approx(below, rel=2e-7)
+        assert at == pytest.approx(above, rel=2e-7)
+    assert float(_section(force, edge).contact_length) == pytest.approx(WIDTH, rel=1e-15)
+    assert float(_section(force, edge).moment) == pytest.approx(force * WIDTH / 6, rel=1e-15)
+    at_rest = _section(force, 0.0)
+    assert float(at_rest.toe_stress) == force / (WIDTH * THICKNESS)
+    assert float(at_rest.moment) == 0.0
+
+
+def test_no_force_no_contact() -> None:
+    found = _section([0.0, -1.0], 0.01)
+    for name in ("contact_length", "toe_stress", "moment"):
+        assert found[name].values.tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize(
+    ("force", "theta", "changes", "message"),
+    [
+        ([1.0, 2.0], [1.0, 2.0, 3.0], {}, "theta = .*: must be one number, or as many as N"),
+        ("x", 0.1, {}, "N = "),
+        (1e6, 0.1, {"k": -1.0}, "k = -1.0: must be a finite number > 0"),
+        (1e6, 0.1, {"width": 0.0}, "width = 0.0: must be a finite number > 0"),
+        (1e6, 0.1, {"thickness": None}, "thickness = "),
+        (1e6, 0.1, {"E": 0.0}, "E = 0.0: must be a finite number > 0"),
+    ],
+)
+def test_wrong_arguments(
+    force: npt.ArrayLike, theta: npt.ArrayLike, changes: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(rwmf.InputError, match=message):
+        _section(force, theta, **changes)
+
+
+def _storeys(coupling: str, **changes: dict[str, object] | None) -> rwmf.Case:
+    return coupled(
+        wall=WALL,
+        frame={"gamma": None, "T_s": None, "xi_s": 0.03},
+        storeys={"n": 6, "m": 60e3, "height": 3.2, "k": 9e7, "coupling": coupling}
+        | ({"k_link": 1e8} if coupling == "springs" else {}),
+        model={"formulation": "exact"},
+        impact={"rule": "coupled", "e": None},
+        motion={"kind": "one_sine", "a_max_g": 0.5, "omega_p": None, "T_p": 1.0},
+        solver={"t_end": 4.0},
+        **changes,
+    )
+
+
+BENDING = {"E": 3e10, "modes": 2}
+SCENES = {
+    "single mass": lambda: coupled(wall=WALL, solver={"t_end": 3.0}),
+    "block": lambda: block(wall=WALL, initial={"theta_over_alpha": 0.3}, solver={"t_end": 2.0}),
+    **{
+        name: (lambda name=name: _storeys(name))
+        for name in ("reduced", "full", "every_floor", "springs")
+    },
+    "bending": lambda: _storeys("every_floor", bending=BENDING),
+    "bending, springs": lambda: _storeys("springs", bending=BENDING),
+    "vertical": lambda: _storeys("full", vertical={"ratio": 0.5}),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_maxima_are_those_of_the_formulas(name: str) -> None:
+    """Columns are the formula at the pivot's force; peaks bound them; the motion is the same."""
+    case = SCENES[name]()
+    with_strip = case.replace(base_section=SECTION, output={"reactions": True, "dt": 2e-3})
+    run = rwmf.simulate(with_strip)
+    theirs = rwmf.base_section(
+        run.pivot_normal.values, run.theta.values, width=WIDTH, thickness=THICKNESS, k=K, E=3e10
+    )
+    for column in ("contact_length", "toe_stress", "toe_strain"):
+        np.testing.assert_allclose(run[column].values, theirs[column].values, rtol=1e-13)
+    assert float(run.toe_stress_max) >= run.toe_stress.values.max() * (1 - 1e-9)
+    assert float(run.contact_length_min) <= run.contact_length.values.min() * (1 + 1e-9)
+    # a bending wall is struck at its landings: columns miss the shortest peaks
+    if "bending" not in name:
+        assert float(run.toe_stress_max) == pytest.approx(run.toe_stress.values.max(), rel=2e-3)
+    assert float(run.toe_strain_max) == float(run.toe_stress_max) / 3e10
+    without = rwmf.simulate(case.replace(output={"reactions": True, "dt": 2e-3})).flat()
+    found = run.flat()
+    for key, value in without.items():
+        if key not in ("seconds", "rhs_evaluations", "warnings"):
+            assert found[key] == value or math.isnan(value), key
+
+
+def test_two_keys_give_the_third() -> None:
+    """K = E/length, whichever two are given; k alone has no strain."""
+    case = coupled(wall=WALL, output={"reactions": True}, solver={"t_end": 3.0})
+    keys = ({"k": K, "E": 2.5e10}, {"k": K, "length": 2.5}, {"E": 2.5e10, "length": 2.5})
+    runs = [rwmf.simulate(case.replace(base_section=given)).flat() for given in keys]
+    assert [[run[key] for key in DEMANDS] for run in runs[1:]] == [
+        [runs[0][key] for key in DEMANDS]
+    ] * 2
+    alone = rwmf.simulate(case.replace(base_section={"k": K})).flat()
+    assert "toe_strain_max" not in alone
+    assert alone["toe_stress_max_Pa"] == runs[0]["toe_stress_max_Pa"]
+
+
+def test_every_interface_has_the_same_bits(tmp_path: Path, batch: Runner) -> None:
+    """Run, spectrum, sweep, and the batch program."""
+    case = coupled(
+        wall=WALL, base_section=SECTION, output={"reactions": True},
+        solver={"t_end": 3.0, "method": "dop853"},
+    )  # fmt: skip
+    run = rwmf.simulate(case).flat()
+    spectrum = rwmf.spectrum(case, T_s=case.frame.T_s, quantities=DEMANDS)
+    sweep = rwmf.sweep(case, quantities=DEMANDS)
+    names = ("contact_length_min", "toe_stress_max", "toe_strain_max")
+    for key, name in zip(DEMANDS, names, strict=True):
+        assert float(spectrum[name].squeeze()) == run[key]
+        assert float(sweep[name].squeeze()) == run[key]
+    path = tmp_path / "case.nml"
+    case.to_namelist(path)
+    done = batch(path)
+    assert not done.returncode, done.stderr
+    _, rows = read_table(tmp_path / "case.summary.csv")
+    assert [float(rows[0][key]) for key in DEMANDS] == [run[key] for key in DEMANDS]
+
+
+REFUSED = [
+    ({"E": 3e10}, {}, r"&base_section.*: the key k is missing \(subgrade modulus\)"),
+    ({"length": 2.0}, {}, r"&base_section.*: the key k is missing"),
+    (SECTION | {"length": 2.0}, {}, "k = .*must not be given beside E and length"),
+    (SECTION, {"wall": WALL | {"thickness": None, "density": None, "m_w": 1e5}}, "thickness"),
+    (SECTION | {"k": -1.0}, {}, "k = -1.0: must be a number > 0"),
+]
+
+
+@pytest.mark.parametrize(("section", "changes", "message"), REFUSED)
+def test_refused(section: dict[str, Any], changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(rwmf.InputError, match=message):
+        coupled(**{"wall": WALL, **changes, "base_section": section})
+
+
+def test_other_bases_are_refused() -> None:
+    with pytest.raises(rwmf.InputError, match=r"&base_section.*base = 'pinned'"):
+        coupled(wall=WALL | {"base": "pinned"}, impact=None, cable=None, base_section=SECTION)
+    with pytest.raises(rwmf.InputError, match=r"&base_section.*&wall"):
+        bare_frame(base_section=SECTION)
