@@ -342,7 +342,7 @@ contains
       landed = member
       motion = 0
       motion(2:, 1) = displacements(2:)
-      call place_member(landed, -member%committed%side, error)
+      call place_member(landed, merge(1, -1, member%committed%side <= 0), error)
       if (.not. allocated(error)) call respond_member(landed, motion, [0.0_wp, 0.0_wp], response, &
          error)
       if (.not. allocated(error)) call query_links(landed, motion, links, error)
