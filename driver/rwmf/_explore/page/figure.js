@@ -48,8 +48,8 @@ function extent(curves, axis, log) {
   return [low - pad, high + pad];
 }
 
-// One panel. curves: {x, y, colour, dash, label, dots}; options: title, xLabel, yLabel, logX, logY,
-// width, height, print (own colours instead of the page's).
+// One panel. curves: {x, y, colour, dash, label, dots, rings}; options: title, xLabel, yLabel, logX,
+// logY, width, height, print (own colours instead of the page's).
 export function panel(curves, options) {
   const { width = 360, height = 240, print = false, logX = false, logY = false } = options;
   const tone = (name) => (print ? PRINT[name] : `var(--${name})`);
@@ -104,6 +104,8 @@ function drawn(curve, i, X, Y, tone) {
     pen = "L";
     if (curve.dots) dots.push(node("circle",
       { cx: x.toFixed(1), cy: y.toFixed(1), r: curve.dots, fill: colour }));
+    if (curve.rings) dots.push(node("circle", { cx: x.toFixed(1), cy: y.toFixed(1),
+      r: curve.rings, fill: "none", stroke: colour, "stroke-width": 1.6 }));
   }
   return [node("path", { d: d || "M0 0", fill: "none", stroke: colour,
     "stroke-width": curve.width ?? 1.4,
