@@ -109,7 +109,8 @@ export class Controls {
           const box = byId(`group-${group}`);
           (box?.querySelector(".more[open] > summary") ?? box?.querySelector("summary"))?.focus();
         } }, "×");
-    row.append(element("span", { class: "unit" }, unit(key.unit)), out);
+    (row.querySelector(".row") ?? row)
+      .append(element("span", { class: "unit" }, unit(key.unit)), out);
     return element("div", { class: "key" }, label, row,
       element("p", { class: "wrong", id: `${name}:wrong`, hidden: true, role: "alert" }));
   }

@@ -121,10 +121,10 @@ function key(curves, right, tone) {
     const words = node("text", { x, y: 15, "text-anchor": "end", "font-size": 11,
       fill: tone("ink") }, curve.label);
     // letters of this size are about 6 wide
-    x -= 6 * curve.label.length + 8;
-    const mark = node("path", { d: `M${x - 16} 11H${x}`, stroke: colour, "stroke-width": 2,
+    x -= 6 * curve.label.length + 6;
+    const mark = node("path", { d: `M${x - 12} 11H${x}`, stroke: colour, "stroke-width": 2,
       fill: "none", ...(curve.dash ? { "stroke-dasharray": curve.dash } : {}) });
-    x -= 26;
+    x -= 20;
     return [words, mark];
   });
 }

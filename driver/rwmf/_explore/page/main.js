@@ -78,9 +78,13 @@ class Explorer {
       else return;
       event.preventDefault();
     });
-    byId("panel").addEventListener("toggle", ({ target }) =>
-      document.body.classList.toggle("sliding", target.open));
-    if (matchMedia("(max-width: 760px)").matches) byId("panel").open = false;
+    const phone = matchMedia("(max-width: 760px)");
+    byId("panel").addEventListener("toggle", ({ target }) => {
+      document.body.classList.toggle("sliding", target.open);
+      // the sliders cover the lower half: the picture moves to the top
+      if (phone.matches && target.open) byId("stage").closest(".card").scrollIntoView();
+    });
+    if (phone.matches) byId("panel").open = false;
   }
 
   offerPresets({ presets, name }) {
@@ -133,8 +137,11 @@ class Explorer {
   touch(anew) {
     this.version++;
     this.touched = performance.now();
-    if (anew) this.controls.build();
-    else this.controls.refresh();
+    if (anew) {
+      this.controls.build();
+      // another scene may take longer
+      this.perPeriod = 0;
+    } else this.controls.refresh();
     const { preset, description } = this.scene;
     byId("preset").value = preset;
     byId("sentence").textContent = description.presets.find(({ name }) => name === preset)
