@@ -46,6 +46,7 @@ class Explorer {
     document.title = `${description.name} – rwmf explore`;
     this.offerPresets(description);
     this.buttons();
+    if (description.read_only) this.forbidChanges();
     this.restore(this.address.read());
   }
 
@@ -85,6 +86,13 @@ class Explorer {
       if (phone.matches && target.open) byId("stage").closest(".card").scrollIntoView();
     });
     if (phone.matches) byId("panel").open = false;
+  }
+
+  // A copy with stored answers shows its examples only.
+  forbidChanges() {
+    document.body.classList.add("read-only");
+    byId("groups").inert = true;
+    this.report = () => { byId("status").textContent = "read-only copy with stored answers"; };
   }
 
   offerPresets({ presets, name }) {
@@ -145,7 +153,7 @@ class Explorer {
     const { preset, description } = this.scene;
     byId("preset").value = preset;
     byId("sentence").textContent = description.presets.find(({ name }) => name === preset)
-      ?.sentence ?? "";
+      ?.sentence ?? description.sentence ?? "";
     this.cost.age();
     clearTimeout(this.remembering);
     if (this.restoring) this.showSteps();
@@ -269,7 +277,7 @@ class Explorer {
     const failed = Object.entries(answer.failed)
       .map(([status, n]) => `${n} ${status.replaceAll("_", " ")}`).join(", ");
     byId("failed").textContent = `${points} periods${failed && `, of these ${failed}`}.`
-      + (this.scene.get("frame.T_s") === undefined ? "" : " A click sets the period.");
+      + (this.canPickPeriod ? " A click sets the period." : "");
     byId("comparison").textContent = answer.caption;
     if (points === FULL || this.version !== version) this.shown.spectrum = version;
     this.report("spectrum", answer, touched, points);
@@ -296,8 +304,12 @@ class Explorer {
     select.value = answer.quantity.key;
   }
 
+  get canPickPeriod() {
+    return this.scene.get("frame.T_s") !== undefined && !this.scene.description.read_only;
+  }
+
   pickPeriod(T) {
-    if (this.scene.get("frame.T_s") === undefined) return;
+    if (!this.canPickPeriod) return;
     this.scene.set("frame.T_s", Number(T.toPrecision(3)));
   }
 }
