@@ -2,10 +2,9 @@
 
     .venv/bin/python bench/explorer.py [CASE.nml ...]      (tools/test installs its requirements)
 
-Without a case: that of Fig. 12, and a building with six storeys that yield, with the spectrum of
-the displacement and that of the interstorey drift (IDR). One slider is stepped; each slider is
-dragged for two seconds over its whole range. The times are from the event to the frame with the
-picture, beside the time of the kernel.
+Without a case: Fig. 12, and six storeys that yield, with spectra of displacement and interstorey
+drift (IDR). One slider is stepped. Each slider is dragged for two seconds over its whole range. The
+times are from the event to the frame with the picture, beside the time of the kernel.
 """
 
 from __future__ import annotations

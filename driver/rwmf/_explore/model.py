@@ -230,9 +230,9 @@ class Model:
         Returns
         -------
         dict
-            ``T``, ``values``, ``alone`` (or None), ``failed`` (number of each status),
-            ``overturned`` (periods), description of the quantity, ``caption`` (comparison with the
-            frame alone at the period of the case), and the other quantities of the scene.
+            ``T``, ``values``, ``alone`` (or None), ``failed`` (number of each status) and
+            ``overturned`` (periods). ``quantity`` describes the quantity; ``quantities`` lists
+            those of the scene. ``caption`` compares with the frame alone at the period of the case.
 
         Raises
         ------

@@ -23,7 +23,7 @@ class Preset(NamedTuple):
     title : str
         Title in the list.
     sentence : str
-        What the case shows.
+        Content of the case.
     """
 
     name: str
