@@ -1,9 +1,10 @@
 """Latency of the page of `rwmf explore`: from slider to picture, in a real browser.
 
-    .venv/bin/python bench/explorer.py [CASE.nml]      (tools/test installs its requirements)
+    .venv/bin/python bench/explorer.py [CASE.nml ...]      (tools/test installs its requirements)
 
-Each slider of the case is stepped, and dragged for two seconds over its whole range. The times are
-those from the event to the frame with the picture, beside the kernel's time.
+Without a case: Fig. 12, and six storeys that yield, with spectra of displacement and interstorey
+drift (IDR). One slider is stepped. Each slider is dragged for two seconds over its whole range. The
+times are from the event to the frame with the picture, beside the time of the kernel.
 """
 
 from __future__ import annotations
@@ -16,16 +17,17 @@ import time
 from pathlib import Path
 from typing import Any
 
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 from rwmf import Case
+from rwmf._explore.presets import case_of_preset
 from rwmf._explore.server import PageServer
 
 STEPS = 30
 DRAG_SECONDS = 2.0
 EVENTS_PER_SECOND = 60
 
-# one slider over its whole range and back, at the speed of a hand. The result is the time from the
-# last event to the last picture
+# one slider over its whole range in two seconds. The result is the time from the last event to the
+# last picture
 DRAG = """
 async ({ name, seconds, rate }) => {
   const slider = document.getElementById(name + ':slider');
@@ -80,40 +82,55 @@ async () => {
 
 
 def main() -> None:
-    """Measure the case of the first word, or that of Fig. 12."""
-    path = Path(sys.argv[1] if len(sys.argv) > 1 else "inputs/fig12_one_sine.nml")
-    server = PageServer(Case.from_namelist(path))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
+    """Measure the cases of the command line, or Fig. 12 and six storeys."""
+    paths = [Path(word) for word in sys.argv[1:]]
+    cases = {str(path): Case.from_namelist(path) for path in paths} or {
+        name: case_of_preset(name) for name in ("fig12_one_sine", "six_storeys")
+    }
     with sync_playwright() as driver:
         browser = driver.chromium.launch(
             executable_path=shutil.which("chromium"),
             args=["--no-sandbox", "--disable-dev-shm-usage"],
         )
-        page = browser.new_page(viewport={"width": 1440, "height": 1000}, reduced_motion="reduce")
-        begun = time.perf_counter()
-        page.goto(server.address)
-        page.locator("#spectrum canvas").wait_for()
-        print(f"{path}: first spectrum {1e3 * (time.perf_counter() - begun):.0f} ms after the call")
-        # all sliders at hand
-        page.evaluate("document.querySelectorAll('details').forEach((box) => { box.open = true; })")
-        page.evaluate(SETTLE)
-        _print_steps(page)
-        _print_drags(page)
+        for name, case in cases.items():
+            _measure(browser, name, case)
         browser.close()
+
+
+def _measure(browser: Browser, name: str, case: Case) -> None:
+    server = PageServer(case)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    page = browser.new_page(viewport={"width": 1440, "height": 1000}, reduced_motion="reduce")
+    begun = time.perf_counter()
+    page.goto(server.address)
+    page.locator("#spectrum canvas").wait_for()
+    print(f"{name}: first spectrum {1e3 * (time.perf_counter() - begun):.0f} ms after the call")
+    # all sliders at hand
+    page.evaluate("document.querySelectorAll('details').forEach((box) => { box.open = true; })")
+    page.evaluate(SETTLE)
+    _print_steps(page, "")
+    if case.storeys is not None:
+        _print_steps(page, "storey_drift_max")
+    _print_drags(page)
+    page.close()
     server.shutdown()
     server.end()
 
 
-def _print_steps(page: Page) -> None:
+def _print_steps(page: Page, quantity: str) -> None:
+    if quantity:
+        page.select_option("#quantity", quantity)
+        page.evaluate(SETTLE)
     name = "frame.T_s" if page.locator('[id="frame.T_s"]').count() else "wall.b"
     found = []
     for i in range(STEPS):
         found.append(page.evaluate(STEP, {"name": name, "by": 1 if i % 2 else -1}))
         page.evaluate(SETTLE)
+    shown = page.locator("#quantity").input_value()
     print(f"step of {name}, median of {STEPS} [ms]: to the screen, of it in the kernel; aim")
-    for i, (what, aim) in enumerate((("history", 50), ("spectrum of 200", 100))):
+    for i, (what, aim) in enumerate((("history", 50), (f"spectrum of {shown}", 100))):
         total, kernel = (statistics.median(row[i][j] for row in found) for j in (0, 1))
-        print(f"  {what:16s} {total:6.1f} {kernel:6.1f}  {aim}")
+        print(f"  {what:28s} {total:7.1f} {kernel:7.1f}  {aim}")
 
 
 def _print_drags(page: Page) -> None:

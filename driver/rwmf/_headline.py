@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from rwmf.case import Case
 from rwmf.case.heights import height_of_frame
 from rwmf.quantities import SENSITIVITY, Quantity, find_numbered
 
-__all__ = ["grouped", "headline", "headline_of_case", "value_text"]
+__all__ = [
+    "Row",
+    "grouped",
+    "headline",
+    "headline_of_case",
+    "headline_rows",
+    "rows_by_title",
+    "value_text",
+]
 
 _ASK = "not requested (&output reactions = .true.)"
 _WIDTH = 100
@@ -32,7 +40,12 @@ def headline(summary: Mapping[str, Any], tendon_yield: float | None = None) -> l
         Roof displacement, interstorey drift, floor acceleration, tendon force, residual drift,
         impacts and events.
     """
-    rows = {
+    return _lines(_texts(summary, tendon_yield))
+
+
+def _texts(summary: Mapping[str, Any], tendon_yield: float | None) -> dict[str, str]:
+    """Return the text of each line by its name."""
+    return {
         "roof displacement": _displacement(summary),
         "interstorey drift (IDR)": _drift(summary),
         "floor acceleration (PFA)": _acceleration(summary),
@@ -40,7 +53,10 @@ def headline(summary: Mapping[str, Any], tendon_yield: float | None = None) -> l
         "residual drift": _residual(summary),
         "impacts and events": _events(summary),
     }
-    return [f"{name:26s}{text}" for name, text in rows.items()]
+
+
+def _lines(texts: Mapping[str, str]) -> list[str]:
+    return [f"{name:26s}{text}" for name, text in texts.items()]
 
 
 def headline_of_case(summary: Mapping[str, Any], case: Case) -> list[str]:
@@ -58,19 +74,37 @@ def headline_of_case(summary: Mapping[str, Any], case: Case) -> list[str]:
     list of str
         As `headline`, with roof drift and tendon force even when the run reports neither.
     """
+    return _lines(headline_rows(summary, case))
+
+
+def headline_rows(summary: Mapping[str, Any], case: Case) -> dict[str, str]:
+    """Return the lines of `headline_of_case` as name and text.
+
+    Parameters
+    ----------
+    summary : mapping
+        Named scalars of the run.
+    case : Case
+        The case.
+
+    Returns
+    -------
+    dict
+        Text of each line by its name.
+    """
     known = dict(summary)
     height = 2 * case.wall.h if case.wall is not None else height_of_frame(case)
     if height is not None and "u_s_max_m" in summary:
         known.setdefault("roof_drift_max", summary["u_s_max_m"] / height)
     if case.cable is None:
-        return headline(known)
+        return _texts(known, None)
     increment = "cable_force_increment_max"
     ratio = summary[f"{increment}_over_m_w_g"]
     known.setdefault("tendon_force_max_over_m_w_g", case.cable.eta_0 + ratio)
     if "m_w" in case.wall:
         force = known["tendon_force_max_over_m_w_g"] * case.wall.m_w * case.model.g
         known.setdefault("tendon_force_max_N", force)
-    return headline(known, case.cable.eta_y if "eta_y" in case.cable else None)
+    return _texts(known, case.cable.eta_y if "eta_y" in case.cable else None)
 
 
 def _displacement(summary: Mapping[str, Any]) -> str:
@@ -193,26 +227,18 @@ def grouped(
     """
     rows: dict[str, dict[str, list[str]]] = {}
     held = digits or {}
-    summary = {key: value for key, value in summary.items() if not key.startswith(SENSITIVITY)}
     numbers = _numbers(summary)
-    found = {key: find_numbered(key) for key in summary}
-    names = {item.name for item, _ in found.values()}
-    times = {
-        item.name[2:]: summary[key] for key, (item, _) in found.items() if item.found == "time"
-    }
-    for key, (item, number) in found.items():
-        # a force in N replaces its ratio, and a time is beside its peak
-        in_newtons = item.name.removesuffix("_over_m_w_g")
-        if item.found == "time" or (in_newtons != item.name and in_newtons in names):
-            continue
-        label = item.key.replace("{i}", numbers.get(item.key, ""))
-        if has_names and item.name:
-            shown = item.over_levels if number else item
-            label = f"{shown.names('run')[0]} [{item.unit}]"
-        texts = rows.setdefault(_title(item), {}).setdefault(label, [])
-        texts.append(value_text(key, summary[key], min(4 if number else 6, held.get(key, 6))))
-        peaks = [name for name in times if not number and item.name.startswith(name)]
-        texts += [f"at {times.pop(peak):.4g} s" for peak in peaks]
+    for title, found in rows_by_title(summary).items():
+        for item, keys, times in found:
+            is_numbered = "{i}" in item.key
+            label = item.key.replace("{i}", numbers.get(item.key, ""))
+            if has_names and item.name:
+                shown = item.over_levels if is_numbered else item
+                label = f"{shown.names('run')[0]} [{item.unit}]"
+            most = 4 if is_numbered else 6
+            texts = [value_text(key, summary[key], min(most, held.get(key, 6))) for key in keys]
+            texts += [f"at {summary[time]:.4g} s" for time in times]
+            rows.setdefault(title, {}).setdefault(label, []).extend(texts)
     width = max(len(label) for labels in rows.values() for label in labels)
     lines = []
     for title, labels in rows.items():
@@ -225,10 +251,58 @@ def grouped(
     return lines
 
 
+class Row(NamedTuple):
+    """A quantity in a table of a run's scalars.
+
+    Attributes
+    ----------
+    item : Quantity
+        The quantity.
+    keys : list of str
+        Its keys in the run: one, or that of each storey, floor or mode from the ground up.
+    times : list of str
+        Keys of the times of its peak.
+    """
+
+    item: Quantity
+    keys: list[str]
+    times: list[str]
+
+
+def rows_by_title(summary: Mapping[str, Any]) -> dict[str, list[Row]]:
+    """Sort the scalars of a run into the groups of `grouped`.
+
+    Parameters
+    ----------
+    summary : mapping
+        Named scalars of the run.
+
+    Returns
+    -------
+    dict
+        Rows by title, without sensitivities and without ratios whose force in N is known.
+    """
+    found = {key: find_numbered(key) for key in summary if not key.startswith(SENSITIVITY)}
+    names = {item.name for item, _ in found.values()}
+    times = {item.name[2:]: key for key, (item, _) in found.items() if item.found == "time"}
+    rows: dict[str, dict[str, Row]] = {}
+    for key, (item, number) in found.items():
+        # a force in N replaces its ratio, and a time is beside its peak
+        in_newtons = item.name.removesuffix("_over_m_w_g")
+        if item.found == "time" or (in_newtons != item.name and in_newtons in names):
+            continue
+        row = rows.setdefault(_title(item), {}).setdefault(item.key, Row(item, [], []))
+        row.keys.append(key)
+        peaks = [name for name in times if not number and item.name.startswith(name)]
+        row.times.extend(times.pop(peak) for peak in peaks)
+    return {title: list(found.values()) for title, found in rows.items()}
+
+
 def _numbers(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return the first and the last number of each quantity of storeys or floors, as ``1..6``."""
     found: dict[str, list[int]] = {}
-    for item, number in map(find_numbered, summary):
+    keys = (key for key in summary if not key.startswith(SENSITIVITY))
+    for item, number in map(find_numbered, keys):
         if number:
             found.setdefault(item.key, []).append(number)
     return {

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, BrowserType
 
 
 @contextmanager
@@ -26,6 +26,29 @@ def chromium() -> Iterator[Browser]:
         Of playwright, without any page.
     """
     playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as driver:
+        browser = launch(driver.chromium)
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+def launch(kind: BrowserType) -> Browser:
+    """Start a chromium with an empty profile.
+
+    Skips the test where chromium is missing.
+
+    Parameters
+    ----------
+    kind : BrowserType
+        Of playwright, for example that of a running browser.
+
+    Returns
+    -------
+    Browser
+        The browser, to be closed by the caller.
+    """
     program = shutil.which("chromium")
     if program is None:
         pytest.skip("chromium is not installed")
@@ -33,9 +56,4 @@ def chromium() -> Iterator[Browser]:
     if os.geteuid() == 0:
         # as root chromium ends at once with its sandbox
         arguments.append("--no-sandbox")
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=program, args=arguments)
-        try:
-            yield browser
-        finally:
-            browser.close()
+    return kind.launch(executable_path=program, args=arguments)

@@ -11,13 +11,15 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from pages import blocks, check, made, sketches
+from pages import blocks, check, explorer, made, sketches
 
 ROOT = blocks.ROOT
 BUILD = ROOT / "build" / "pages"
 SITE = ROOT / "build" / "site"
 SKETCHES = ROOT / "docs" / "theory" / "figures" / "sketches"
 _SECONDS_SHOWN = 0.1
+# folders of the site that Sphinx does not write
+_OTHERS = ("fortran", "explorer")
 _SHOWN = (
     "examples",
     "tests/unit",
@@ -58,6 +60,11 @@ def main() -> int:
             "pages by FORD",
             _run_ford,
             _files("src", "docs/fortran.css", "tools/pages/fortran_pages.py", "tools/docs.lock"),
+        )
+        _step(
+            "read-only explorer",
+            lambda: explorer.write(SITE / "explorer"),
+            [*_files("tools/pages/explorer"), *_program()],
         )
         _step(
             "links",
@@ -136,9 +143,9 @@ def _program() -> list[Path]:
 
 
 def _run_sphinx() -> None:
-    """Write all pages, so that none stays whose source has gone; FORD's stay."""
+    """Write all pages, so that none stays whose source has gone; those of others stay."""
     for path in SITE.glob("*"):
-        if path.is_dir() and path.name != "fortran":
+        if path.is_dir() and path.name not in _OTHERS:
             shutil.rmtree(path)
         elif path.is_file():
             path.unlink()

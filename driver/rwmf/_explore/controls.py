@@ -22,6 +22,14 @@ _RANGES: dict[str, tuple[float, float, bool]] = {
     "frame.T_s": (0.05, 3.0, False),
     "frame.gamma": (0.1, 2000.0, True),
     "frame.xi_s": (0.0, 0.2, False),
+    # of one storey; lists have a slider for each
+    "storeys.m_over_m_w": (0.1, 10.0, True),
+    "storeys.k_over_m_w": (10.0, 1e4, True),
+    "storeys.m": (1e3, 1e6, True),
+    "storeys.k": (1e6, 1e9, True),
+    "storeys.height": (2.0, 8.0, False),
+    "storeys.k_link_over_m_w": (1e2, 1e6, True),
+    "storeys.k_link": (1e6, 1e10, True),
     "link.L": (1.0, 100.0, True),
     "bending.EI_over_m_w": (1e3, 1e7, True),
     "bending.EI": (1e7, 1e12, True),
@@ -36,6 +44,8 @@ _RANGES: dict[str, tuple[float, float, bool]] = {
     "fuse.stroke_y": (1e-3, 0.1, True),
     "yielding.u_y": (5e-3, 0.5, True),
     "yielding.f_y_over_m_s_g": (0.02, 2.0, True),
+    "yielding.storey_u_y": (1e-3, 0.1, True),
+    "yielding.storey_F_y": (1e4, 1e7, True),
     "yielding.ultimate": (1.5, 30.0, False),
     "yielding.cap": (1.1, 10.0, False),
     "yielding.post_cap": (0.5, 20.0, False),
@@ -437,6 +447,9 @@ def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
     else:
         # a list needs at least one number or word
         found["start"] = _STARTS.get(name, ["u_s_max_m"] if kind == "text list" else [1.0])
+        if name in _RANGES:
+            low, high, log = _RANGES[name]
+            found |= {"low": low, "high": high, "log": log}
     return found
 
 

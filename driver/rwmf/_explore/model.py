@@ -22,11 +22,16 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf import _library, loops
+from rwmf._explore.captions import captions_of, compare_with_frame
 from rwmf._explore.controls import describe
+from rwmf._explore.presets import PRESETS, case_of_preset
 from rwmf._explore.questions import BadQuestionError, Question, case_of, given
+from rwmf._headline import headline_rows, rows_by_title
 from rwmf.case import Case
+from rwmf.case.heights import heights_of_storeys
 from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.plotting.animation import ground_displacement
+from rwmf.plotting.levels import levels_of_frame, levels_of_storeys
 from rwmf.plotting.mode_shapes import mode_shapes
 from rwmf.quantities import find
 
@@ -46,7 +51,9 @@ _MOST_STEPS = 500_000
 _KEPT = 32
 _KEPT_RECORDS = 3
 # history columns drawn by the page
-_SHOWN = re.compile(r"time$|theta$|u_s$|u_g_ddot$|energy_|storey_\d+_drift$|q_\d+$")
+_SHOWN = re.compile(
+    r"time$|theta$|u_s$|u_g_ddot$|energy_|storey_\d+_drift$|floor_\d+_acceleration_g$|q_\d+$"
+)
 # heights over that of the wall at which its deflected shape is drawn
 _SHARE = np.linspace(0.0, 1.0, 25)
 # groups that a frame without a wall cannot have
@@ -99,7 +106,7 @@ def start(case: Case, made: list[Path]) -> dict[str, Any]:
     Returns
     -------
     dict
-        As `controls.describe`, with ``name``, ``state``, ``record``, ``made``.
+        As `controls.describe`, with ``name``, ``state``, ``record``, ``made``, ``presets``.
     """
     motion: Mapping[str, Any] = case.groups.get("motion", {})
     return describe() | {
@@ -107,6 +114,9 @@ def start(case: Case, made: list[Path]) -> dict[str, Any]:
         "state": given(case),
         "record": Path(str(motion["file"])).name if motion.get("file") else "",
         "made": [path.name for path in made],
+        "presets": [
+            preset._asdict() | {"state": given(case_of_preset(preset.name))} for preset in PRESETS
+        ],
     }
 
 
@@ -142,7 +152,7 @@ class Model:
         self._folder = folder
         self._case = case
         self._records: OrderedDict[str, _Record] = OrderedDict()
-        self._alone: OrderedDict[str, str] = OrderedDict()
+        self._alone: OrderedDict[str, Array] = OrderedDict()
         # one processor stays free for the browser, which draws during the next computation
         self._threads = max(1, (os.cpu_count() or 2) - 1)
 
@@ -159,7 +169,8 @@ class Model:
         Returns
         -------
         dict
-            Columns over time, instants of impacts, loops, key numbers, warnings, namelist.
+            Columns over time, instants of impacts, loops, profile over the height, key numbers with
+            headline and groups, captions, warnings, namelist.
 
         Raises
         ------
@@ -190,8 +201,15 @@ class Model:
         if "u_g_ddot" in columns:
             ground = ground_displacement(columns["time"], np.nan_to_num(columns["u_g_ddot"]))
             answer["ground"] = _pack(ground)
+        lift_offs = events["t"][events["kind"] == "lift_off"]
+        profile = _profile_of(shown, summary)
+        t_lift_off = float(lift_offs[0]) if lift_offs.size else None
         return answer | {
+            "profile": profile,
             "numbers": _key_numbers(summary),
+            "headline": list(headline_rows(summary, shown).items()),
+            "groups": _groups_of(summary),
+            "captions": captions_of(shown, summary, t_lift_off, _yields(profile)),
             "method": f"{summary['method']}, rtol = {summary['rtol']:g}",
             "warnings": [*_early_end(case), *summary["warnings"]],
             "namelist": self._namelist(case, question.record),
@@ -212,9 +230,9 @@ class Model:
         Returns
         -------
         dict
-            ``T``, ``values``, ``alone`` (or None), ``failed`` (number of each status),
-            ``overturned`` (periods), description of the quantity, and the other quantities of the
-            scene.
+            ``T``, ``values``, ``alone`` (or None), ``failed`` (number of each status) and
+            ``overturned`` (periods). ``quantity`` describes the quantity; ``quantities`` lists
+            those of the scene. ``caption`` compares with the frame alone at the period of the case.
 
         Raises
         ------
@@ -232,6 +250,7 @@ class Model:
         begun = time.perf_counter()
         values, status = self._row_of(case, periods, key, poll)
         alone = self._frame_alone(question, case, periods, key, poll)
+        caption = self._comparison(question, case, key, poll)
         seconds = time.perf_counter() - begun
         # reasons for missing numbers
         names, counts = np.unique(status[status != "ok"], return_counts=True)
@@ -239,10 +258,11 @@ class Model:
         return {
             "T": _pack(periods),
             "values": _pack(values),
-            "alone": alone,
+            "alone": None if alone is None else _pack(alone),
             "failed": dict(zip(names.tolist(), counts.tolist(), strict=True)),
             "overturned": _pack(periods[np.isin(status, ("overturned", "collapsed"))]),
             "quantity": {"key": key, "unit": quantity.unit, "help": quantity.meaning},
+            "caption": caption,
             "quantities": [[name, find(name).meaning] for name in case.kernel.applicable()],
             "kernel_seconds": seconds,
         }
@@ -384,10 +404,22 @@ class Model:
             values = found.values()
             return values[key].ravel().astype(np.float64), values["status"].ravel()
 
+    def _comparison(self, question: Question, case: Case, key: str, poll: Poll) -> str:
+        """Compare the case with its frame alone, at its own period."""
+        own = _period_of(case)
+        if own is None or "wall" not in question.groups:
+            return ""
+        period = np.array([own])
+        alone = self._frame_alone(question, case, period, key, poll)
+        if alone is None:
+            return ""
+        values, _ = self._row_of(case, period, key, poll)
+        return compare_with_frame(find(key), float(values[0]), float(alone[0]))
+
     def _frame_alone(
         self, question: Question, case: Case, periods: Array, key: str, poll: Poll
-    ) -> str | None:
-        """Return the encoded curve of the frame without a wall; it depends on few keys."""
+    ) -> Array | None:
+        """Return the curve of the frame without a wall; it depends on few keys."""
         if "wall" not in question.groups or "frame" not in question.groups:
             return None
         gone = [name for name, needs in _library.needs_of_groups().items()
@@ -410,7 +442,7 @@ class Model:
         except (InputError, NumericalError):
             # a quantity of the wall, or storeys that need a wall
             return None
-        self._alone[name] = _pack(values)
+        self._alone[name] = values
         if len(self._alone) > _KEPT:
             self._alone.popitem(last=False)
         return self._alone[name]
@@ -460,20 +492,70 @@ def _text(value: object) -> str:
     return repr(value) if isinstance(value, int | float) else str(value)
 
 
+def _groups_of(summary: dict[str, Any]) -> list[list[Any]]:
+    """Return title and rows of each group: meaning, unit, keys from the ground up, keys of times.
+
+    Ratios are absent where the run has the force in N, as in the table of ``rwmf run``.
+    """
+    known = {key: value for key, value in summary.items() if key not in _NOT_KEY_NUMBERS}
+    return [
+        [title, [[(row.item.over_levels if "{i}" in row.item.key else row.item).meaning,
+                  row.item.unit, row.keys, row.times] for row in rows]]
+        for title, rows in rows_by_title(known).items()
+    ]  # fmt: skip
+
+
+def _profile_of(case: Case, summary: dict[str, Any]) -> dict[str, list[float]]:
+    """Return heights, peak drifts, drifts at first yield and peak accelerations of the storeys.
+
+    Lists are empty where the case has no such value: a frame without height has no drift.
+    """
+    floors = sum(bool(re.fullmatch(r"floor_\d+_acceleration_max_g", key)) for key in summary)
+    heights = heights_of_storeys(case, floors)
+    if not floors or not heights:
+        return {"heights": [], "drift": [], "yield": [], "acceleration": []}
+    if case.storeys is None:
+        drift = [float(summary["u_s_max_m"]) / heights[0]]
+    else:
+        drift = [float(summary[f"storey_{i + 1}_drift_max"]) for i in range(floors)]
+    named: Any = {find(key).name or key: value for key, value in summary.items()}
+    if case.storeys is None:
+        first = levels_of_frame(named, case).first_yield / heights[0]
+    else:
+        first = levels_of_storeys(named, case, floors).first_yield
+    return {
+        "heights": heights,
+        "drift": drift,
+        "yield": first.tolist(),
+        "acceleration": [summary[f"floor_{i + 1}_acceleration_max_g"] for i in range(floors)],
+    }
+
+
+def _yields(profile: dict[str, list[float]]) -> list[bool]:
+    """Check for each storey whether it passes its first yield."""
+    return [peak > level for peak, level in zip(profile["drift"], profile["yield"], strict=False)]
+
+
 def _loops_of(columns: dict[str, Array], case: Case) -> list[dict[str, str]]:
+    """Return the loops of the springs, in kN where masses are known."""
     return [
         {
             "spring": loop.spring,
+            "kind": loop.kind,
             "displacement": _pack(loop.displacement),
-            "force": _pack(loop.force),
-            "label": _FORCES[loop.kind],
+            "force": _pack(loop.force if loop.newtons is None else 1e-3 * loop.newtons),
+            "label": _FORCES[loop.kind] if loop.newtons is None else "force [kN]",
         }
         for loop in loops.springs_of(columns, case)
-        if loop.kind in _FORCES
     ]
 
 
-_FORCES = {"frame": "F_s/(m_s g)", "cable": "P/(m_w g)", "fuse": "F/(m_w g)"}
+_FORCES = {
+    "frame": "F_s/(m_s g) [-]",
+    "storey": "V/(m_w g) [-]",
+    "cable": "P/(m_w g) [-]",
+    "fuse": "F/(m_w g) [-]",
+}
 
 
 def _scene_of(case: Case) -> dict[str, Any]:
@@ -487,6 +569,7 @@ def _scene_of(case: Case) -> dict[str, Any]:
         found["heights"] = list(case.storeys.height)
         found["coupling"] = case.storeys.coupling
     found["formulation"] = case.model.formulation
+    found["g"] = float(case.model.g)
     found["T"] = _period_of(case)
     return found
 

@@ -31,6 +31,7 @@ from urllib.parse import parse_qs, urlsplit
 from rwmf._arguments import case_of, checked
 from rwmf._explore.folder import Folder
 from rwmf._explore.model import as_files, encode, start
+from rwmf._explore.presets import FIRST, case_of_preset
 from rwmf._explore.questions import BadQuestionError, read
 from rwmf._explore.workers import BrokenError, BusyError, Workers
 from rwmf.case import Case
@@ -40,7 +41,6 @@ __all__ = ["PageServer", "explore"]
 
 _HOST = "127.0.0.1"
 _PAGE = Path(__file__).parent / "page"
-_START = Path(__file__).parent / "start.nml"
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}
 # a request lists every key of a case; a record has at most millions of samples [bytes]
 _MOST_QUESTION = 64 * 1024
@@ -532,11 +532,7 @@ def explore(
     """
     if not 0 <= port <= 65535:
         raise InputError(f"port = {port}: must be in [0, 65535]")
-    if case is None:
-        # without the path of the package, because the case belongs to no file of the user
-        case = Case.from_text(_START.read_text(encoding="utf-8"), "fig12_one_sine.nml")
-    else:
-        case = case_of(case)
+    case = case_of_preset(FIRST.name) if case is None else case_of(case)
     # treat termination signals like Ctrl-C, so that the folder is removed. Ignored signals, as with
     # nohup, stay ignored
     ends = [x for x in _ENDS if signal.getsignal(x) is not signal.SIG_IGN]

@@ -179,8 +179,11 @@ def test_a_crash_ends_one_answer(state: dict[str, Any], number: signal.Signals) 
         client.ask("/api/history", {"groups": state})
 
 
-def test_a_process_has_no_more_than_half_of_the_memory(both: tuple[PageServer, Client]) -> None:
-    both[1].ask("/api/start", {})
+def test_a_process_has_no_more_than_half_of_the_memory(
+    client: Client, state: dict[str, Any]
+) -> None:
+    # an answer shows that a process has started completely
+    client.ask("/api/history", {"groups": state})
     worker, *_ = _workers(os.getpid())
     limits = Path(f"/proc/{worker}/limits").read_text(encoding="ascii").splitlines()
     (line,) = (line for line in limits if line.startswith("Max data size"))

@@ -98,7 +98,7 @@ def test_own_origin_is_answered(client: Client) -> None:
 @pytest.mark.parametrize(
     "path",
     ["/../server.py", "/%2e%2e/server.py", "/vendor/../../server.py", "//etc/passwd", "/vendor",
-     "/start.nml", "/index.html/", "/\\..\\server.py", "/api/start", "/%00"],
+     "/presets/block.nml", "/index.html/", "/\\..\\server.py", "/api/start", "/%00"],
 )  # fmt: skip
 def test_files_of_the_page_and_no_others(client: Client, path: str) -> None:
     assert client.request("GET", path, None, {})[0] == 404
@@ -440,7 +440,7 @@ def test_a_motion_from_arrays(tmp_path: Path) -> None:
 
 
 def test_the_case_of_the_package_is_the_one_of_inputs() -> None:
-    package = ROOT / "driver" / "rwmf" / "_explore" / "start.nml"
+    package = ROOT / "driver" / "rwmf" / "_explore" / "presets" / "fig12_one_sine.nml"
     assert package.read_bytes() == FIG12.read_bytes()
 
 

@@ -1,7 +1,7 @@
-// Questions to the server. The token stands in the fragment of the address, which no browser sends
-// to anybody; it goes back as a header, which no page of another origin may set.
+// Questions to the server. The token is in the fragment of the address, which browsers do not send;
+// it goes back as a header, which pages of other origins may not set.
 
-const token = () => location.hash.slice(1).split("&")[0];
+import { token } from "./address.js";
 
 export class Refused extends Error {
   constructor(status, message) {
@@ -25,7 +25,7 @@ async function failure(response) {
   let message = `status ${response.status}`;
   try {
     message = (await response.json()).error;
-  } catch { /* not the server's own words */ }
+  } catch { /* no message of the server */ }
   if (response.status === 403) message += ". Open the address that rwmf explore has printed.";
   return new Refused(response.status, message);
 }
@@ -60,7 +60,7 @@ export async function follow(path, question, signal, report) {
   }
 }
 
-// 32-bit floats of the server as an array; what is no number is null, which leaves a gap in a line.
+// 32-bit floats of the server as an array; NaN becomes null, a gap in a line.
 export function unpack(text) {
   const letters = atob(text);
   const bytes = new Uint8Array(letters.length);

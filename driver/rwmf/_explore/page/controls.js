@@ -1,63 +1,40 @@
 // A control for every key: slider and field for numbers, a list of words for choices, a box for yes
-// or no, a field for lists; keys that the case does not give stand below with what holds without
-// them.
+// or no, sliders of storeys for lists; keys that the case does not give are below, with their
+// defaults.
 
-import { byId, element, short, unit } from "./format.js";
-
-const STEPS = 500;
-
-// Position of a slider and value of its key.
-class Range {
-  constructor(key, value) {
-    this.low = key.low;
-    this.high = key.high;
-    this.log = key.log;
-    this.whole = key.kind === "integer";
-    this.widen(value);
-  }
-
-  // A value of the case is never outside.
-  widen(value) {
-    if (this.log) {
-      while (value > 0 && value < this.low) this.low /= 10;
-      while (value > this.high) this.high *= 10;
-    } else {
-      if (value < this.low) this.low = value < 0 ? 1.5 * value : 0.5 * value;
-      if (value > this.high) this.high = value > 0 ? 1.5 * value : 0.5 * value;
-    }
-  }
-
-  value(position) {
-    const part = position / STEPS;
-    if (part === 0 && !this.log) return this.whole ? Math.round(this.low) : this.low;
-    if (part === 1) return this.whole ? Math.round(this.high) : this.high;
-    const raw = this.log ? this.low * (this.high / this.low) ** part : this.low
-      + part * (this.high - this.low);
-    if (this.whole) return Math.round(raw);
-    if (this.log) return Number(raw.toPrecision(3));
-    // as many decimals as the step has, so that a namelist stays readable
-    const decimals = Math.max(0, 1 - Math.floor(Math.log10((this.high - this.low) / STEPS)));
-    return Number(raw.toFixed(Math.min(decimals, 12)));
-  }
-
-  position(value) {
-    const part = this.log ? Math.log(value / this.low) / Math.log(this.high / this.low)
-      : (value - this.low) / (this.high - this.low);
-    return Math.round(Math.min(1, Math.max(0, part)) * STEPS);
-  }
-}
+import { byId, element, fromSi, short, toSi, unit } from "./format.js";
+import { Range, STEPS } from "./range.js";
 
 export class Controls {
   constructor(scene) {
     this.scene = scene;
-    this.open = new Set(["wall", "frame", "cable", "impact", "motion", "model"]);
+    this.open = new Set(["wall", "frame", "storeys", "cable", "impact", "motion", "model"]);
     this.ranges = new Map();
+    // functions that show a value in the controls of a key
+    this.views = new Map();
   }
 
-  // Build the panel anew, with the focus where it was.
+  // Show the values of the scene; a control that the user holds stays the same element.
+  refresh() {
+    for (const [name, view] of this.views) view(this.scene.get(name));
+  }
+
+  // Open a group, or offer to add it.
+  goTo(name) {
+    byId("panel").open = true;
+    this.open.add(name);
+    const box = byId(`group-${name}`);
+    if (box) box.open = true;
+    const target = box?.querySelector("summary") ?? byId(`add-${name}`);
+    target?.scrollIntoView({ block: "nearest" });
+    target?.focus();
+  }
+
+  // Build the panel again, with the focus on the same control.
   build() {
     const focus = document.activeElement?.id;
     const { scene } = this;
+    this.views.clear();
     byId("groups").replaceChildren(
       ...scene.description.groups.filter((group) => scene.has(group.name))
         .map((group) => this.group(group)));
@@ -132,45 +109,74 @@ export class Controls {
           const box = byId(`group-${group}`);
           (box?.querySelector(".more[open] > summary") ?? box?.querySelector("summary"))?.focus();
         } }, "×");
-    row.append(element("span", { class: "unit" }, unit(key.unit)), out);
+    (row.querySelector(".row") ?? row)
+      .append(element("span", { class: "unit" }, unit(key.unit)), out);
     return element("div", { class: "key" }, label, row,
       element("p", { class: "wrong", id: `${name}:wrong`, hidden: true, role: "alert" }));
   }
 
-  number(name, key) {
-    const value = this.scene.get(name);
-    if (!this.ranges.has(name)) this.ranges.set(name, new Range(key, value));
-    const range = this.ranges.get(name);
+  // Range of a slider; `part` names a storey.
+  range(name, key, value, part = "") {
+    const own = `${name}${part}`;
+    if (!this.ranges.has(own)) this.ranges.set(own, new Range(key, value));
+    const range = this.ranges.get(own);
     range.widen(value);
-    const says = (x) => `${x} ${unit(key.unit)}`.trim();
-    const field = element("input",
-      { type: "text", class: "field", id: name, inputmode: "decimal", value: shown(value),
-      "aria-describedby": `${name}:wrong`, autocomplete: "off", title: String(value) });
-    const slider = element("input",
-      { type: "range", id: `${name}:slider`, min: 0, max: STEPS, step: 1,
-      value: range.position(value), "aria-label": `${key.key}: ${key.help}`,
-        "aria-valuetext": says(value) });
+    return range;
+  }
+
+  // A slider with its value in words; `moved` receives the value.
+  slider(id, label, key, range, value, moved) {
+    const says = (x) => `${fromSi(x, key.unit)} ${unit(key.unit)}`.trim();
+    const slider = element("input", { type: "range", id, min: 0, max: STEPS, step: 1,
+      value: range.position(value), "aria-label": label, "aria-valuetext": says(value) });
+    slider.show = (x) => {
+      if (range.position(x) !== Number(slider.value)) slider.value = range.position(x);
+      slider.setAttribute("aria-valuetext", says(x));
+    };
     slider.addEventListener("input", () => {
       const found = range.value(Number(slider.value));
-      field.value = shown(found);
-      field.title = String(found);
       slider.setAttribute("aria-valuetext", says(found));
-      this.complain(field, "");
-      this.scene.set(name, found);
+      moved(found);
     });
-    // all digits while it is edited; another value takes the selection away, with which a typed
-    // digit replaces the number
+    return slider;
+  }
+
+  number(name, key) {
+    const value = this.scene.get(name);
+    const range = this.range(name, key, value);
+    const text = (x) => shown(fromSi(x, key.unit));
+    const digits = (x) => String(fromSi(x, key.unit));
+    const field = element("input",
+      { type: "text", class: "field", id: name, inputmode: "decimal", value: text(value),
+        "aria-describedby": `${name}:wrong`, autocomplete: "off", title: digits(value) });
+    const slider = this.slider(`${name}:slider`, `${key.key}: ${key.help}`, key, range, value,
+      (found) => {
+        field.value = text(found);
+        field.title = digits(found);
+        this.complain(field, "");
+        this.scene.set(name, found);
+      });
+    this.views.set(name, (x) => {
+      if (digits(x) === field.title) return;
+      range.widen(x);
+      slider.show(x);
+      field.value = text(x);
+      field.title = digits(x);
+      this.complain(field, "");
+    });
+    // all digits during editing; a typed digit replaces the selected number
     field.addEventListener("focus", () => {
       if (field.value !== shown(Number(field.title))) return;
       field.value = field.title;
       field.select();
     });
-    field.addEventListener("blur",
-      () => { if (read(field) === Number(field.title)) field.value = shown(read(field)); });
+    field.addEventListener("blur", () => {
+      const [typed, set] = [read(field), Number(field.title)].map((x) => toSi(x, key.unit));
+      if (typed === set) field.value = text(set);
+    });
     field.addEventListener("change", () => {
-      const found = read(field);
-      if (!Number.isFinite(found)
-        || (range.whole && !Number.isInteger(found))) {
+      const found = toSi(read(field), key.unit);
+      if (!Number.isFinite(found) || (range.whole && !Number.isInteger(found))) {
         this.complain(field,
           `must be a ${range.whole ? "whole " : ""}number${key.allowed ? `, ${key.allowed}` : ""}`);
         return;
@@ -178,9 +184,8 @@ export class Controls {
       this.complain(field, "");
       // a number far away does not leave its range to those after it
       Object.assign(range, new Range(key, found));
-      slider.value = range.position(found);
-      slider.setAttribute("aria-valuetext", says(found));
-      field.title = String(found);
+      slider.show(found);
+      field.title = digits(found);
       this.scene.set(name, found);
     });
     return element("div", { class: "row" }, slider, field);
@@ -191,16 +196,19 @@ export class Controls {
       { id: name, class: "field", onchange: () => this.scene.set(name, select.value) },
       ...key.words.map((word) => element("option", { selected: word === this.scene.get(name) },
         word)));
+    this.views.set(name, (x) => { select.value = x; });
     return element("div", { class: "row wide" }, select);
   }
 
   box(name) {
     const box = element("input", { type: "checkbox", id: name, checked: this.scene.get(name) });
     box.addEventListener("change", () => this.scene.set(name, box.checked));
+    this.views.set(name, (x) => { box.checked = x; });
     return element("div", { class: "row wide" }, element("span", {}, box));
   }
 
   word(name) {
+    this.views.set(name, (x) => { byId(name).value = x; });
     const field = element("input", { type: "text", class: "field", id: name, autocomplete: "off",
       value: this.scene.get(name), "aria-describedby": `${name}:wrong` });
     field.addEventListener("change", () => {
@@ -213,22 +221,74 @@ export class Controls {
   }
 
   list(name, key) {
+    const text = (items) => items.map((x) => (key.kind === "real list" ? fromSi(x, key.unit) : x))
+      .join(", ");
+    const items = this.scene.get(name);
     const field = element("input", { type: "text", class: "field", id: name, autocomplete: "off",
-      value: this.scene.get(name).join(", "), "aria-describedby": `${name}:wrong`,
-      title: this.scene.get(name).join(", ") });
+      value: text(items), "aria-describedby": `${name}:wrong`, title: text(items) });
     field.addEventListener("change", () => {
       field.title = field.value;
-      const items = field.value.split(/[\s,;]+/).filter(Boolean);
-      const found = key.kind === "real list" ? items.map(Number) : items;
+      const words = field.value.split(/[\s,;]+/).filter(Boolean);
+      const found = key.kind === "real list" ? words.map((x) => toSi(Number(x), key.unit)) : words;
       const wrong = !found.length || (key.kind === "real list" && !found.every(Number.isFinite));
       const what = key.kind === "real list" ? "numbers" : "words";
       this.complain(field, wrong ? `must be ${what} with commas between them` : "");
       if (!wrong) this.scene.set(name, found);
     });
-    return element("div", { class: "row wide" }, field);
+    const rows = key.low === undefined ? null : this.storeys(name, key);
+    const count = items.length;
+    this.views.set(name, (now) => {
+      // other sliders for another number of storeys
+      if (rows && now.length !== count) return this.build();
+      if (document.activeElement !== field) field.value = field.title = text(now);
+      rows?.show(now);
+    });
+    const wide = element("div", { class: "row wide" }, field);
+    return rows ? element("div", { class: "list" }, wide, ...rows.parts) : wide;
   }
 
-  // Say below a control what is wrong with it, '' for nothing.
+  // A slider that scales all values of a list, and one for each storey, the roof on top.
+  storeys(name, key) {
+    const { scene } = this;
+    const items = scene.get(name);
+    const mean = (all) => all.reduce((a, x) => a + x, 0) / all.length;
+    // the proportions that the common slider keeps
+    let pattern = items.map((x) => x / mean(items));
+    const common = this.slider(`${name}:slider`, `${key.key} of all storeys: ${key.help}`, key,
+      this.range(name, key, mean(items)), mean(items), (found) =>
+        scene.set(name, pattern.map((part) => Number((part * found).toPrecision(6)))));
+    const sliders = items.map((value, i) => this.slider(`${name}:slider:${i + 1}`,
+      `${key.key} of storey ${i + 1}`, key, this.range(name, key, value, i), value, (found) => {
+        const changed = scene.get(name).map((x, j) => (j === i ? found : x));
+        pattern = changed.map((x) => x / mean(changed));
+        scene.set(name, changed);
+      }));
+    const values = items.map((x) => element("output", {}, short(fromSi(x, key.unit))));
+    const label = (text) => element("span", { class: "unit" }, text);
+    const parts = [element("div", { class: "storey" }, label(items.length > 1 ? "all" : ""),
+      common)];
+    if (items.length > 1) {
+      const box = element("details", { class: "more", open: this.open.has(`${name}?`) },
+        element("summary", {}, "Each storey"),
+        ...sliders.map((slider, i) => element("div", { class: "storey" }, label(String(i + 1)),
+          slider, values[i])).reverse());
+      box.addEventListener("toggle", () => (box.open ? this.open.add(`${name}?`)
+        : this.open.delete(`${name}?`)));
+      parts.push(box);
+    }
+    return { parts, show: (now) => {
+      if (document.activeElement !== common) {
+        common.show(mean(now));
+        pattern = now.map((x) => x / mean(now));
+      }
+      now.forEach((x, i) => {
+        sliders[i].show(x);
+        values[i].textContent = short(fromSi(x, key.unit));
+      });
+    } };
+  }
+
+  // Show a message below a control, '' for none.
   complain(field, text) {
     const line = byId(`${field.id}:wrong`);
     field.setAttribute("aria-invalid", String(Boolean(text)));

@@ -1,9 +1,11 @@
-// What accuracy costs: error against seconds of every method, measured for the case that is shown.
+// What accuracy costs: error over time of every method for this case, with the axes of `rwmf cost`.
 
 import { follow } from "./bridge.js";
 import { panel } from "./figure.js";
 import { byId, element, short } from "./format.js";
 
+// an error of zero is below the digits of a number
+const FLOOR = 1e-16;
 const EARLIER = "Of an earlier state of the sliders. ";
 
 export class CostPanel {
@@ -47,20 +49,19 @@ export class CostPanel {
   show(found) {
     const good = found.rows.filter((row) => row.status === "ok" && row.relative_error !== null
       && row.seconds > 0);
-    // an error of zero is one below the digits of a number
-    const error = (row) => Math.max(row.relative_error, 1e-16);
     const methods = [...new Set(good.map((row) => row.method))];
-    const curves = methods.map((method) => {
-      const mine = good.filter((row) => row.method === method);
-      return { x: mine.map(error), y: mine.map((row) => 1e3 * row.seconds), label: method,
-        dots: 2.5 };
-    });
+    const curve = (rows, more) => ({ x: rows.map((row) => row.seconds),
+      y: rows.map((row) => Math.max(row.relative_error, FLOOR)), ...more });
+    const curves = methods.map((method) =>
+      curve(good.filter((row) => row.method === method), { label: method, dots: 2.5 }));
     const practices = found.practices.filter((row) => row.status === "ok"
       && row.relative_error !== null);
     if (practices.length) {
-      curves.push({ x: practices.map(error), y: practices.map((row) => 1e3 * row.seconds),
-        label: "usual today",
-        colour: "ink", dots: 4, width: 0 });
+      curves.push(curve(practices, { label: "usual today", colour: "ink", dots: 4, width: 0 }));
+    }
+    if (found.recommended) {
+      curves.push(curve([found.recommended], { label: "cheapest for 1e-6", colour: "bad",
+        rings: 7, width: 0 }));
     }
     const { reference, recommended } = found;
     byId("cost-state").textContent = `${reference.method}; ${reference.peak} = ${short(
@@ -76,7 +77,7 @@ export class CostPanel {
       && row.rtol === recommended.rtol;
     byId("cost").replaceChildren(
       panel(curves, { width: 560, height: 340, logX: true, logY: true,
-        xLabel: "relative error of the peak", yLabel: "time of a run [ms]" }),
+        xLabel: "time of one run [s]", yLabel: "relative error of the peak" }),
       element("div", { class: "scroll", tabindex: 0, role: "region",
         "aria-label": "Table of methods" },
         element("table", {}, element("thead", {},

@@ -48,8 +48,8 @@ function extent(curves, axis, log) {
   return [low - pad, high + pad];
 }
 
-// One panel. curves: {x, y, colour, dash, label, dots}; options: title, xLabel, yLabel, logX, logY,
-// width, height, print (own colours instead of the page's).
+// One panel. curves: {x, y, colour, dash, label, dots, rings}; options: title, xLabel, yLabel, logX,
+// logY, width, height, print (own colours instead of the page's).
 export function panel(curves, options) {
   const { width = 360, height = 240, print = false, logX = false, logY = false } = options;
   const tone = (name) => (print ? PRINT[name] : `var(--${name})`);
@@ -104,6 +104,8 @@ function drawn(curve, i, X, Y, tone) {
     pen = "L";
     if (curve.dots) dots.push(node("circle",
       { cx: x.toFixed(1), cy: y.toFixed(1), r: curve.dots, fill: colour }));
+    if (curve.rings) dots.push(node("circle", { cx: x.toFixed(1), cy: y.toFixed(1),
+      r: curve.rings, fill: "none", stroke: colour, "stroke-width": 1.6 }));
   }
   return [node("path", { d: d || "M0 0", fill: "none", stroke: colour,
     "stroke-width": curve.width ?? 1.4,
@@ -119,10 +121,10 @@ function key(curves, right, tone) {
     const words = node("text", { x, y: 15, "text-anchor": "end", "font-size": 11,
       fill: tone("ink") }, curve.label);
     // letters of this size are about 6 wide
-    x -= 6 * curve.label.length + 8;
-    const mark = node("path", { d: `M${x - 16} 11H${x}`, stroke: colour, "stroke-width": 2,
+    x -= 6 * curve.label.length + 6;
+    const mark = node("path", { d: `M${x - 12} 11H${x}`, stroke: colour, "stroke-width": 2,
       fill: "none", ...(curve.dash ? { "stroke-dasharray": curve.dash } : {}) });
-    x -= 26;
+    x -= 20;
     return [words, mark];
   });
 }

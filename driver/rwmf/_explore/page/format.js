@@ -1,6 +1,6 @@
-// Numbers as a person reads them, and names with their letters.
+// Numbers and units as the page shows them, and elements.
 
-// About four digits; what is far from one with a power of ten.
+// About four digits; a number far from one has a power of ten.
 export function short(value, digits = 4) {
   if (value === null || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -12,9 +12,21 @@ export function short(value, digits = 4) {
   return String(Number(value.toPrecision(digits)));
 }
 
-export const UNIT = { "1": "", "-": "", "m/s2": "m/s²", "1/s2": "1/s²", "rad/s2": "rad/s²" };
+// Units of forces and stresses on the page: factor and name.
+const SCALED = { N: [1e3, "kN"], "N m": [1e3, "kN m"], "N/m": [1e3, "kN/m"],
+  "N s/m": [1e3, "kN s/m"], "N m2": [1e3, "kN m²"], Pa: [1e6, "MPa"] };
+const UNIT = { "1": "", "-": "", "m/s2": "m/s²", "1/s2": "1/s²", "rad/s2": "rad/s²", m2: "m²",
+  "kg/m3": "kg/m³", "m3/s2": "m³/s²" };
 
-export const unit = (text) => UNIT[text] ?? text;
+export const unit = (text) => SCALED[text]?.[1] ?? UNIT[text] ?? text;
+
+const factor = (text) => SCALED[text]?.[0] ?? 1;
+// powers of ten leave a last digit that is no digit of the number
+const clean = (x, by) => (by === 1 ? x : Number(x.toPrecision(15)));
+
+// A value in SI units in the unit of the page, and back.
+export const fromSi = (value, text) => clean(value / factor(text), factor(text));
+export const toSi = (value, text) => clean(value * factor(text), factor(text));
 
 export function element(name, attributes = {}, ...children) {
   const found = document.createElement(name);
@@ -28,6 +40,9 @@ export function element(name, attributes = {}, ...children) {
 }
 
 export const byId = (name) => document.getElementById(name);
+
+export const colour = (name) => getComputedStyle(document.documentElement)
+  .getPropertyValue(`--${name}`).trim();
 
 // A text as a file.
 export function save(name, kind, text) {

@@ -1,36 +1,62 @@
-// Key numbers, warnings, namelist: what the kernel says in words.
+// Key numbers, captions, warnings and namelist: the parts of an answer in words.
 
-import { byId, element, short, unit } from "./format.js";
+import { byId, element, fromSi, short, unit } from "./format.js";
 
-// those that stand first, in bold
-const MAIN = ["u_s_max_m", "theta_max_over_alpha", "cable_force_increment_max_over_m_w_g",
-  "base_shear_max_over_weight",
-  "storey_drift_max", "impacts", "overturned", "collapsed", "ductility", "energy_balance_relative"];
+// groups that are open at first
+const OPEN = ["frame", "wall"];
 
-// A cell's title has all digits: those that rwmf run prints.
+// The headline of `rwmf run`, then every scalar by its group. A cell's title has all digits.
 export function showNumbers(answer) {
-  const rank = (key) => (MAIN.includes(key) ? MAIN.indexOf(key) : MAIN.length);
-  const rows = answer.numbers.map((row, i) => [...row, i])
-    .sort((a, b) => rank(a[0]) - rank(b[0]) || a[4] - b[4]);
-  byId("numbers").tBodies[0].replaceChildren(...rows.map(([key, text, of, help]) => {
-    const number = Number(text);
-    const shown = Number.isFinite(number) && !/^(yes|no)$/.test(text) ? short(number, 5) : text;
-    return element("tr", { class: MAIN.includes(key) ? "main" : "" },
-      // a meaning that refers to its neighbours in the table of all quantities says nothing alone
-      element("th", { scope: "row", title: key },
-        / them\b/.test(help) ? key.replaceAll("_", " ") : help),
-      element("td", { title: text, "data-key": key, "data-exact": text }, shown),
-      element("td", {}, unit(of)));
-  }));
+  const exact = new Map(answer.numbers.map((row) => [row[0], row]));
+  const places = byId("groups-of-numbers");
+  const open = new Set(places.children.length ? [...places.querySelectorAll("details[open]")]
+    .map((box) => box.dataset.title) : OPEN);
+  byId("numbers").tBodies[0].replaceChildren(...answer.headline
+    .filter(([, text]) => !["no frame", "no tendon"].includes(text))
+    .map(([name, text]) => element("tr", {}, element("th", { scope: "row" }, name),
+      element("td", {}, text))));
+  places.replaceChildren(...answer.groups.map(([title, rows]) => element("details",
+    { "data-title": title, open: open.has(title) },
+    element("summary", {}, title),
+    element("table", {}, element("tbody", {}, ...rows.map((row) => numberRow(row, exact)))))));
   byId("method").textContent = answer.method;
 }
 
-export function showWarnings(answer, other, problemOfOther) {
+// One quantity; those of storeys and floors from the ground up.
+function numberRow([meaning, of, keys, times], exact) {
+  const cell = (key, digits) => {
+    const [, text, own] = exact.get(key);
+    const number = Number(text);
+    const shown = Number.isFinite(number) ? short(fromSi(number, own), digits) : text;
+    return element("span", { title: `${key} = ${text}`, "data-key": key, "data-exact": text },
+      shown);
+  };
+  const values = keys.flatMap((key, i) => [i ? " " : "", cell(key, keys.length > 1 ? 3 : 5)]);
+  const instants = times.flatMap((key) => [" at ", cell(key, 4), " s"]);
+  return element("tr", {}, element("th", { scope: "row" }, meaning),
+    element("td", { class: keys.length > 1 ? "many" : "" }, ...values, ` ${unit(of)}`,
+      ...instants));
+}
+
+export function showCaptions(answer) {
+  byId("captions").textContent = answer.captions.join(" ");
+}
+
+// One line, which opens the list. Each group that a warning names is a link to its controls.
+export function showWarnings(answer, other, problemOfOther, goTo) {
   const texts = [...answer.warnings];
-  if (problemOfOther) texts.push(`The other formulation: ${problemOfOther}`);
+  if (problemOfOther) texts.push(`The other curve: ${problemOfOther}`);
   else if (other) texts.push(...other.warnings.filter((text) => !texts.includes(text))
-    .map((text) => `${other.scene.formulation}: ${text}`));
-  byId("warnings").replaceChildren(...texts.map((text) => element("li", {}, text)));
+    .map((text) => `The other curve: ${text}`));
+  const box = byId("warnings");
+  box.hidden = !texts.length;
+  if (!texts.length) return;
+  const count = texts.length > 1 ? `${texts.length} warnings: ` : "Warning: ";
+  box.querySelector("summary").textContent = count + texts[0];
+  box.querySelector("ul").replaceChildren(...texts.map((text) => element("li", {},
+    ...text.split(/(&[a-z_]+)/).map((part) => (part.startsWith("&")
+      ? element("button", { type: "button", onclick: () => goTo(part.slice(1)) }, part)
+      : part)))));
 }
 
 export function showNamelist(answer, scene) {

@@ -1,10 +1,8 @@
 // Spectrum and histories, drawn by uPlot; one clock, shown as a line in all of them.
 
 import { unpack } from "./bridge.js";
-import { byId, element, short } from "./format.js";
+import { byId, colour, element, fromSi, short, unit } from "./format.js";
 
-const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`)
-  .trim();
 const line = (label, name, more = {}) =>
   ({ label, tone: name, stroke: () => colour(name), width: 1.6, points: { show: false },
     value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)), ...more });
@@ -59,7 +57,7 @@ class Chart {
       series: [{ label: this.labels[0],
         value: (_, x) => (x === null || x === undefined ? "–" : short(x, 4)) }, ...series],
       axes: [{ ...axis, label: this.labels[0], labelSize: 18, size: 34 },
-        { ...axis, label: this.labels[1], labelSize: 18,
+        { ...axis, label: this.labels[1], labelSize: 18, space: this.height < 150 ? 16 : 30,
           // digits are about 7.7 wide
           size: (_, texts) => Math.max(62, 12 + 7.7 * longest(texts)),
           values: (_, all) => all.map((x) => short(x, 5)) }],
@@ -77,7 +75,7 @@ class Chart {
     this.now = null;
   }
 
-  // The same for a figure that is saved.
+  // Curves for a figure in a file.
   curves() {
     return this.series.map(({ label, tone, dash }, i) => ({ x: this.data[0], y: this.data[i + 1],
       label: this.series.length > 1 ? label : "", colour: tone, dash: dash?.join(" ") }));
@@ -113,15 +111,15 @@ export class Pictures {
     this.impacts = [];
     this.marker = null;
     this.overturned = [];
-    this.spectrum = new Chart(byId("spectrum"), 300, ["period [s]", ""],
+    this.spectrum = new Chart(byId("spectrum"), 330, ["period [s]", ""],
       { draw: [(u) => this.drawMarker(u)] });
     this.spectrum.onpick = onPeriod;
     const ticks = { draw: [(u) => this.drawImpacts(u)] };
     this.charts = {
       u_s: new Chart(byId("u_s"), 190, ["t [s]", "u_s [m]"], {}, "time"),
       theta: new Chart(byId("theta"), 190, ["t [s]", "θ [rad]"], ticks, "time"),
-      ground: new Chart(byId("ground"), 190, ["t [s]", "ground ü_g [m/s²]"], {}, "time"),
-      drifts: new Chart(byId("drifts"), 190, ["t [s]", "storey drift [-]"], {}, "time"),
+      ground: new Chart(byId("ground"), 130, ["t [s]", "ground [g]"], {}, "time"),
+      drifts: new Chart(byId("drifts"), 190, ["t [s]", "IDR [%]"], {}, "time"),
       energies: new Chart(byId("energies"), 210, ["t [s]", "energy [J/kg]"], {}, "time"),
     };
     for (const chart of Object.values(this.charts)) {
@@ -135,39 +133,40 @@ export class Pictures {
     for (const chart of Object.values(this.charts)) chart.mark(t);
   }
 
-  // `other`: the answer in the other formulation, or null.
-  drawHistory(answer, other) {
-    const columns = this.columns = mapValues(answer.columns, unpack);
-    const others = other ? mapValues(other.columns, unpack) : null;
+  // `rival`: answer and columns of the second curve with `labels` of both, or null.
+  drawHistory(answer, columns, rival) {
+    this.columns = columns;
     this.impacts = unpack(answer.impacts);
     this.scene = answer.scene;
-    this.compared = other ? [answer.scene.formulation, other.scene.formulation] : null;
-    this.lines("u_s", columns, others, ["u_s"]);
-    this.lines("theta", columns, others, ["theta"]);
+    this.labels = rival?.labels ?? null;
+    const second = rival && mapValues(rival.columns,
+      (column) => resample(rival.columns.time, column, columns.time));
+    this.lines("u_s", columns, second, "u_s", "u_s");
+    this.lines("theta", columns, second, "theta", "θ");
     if (columns.u_g_ddot) {
-      this.charts.ground.draw([line("ü_g", "c2", { width: 1 })], [columns.time, columns.u_g_ddot]);
+      const g = Array.from(columns.u_g_ddot, (x) => (x === null ? null : x / answer.scene.g));
+      this.charts.ground.draw([line("ü_g", "c2", { width: 1 })], [columns.time, g]);
     } else this.charts.ground.clear();
     const drifts = Object.keys(columns).filter((name) => /^storey_\d+_drift$/.test(name));
     if (drifts.length) {
       this.charts.drifts.draw(drifts.map((name, i) => line(`storey ${i + 1}`, `c${i % 6}`)),
-        [columns.time, ...drifts.map((name) => columns[name])]);
+        [columns.time, ...drifts.map((name) => percent(columns[name]))]);
     } else this.charts.drifts.clear();
     this.energies(columns);
   }
 
-  lines(chart, columns, others, names) {
-    const here = names.filter((name) => name in columns);
-    if (!here.length) return this.charts[chart].clear();
-    const own = here.map((name, i) =>
-      line(this.compared ? this.compared[0] : name === "theta" ? "θ" : name, `c${i}`));
-    const second = others ? here.map(() => line(this.compared[1], "c1", { dash: [6, 4] })) : [];
-    // both runs have the same rows: their number, not their interval, is fixed
-    this.charts[chart].draw([...own, ...second],
-      [columns.time, ...here.map((name) => columns[name]),
-        ...(others ? here.map((name) => others[name]) : [])]);
+  lines(chart, columns, second, name, label) {
+    if (!(name in columns)) return this.charts[chart].clear();
+    const series = [line(this.labels?.[0] ?? label, "c0")];
+    const data = [columns.time, columns[name]];
+    if (second && name in second) {
+      series.push(line(this.labels[1], "c1", { dash: [6, 4] }));
+      data.push(second[name]);
+    }
+    this.charts[chart].draw(series, data);
   }
 
-  // Parts one upon the other; their sum is what the ground has put in.
+  // Stacked parts; their sum is the work of the ground.
   energies(columns) {
     const parts = Object.keys(columns)
       .filter((name) => name.startsWith("energy_") && name !== "energy_input");
@@ -190,21 +189,23 @@ export class Pictures {
 
   drawSpectrum(answer, other, marker) {
     const { wall, frame } = this.scene;
+    const { key, unit: of } = answer.quantity;
+    const scaled = (text) => Array.from(unpack(text), (x) => (x === null ? null : fromSi(x, of)));
     const what = wall && frame ? "wall and frame" : wall ? "wall" : "frame";
-    const series = [line(other ? this.compared?.[0] ?? "this" : what, "c0", { width: 2 })];
-    const data = [unpack(answer.T), unpack(answer.values)];
+    const T = unpack(answer.T);
+    const series = [line(other ? this.labels?.[0] ?? "now" : what, "c0", { width: 2 })];
+    const data = [T, scaled(answer.values)];
     if (answer.alone) {
       series.push(line("frame alone", "alone", { dash: [3, 3] }));
-      data.push(unpack(answer.alone));
+      data.push(scaled(answer.alone));
     }
     if (other) {
-      series.push(line(this.compared?.[1] ?? "other", "c1", { dash: [6, 4] }));
-      data.push(unpack(other.values));
+      series.push(line(this.labels?.[1] ?? "other", "c1", { dash: [6, 4] }));
+      data.push(resample(unpack(other.T), scaled(other.values), T));
     }
-    this.marker = marker;
+    this.marker = { T: marker.T, value: fromSi(marker.value, of) };
     this.overturned = unpack(answer.overturned);
-    const { key, unit } = answer.quantity;
-    this.spectrum.labels = ["period T_s [s]", `${bare(key)} [${unit === "1" ? "-" : unit}]`];
+    this.spectrum.labels = ["period T_s [s]", `${bare(key)} [${unit(of) || "-"}]`];
     this.spectrum.draw(series, data);
   }
 
@@ -258,9 +259,23 @@ export class Pictures {
 
 export const bare = (key) => key.replace(/_(m|s|rad_s|rad|J_per_kg|N)$/, "");
 
+const percent = (column) => Array.from(column, (x) => (x === null ? null : 100 * x));
+
+// Values of a line at other abscissas, null outside of it.
+function resample(from, values, to) {
+  let j = 0;
+  return Array.from(to, (x) => {
+    while (j < from.length - 2 && from[j + 1] < x) j++;
+    if (x < from[0] || x > from[from.length - 1] * (1 + 1e-6)) return null;
+    const [a, b] = [values[j], values[j + 1] ?? values[j]];
+    const share = (x - from[j]) / (from[j + 1] - from[j] || 1);
+    return a === null || b === null ? null : a + share * (b - a);
+  });
+}
+
 const alpha = (name) => () => colour(name) + "40";
 
 const longest = (texts) => Math.max(0, ...(texts ?? []).map((text) => text.length));
 
-const mapValues = (object, change) =>
+export const mapValues = (object, change) =>
   Object.fromEntries(Object.entries(object).map(([key, x]) => [key, change(x)]));

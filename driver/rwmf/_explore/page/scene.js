@@ -1,31 +1,42 @@
-// The case that the sliders say: groups with the keys that are given. Every change goes through
-// here, so that what excludes or needs each other follows, by the tables of the server.
+// The case of the sliders: groups with the given keys. Every change goes through here and applies
+// the server's tables of exclusions and requirements.
 
 const copy = (value) => JSON.parse(JSON.stringify(value));
 
 export class Scene {
   constructor(description, changed) {
     this.description = description;
-    this.changed = changed;
-    this.groups = copy(description.state);
-    this.record = "";
-    this.recordName = description.record;
-    this.recordMotion = description.record ? copy(description.state.motion) : null;
     this.keys = new Map();
     for (const group of description.groups) {
       for (const key of group.keys) this.keys.set(`${group.name}.${key.key}`, key);
     }
-    this.restore();
+    this.changed = () => {};
+    this.restore(null);
+    this.changed = changed;
   }
 
-  // What the fragment of the address remembers beyond the token.
-  restore() {
-    const [, text] = location.hash.slice(1).split("&");
-    if (!text) return;
-    try {
-      const found = JSON.parse(decodeURIComponent(text));
-      if (this.fits(found)) this.groups = found;
-    } catch { /* a fragment that somebody has cut: the case itself */ }
+  // State for the address: groups, uploaded record and preset; null for the case itself.
+  state() {
+    const same = JSON.stringify(this.description.state) === JSON.stringify(this.groups);
+    if (same && !this.record && !this.preset) return null;
+    const { groups, record, recordName, recordMotion, preset } = this;
+    return copy({ groups, ...(record ? { record, recordName, recordMotion } : {}),
+      ...(preset ? { preset } : {}) });
+  }
+
+  // Take a state of the address; null and a damaged one give the case itself.
+  restore(state) {
+    const { description } = this;
+    const found = this.fits(state?.groups) ? copy(state) : { groups: copy(description.state) };
+    this.groups = found.groups;
+    const hasRecord = /^[0-9]{1,9}$/.test(found.record ?? "")
+      && this.fits({ motion: found.recordMotion });
+    this.record = hasRecord ? String(found.record) : "";
+    this.recordName = hasRecord ? String(found.recordName) : description.record;
+    this.preset = description.presets.some(({ name }) => name === found.preset) ? found.preset : "";
+    this.recordMotion = hasRecord ? found.recordMotion
+      : description.record ? copy(description.state.motion) : null;
+    this.changed(true);
   }
 
   // Are these groups with keys, of values with the types of the keys?
@@ -39,14 +50,6 @@ export class Scene {
         typed(this.keys.get(`${group}.${key}`), value)));
   }
 
-  remember() {
-    const token = location.hash.slice(1).split("&")[0];
-    const own = JSON.stringify(this.description.state) === JSON.stringify(this.groups)
-      || this.record;
-    const text = own ? "" : `&${encodeURIComponent(JSON.stringify(this.groups))}`;
-    history.replaceState(null, "", `#${token}${text}`);
-  }
-
   has(group) { return group in this.groups; }
 
   get(name) {
@@ -56,22 +59,20 @@ export class Scene {
 
   question(more = {}) { return { groups: copy(this.groups), record: this.record, ...more }; }
 
-  reset() {
-    this.groups = copy(this.description.state);
-    this.record = "";
-    this.recordName = this.description.record;
-    this.recordMotion = this.recordName ? copy(this.description.state.motion) : null;
-    this.changed(true);
+  // The case itself, or a preset.
+  load(name) {
+    const preset = this.description.presets.find((item) => item.name === name);
+    this.restore(preset ? { groups: preset.state, preset: name } : null);
   }
 
-  // A number, word or list. What a hand does to a slider changes no other control (`anew`).
+  // Set a number, word or list. Other keys need other controls (`anew`).
   set(name, value) {
     const before = this.names();
-    let anew = name in this.description.belonging;
-    if (name === "wall.h" && this.has("storeys")) anew = this.stretchStoreys(value);
+    if (name === "wall.h" && this.has("storeys")) this.stretchStoreys(value);
     this.say(name, value);
+    if (name === "storeys.height" && this.has("wall")) this.stretchWall();
     this.settle();
-    this.changed(anew || this.names() !== before);
+    this.changed(name in this.description.belonging || this.names() !== before);
   }
 
   // A key with what it starts with.
@@ -235,12 +236,21 @@ export class Scene {
     return start;
   }
 
-  // The heights of storeys sum to that of the wall.
+  // The heights of storeys sum to that of the wall; one value holds for n storeys.
   stretchStoreys(h) {
-    const heights = this.groups.storeys.height;
-    const sum = heights.reduce((a, x) => a + x, 0);
-    this.groups.storeys.height = heights.map((x) => x * 2 * h / sum);
-    return true;
+    const { height } = this.groups.storeys;
+    const sum = this.sumOfHeights();
+    this.groups.storeys.height = height.map((x) => Number((x * 2 * h / sum).toPrecision(12)));
+  }
+
+  stretchWall() {
+    this.groups.wall.h = Number((this.sumOfHeights() / 2).toPrecision(12));
+  }
+
+  sumOfHeights() {
+    const { height, n } = this.groups.storeys;
+    const sum = height.reduce((a, x) => a + x, 0);
+    return height.length === 1 ? sum * (n ?? 1) : sum;
   }
 
   // Keys that belong to other values of a choice leave, those that this value needs come.

@@ -1,0 +1,50 @@
+// Own record: upload of a file, its state in one line.
+
+import { ask } from "./bridge.js";
+import { byId } from "./format.js";
+
+export class Upload {
+  constructor(scene) {
+    this.scene = scene;
+    this.count = 0;
+    // the same file may be chosen again: its content may have changed
+    byId("file").addEventListener("click", (event) => { event.target.value = ""; });
+    byId("file").addEventListener("change", (event) => {
+      this.file = event.target.files[0] ?? this.file;
+      this.send();
+    });
+    byId("upload").addEventListener("submit", (event) => event.preventDefault());
+    for (const name of ["unit", "interval"]) byId(name)
+      .addEventListener("change", () => this.send());
+  }
+
+  reset() {
+    this.file = null;
+    this.count++;
+    byId("upload").reset();
+    byId("upload-state").textContent = "";
+  }
+
+  async send() {
+    const { file } = this;
+    if (!file) return;
+    const state = byId("upload-state");
+    const words = new URLSearchParams({ name: file.name, unit: byId("unit").value });
+    const interval = byId("interval").value.trim();
+    if (interval) words.set("dt", interval);
+    state.className = "";
+    state.textContent = `reading ${file.name} …`;
+    const mine = ++this.count;
+    try {
+      const answer = await ask(`/api/record?${words}`, file);
+      // another file or a reset has replaced this upload
+      if (mine !== this.count) return;
+      state.textContent = `${answer.name}: ${answer.facts}`;
+      this.scene.useRecord(answer);
+    } catch (error) {
+      if (mine !== this.count) return;
+      state.className = "wrong";
+      state.textContent = error.message;
+    }
+  }
+}

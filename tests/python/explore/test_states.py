@@ -1,0 +1,404 @@
+"""States of the page of `rwmf explore`: examples, undo, links, pinned states, keyboard, phone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+import rwmf
+from browser import launch
+from explorer_page import DESK, PHONE, Open, Opened
+from page_client import served
+from rwmf import Case
+from rwmf._explore.presets import PRESETS, Preset, case_of_preset
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+# longer than the pause that ends a step of the history [ms]
+REST = 400
+# elements whose text does not fit into them
+CUT = """
+() => [...document.querySelectorAll('label, summary, th, td, button, h2, .hint, #captions')]
+  .filter((node) => node.checkVisibility() && !node.closest('#warnings')
+    && node.scrollWidth > node.clientWidth + 1 && getComputedStyle(node).overflow !== 'visible')
+  .map((node) => node.textContent)
+"""
+
+
+def _numbers(opened: Opened) -> dict[str, str]:
+    """Return all key numbers with all digits."""
+    cells = opened.page.locator("#groups-of-numbers [data-key]")
+    found: dict[str, str] = cells.evaluate_all(
+        "(cells) => Object.fromEntries(cells.map((x) => [x.dataset.key, x.dataset.exact]))"
+    )
+    return found
+
+
+def _set(opened: Opened, name: str, value: object) -> None:
+    """Type a value and rest, so that it is one step of the history."""
+    opened.field(name).fill(str(value))
+    opened.field(name).press("Enter")
+    opened.settle()
+    opened.page.wait_for_timeout(REST)
+
+
+def _press(opened: Opened, name: str) -> None:
+    opened.page.get_by_role("button", name=name, exact=True).click()
+    opened.page.wait_for_timeout(100)
+    opened.settle()
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
+def test_an_example_is_its_namelist(show: Open, preset: Preset) -> None:
+    """The page computes the numbers of the shipped file, and shows the sentence."""
+    opened = show()
+    opened.page.select_option("#preset", preset.name)
+    opened.settle()
+    assert opened.page.locator("#sentence").text_content() == preset.sentence
+    case = case_of_preset(preset.name)
+    text = opened.page.locator("#namelist").text_content()
+    assert Case.from_text(text) == case
+    expected = rwmf.simulate(case)
+    key = "u_s_max_m" if case.frame is not None else "theta_max_over_alpha"
+    assert opened.number(key) == repr(float(expected[key.removesuffix("_m")]))
+
+
+def test_the_sentence_of_the_block_is_true() -> None:
+    case = case_of_preset("block")
+    assert case.motion.a_max_g == 0.35
+    assert not rwmf.simulate(case).overturned
+    assert rwmf.simulate(case.replace(motion={"a_max_g": 0.40})).overturned
+
+
+def test_ten_steps_back_and_forth(show: Open) -> None:
+    """Values, choices, groups, quantity, pinned state and examples are undone and redone."""
+    opened = show()
+    page = opened.page
+    seen = [_numbers(opened)]
+
+    def step(action: Callable[[], object]) -> None:
+        action()
+        opened.settle()
+        page.wait_for_timeout(REST)
+        seen.append(_numbers(opened))
+
+    step(lambda: _set(opened, "wall.b", 0.61))
+    step(lambda: _set(opened, "frame.T_s", 0.7))
+    step(lambda: opened.field("model.formulation").select_option("exact"))
+    step(lambda: opened.page.locator("#add-yielding").click())
+    step(lambda: page.locator("#pin").click())
+    step(lambda: _set(opened, "motion.a_max_g", 0.55))
+    step(lambda: page.select_option("#quantity", "theta_max_over_alpha"))
+    step(lambda: opened.page.select_option("#preset", "block"))
+    step(lambda: _set(opened, "motion.a_max_g", 0.4))
+    step(lambda: page.get_by_role("button", name="Reset").click())
+    assert len({str(numbers) for numbers in seen}) >= 7
+    for numbers in reversed(seen[:-1]):
+        _press(opened, "Undo")
+        assert _numbers(opened) == numbers
+    assert page.locator("#undo").is_disabled()
+    assert page.url == page.url.split("&")[0]
+    for numbers in seen[1:]:
+        _press(opened, "Redo")
+        assert _numbers(opened) == numbers
+    assert page.locator("#redo").is_disabled()
+    # the browser's own button and the keyboard take the same steps
+    page.go_back()
+    opened.settle()
+    assert _numbers(opened) == seen[-2]
+    page.locator("#play").focus()
+    page.keyboard.press("Control+z")
+    page.wait_for_timeout(100)
+    opened.settle()
+    assert _numbers(opened) == seen[-3]
+    page.keyboard.press("Control+y")
+    page.wait_for_timeout(100)
+    opened.settle()
+    assert _numbers(opened) == seen[-2]
+    # a change drops the steps that were undone
+    _set(opened, "wall.b", 0.45)
+    assert page.locator("#redo").is_disabled()
+
+
+def test_a_drag_is_one_step(show: Open) -> None:
+    opened = show()
+    before = _numbers(opened)
+    opened.page.evaluate(
+        """async () => {
+          const slider = document.getElementById('wall.b:slider');
+          for (let i = 0; i <= 30; i++) {
+            slider.value = 100 + i;
+            slider.dispatchEvent(new Event('input', { bubbles: true }));
+            await new Promise((done) => setTimeout(done, 16));
+          }
+        }"""
+    )
+    opened.settle()
+    assert _numbers(opened) != before
+    # also at once, before the pause that ends the step
+    _press(opened, "Undo")
+    assert _numbers(opened) == before
+    assert opened.page.locator("#undo").is_disabled()
+
+
+def test_a_link_opens_the_same_state_in_another_browser(show: Open, browser: Browser) -> None:
+    opened = show()
+    opened.page.select_option("#preset", "six_storeys")
+    opened.settle()
+    opened.page.locator("#pin").click()
+    _set(opened, "motion.a_max_g", 0.25)
+    opened.page.select_option("#quantity", "storey_drift_max")
+    opened.settle()
+    opened.page.wait_for_timeout(REST)
+    # a second program with an empty profile
+    other = launch(browser.browser_type)
+    second = Opened(other.new_context(viewport=DESK, reduced_motion="reduce"), opened.page.url)
+    assert _numbers(second) == _numbers(opened)
+    assert second.page.locator("#preset").input_value() == "six_storeys"
+    assert second.page.locator("#quantity").input_value() == "storey_drift_max"
+    assert second.page.locator("#pin").get_attribute("aria-pressed") == "true"
+    lines = "explorer.pictures.spectrum.data.map((x) => Array.from(x))"
+    assert second.page.evaluate(lines) == opened.page.evaluate(lines)
+    assert (second.console, second.foreign) == ([], [])
+    other.close()
+
+
+def test_a_link_with_an_uploaded_record(show: Open) -> None:
+    opened = show()
+    t = np.arange(0.0, 4.0, 0.01)
+    content = "\n".join(f"{x:.6g},{0.4 * math.sin(6 * x) * (x < 2):.6g}" for x in t).encode()
+    before = _numbers(opened)
+    opened.page.locator("#file").set_input_files(
+        {"name": "own.csv", "mimeType": "text/csv", "buffer": content}
+    )
+    opened.page.get_by_text("own.csv: 3.99 s").wait_for()
+    opened.settle()
+    opened.page.wait_for_timeout(REST)
+    with_record = _numbers(opened)
+    _press(opened, "Undo")
+    assert _numbers(opened) == before
+    _press(opened, "Redo")
+    assert _numbers(opened) == with_record
+    second = show(opened.page.url)
+    assert _numbers(second) == with_record
+    assert "own.csv" in str(second.page.locator("#place").text_content())
+
+
+def test_a_pinned_state_stays(show: Open) -> None:
+    opened = show()
+    alone = opened.page.evaluate("Array.from(explorer.pictures.charts.u_s.data[1])")
+    opened.page.locator("#pin").click()
+    opened.settle()
+    _set(opened, "frame.T_s", 0.6)
+    # another end of the run, another axis of time
+    opened.open_all()
+    _set(opened, "solver.t_end", 5)
+    time, now, pinned = opened.page.evaluate(
+        "explorer.pictures.charts.u_s.data.map((x) => Array.from(x))"
+    )
+    assert time[-1] == pytest.approx(5.0)
+    expected = np.interp(time, np.linspace(0, 10, len(alone)), alone)
+    assert np.allclose(pinned, expected, atol=1e-3 * max(alone))
+    assert not np.allclose(now, pinned, atol=0.1 * max(alone))
+    assert opened.page.evaluate("explorer.stage.ghost !== null")
+    legend = opened.page.locator("#spectrum .u-legend").text_content()
+    assert "pinned" in str(legend)
+    # one comparison at a time
+    opened.page.locator("#compare").click()
+    opened.settle()
+    assert opened.page.locator("#pin").get_attribute("aria-pressed") == "false"
+    assert opened.page.evaluate("explorer.stage.ghost") is None
+
+
+def test_lists_of_storeys_have_sliders(show: Open) -> None:
+    opened = show()
+    opened.page.select_option("#preset", "six_storeys")
+    opened.settle()
+    opened.open_all()
+    before = opened.page.evaluate("explorer.scene.get('storeys.k')")
+    third = opened.page.locator('[id="storeys.k:slider:3"]')
+    third.focus()
+    opened.page.keyboard.press("ArrowLeft")
+    opened.settle()
+    after = opened.page.evaluate("explorer.scene.get('storeys.k')")
+    assert [i for i in range(6) if after[i] != before[i]] == [2]
+    assert opened.field("storeys.k").input_value().split(", ")[2] == f"{after[2] / 1e3:g}"
+    opened.page.locator('[id="storeys.k:slider"]').focus()
+    for _ in range(3):
+        opened.page.keyboard.press("ArrowRight")
+    opened.settle()
+    scaled = opened.page.evaluate("explorer.scene.get('storeys.k')")
+    assert np.allclose(np.divide(scaled, after), scaled[0] / after[0], rtol=1e-5)
+    assert scaled[0] > after[0]
+    # heights and the height of the wall follow each other
+    opened.page.locator('[id="storeys.height:slider:1"]').focus()
+    opened.page.keyboard.press("ArrowRight")
+    opened.settle()
+    assert opened.problem == ""
+    heights = opened.page.evaluate("explorer.scene.get('storeys.height')")
+    assert opened.page.evaluate("explorer.scene.get('wall.h')") == pytest.approx(sum(heights) / 2)
+    _set(opened, "wall.h", 12)
+    assert opened.problem == ""
+    assert sum(opened.page.evaluate("explorer.scene.get('storeys.height')")) == pytest.approx(24)
+
+
+def test_one_height_for_all_storeys(show: Open) -> None:
+    case = case_of_preset("six_storeys").replace(
+        storeys={"height": 3.0, "n": 6, "m": 60e3, "k": 90e6}
+    )
+    with served(case) as (server, _):
+        opened = show(server.address)
+        _set(opened, "wall.h", 6)
+        assert opened.problem == ""
+        assert sum(opened.page.evaluate("explorer.pictures.scene.heights")) == pytest.approx(12)
+
+
+def test_forces_in_kilonewtons_and_stresses_in_megapascals(show: Open) -> None:
+    opened = show()
+    opened.page.select_option("#preset", "six_storeys")
+    opened.settle()
+    opened.open_all()
+    assert opened.field("fuse.F_y").input_value() == "120"
+    assert opened.field("cable.initial_stress").input_value() == "500"
+    _set(opened, "fuse.F_y", "150.3")
+    assert "F_y = 150300.0" in str(opened.page.locator("#namelist").text_content())
+    units = opened.page.locator(".key .unit").all_text_contents()
+    assert {"kN", "MPa", "kN/m"} <= set(units)
+    assert not {"N", "Pa", "N/m"} & set(units)
+    cell = opened.page.locator('[data-key="tendon_force_max_N"]')
+    newtons = float(str(cell.get_attribute("data-exact")))
+    assert float(str(cell.text_content())) == pytest.approx(1e-3 * newtons, rel=1e-4)
+    assert " kN" in str(cell.locator("..").text_content())
+    opened.page.select_option("#quantity", "base_shear_max_N")
+    opened.settle()
+    assert opened.page.evaluate("explorer.pictures.spectrum.labels[1]").endswith("[kN]")
+    marked = opened.page.evaluate("explorer.pictures.marker.value")
+    assert marked == pytest.approx(1e-3 * float(opened.number("base_shear_max_N")))
+
+
+def test_the_profile_is_that_of_the_run(show: Open) -> None:
+    """Peaks, hinges and the time of first yield agree with the history of the package."""
+    opened = show()
+    opened.page.select_option("#preset", "six_storeys")
+    opened.settle()
+    profile, times = opened.page.evaluate(
+        "[explorer.stage.motion.profile, explorer.stage.motion.yieldTimes.map(String)]"
+    )
+    case = case_of_preset("six_storeys")
+    run = rwmf.simulate(case.replace(output={"reactions": True}), dt=0.01)
+    assert profile["drift"] == pytest.approx(run.storeys_drift_max.values, rel=1e-12)
+    assert profile["acceleration"] == pytest.approx(run.floors_acceleration_max_g.values, rel=1e-12)
+    ductility = run.storeys_ductility.values
+    assert np.divide(profile["drift"], profile["yield"]) == pytest.approx(ductility, rel=1e-9)
+    drifts = np.abs(run.storeys_drift.transpose("time", "storey").values)
+    for i, (text, ratio) in enumerate(zip(times, ductility, strict=True)):
+        assert (text == "Infinity") == (ratio <= 1.0)
+        if ratio > 1.0:
+            first = run.time.values[np.argmax(drifts[:, i] > profile["yield"][i])]
+            assert float(text) == pytest.approx(first, abs=0.02)
+
+
+def test_warnings_are_one_line_with_links(show: Open) -> None:
+    opened = show()
+    opened.page.select_option("#preset", "six_storeys")
+    opened.settle()
+    box = opened.page.locator("#warnings")
+    assert box.bounding_box()["height"] < 40
+    box.locator("summary").click()
+    link = box.locator("button", has_text="&bending").first
+    link.click()
+    assert opened.page.evaluate("document.activeElement.id") == "add-bending"
+    opened.page.keyboard.press("Enter")
+    opened.settle()
+    assert opened.page.locator("#group-bending").count() == 1
+
+
+def test_the_keyboard_alone(show: Open) -> None:
+    """Choose an example, change a value, pin, play, undo: without a pointer."""
+    opened = show()
+    page = opened.page
+
+    def tab_to(name: str) -> None:
+        for _ in range(150):
+            page.keyboard.press("Tab")
+            if page.evaluate("document.activeElement.id") == name:
+                return
+        raise AssertionError(f"{name} is not reached")
+
+    tab_to("preset")
+    for _ in range(3):
+        page.keyboard.press("ArrowDown")
+    opened.settle()
+    assert page.locator("#preset").input_value() == "six_storeys"
+    tab_to("pin")
+    page.keyboard.press("Space")
+    opened.settle()
+    tab_to("wall.b:slider")
+    before = _numbers(opened)
+    for _ in range(5):
+        page.keyboard.press("ArrowRight")
+    opened.settle()
+    after = _numbers(opened)
+    assert after != before
+    assert page.evaluate("document.activeElement.id") == "wall.b:slider"
+    page.wait_for_timeout(REST)
+    page.keyboard.press("Control+z")
+    page.wait_for_timeout(100)
+    opened.settle()
+    assert _numbers(opened) == before
+    assert page.evaluate("document.activeElement.id") == "wall.b:slider"
+    tab_to("play")
+    page.keyboard.press("Enter")
+    page.wait_for_timeout(200)
+    assert page.evaluate("explorer.clock.playing")
+
+
+@pytest.mark.parametrize("preset", ["", "block", "six_storeys"])
+@pytest.mark.parametrize("width", [1400, 390])
+def test_no_label_is_cut(show: Open, width: int, preset: str) -> None:
+    opened = show(viewport={"width": width, "height": 900})
+    opened.page.select_option("#preset", preset)
+    opened.settle()
+    opened.open_all()
+    assert opened.page.evaluate(CUT) == []
+    assert opened.page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_the_picture_stays_visible_on_a_phone(show: Open) -> None:
+    opened = show(viewport=PHONE, has_touch=True)
+    opened.page.select_option("#preset", "six_storeys")
+    opened.settle()
+    opened.page.get_by_text("Sliders", exact=True).click()
+    opened.open_all()
+    opened.page.wait_for_timeout(200)
+    for name in ("wall.b:slider", "storeys.k:slider:6", "solver.t_end:slider"):
+        slider = opened.page.locator(f'[id="{name}"]')
+        slider.scroll_into_view_if_needed()
+        canvas, panel = (opened.page.locator(x).bounding_box() for x in ("#stage", "aside"))
+        box = slider.bounding_box()
+        assert panel["y"] <= box["y"] < PHONE["height"]
+        assert canvas["y"] >= 0
+        assert canvas["y"] + canvas["height"] <= panel["y"]
+    # also where the page is scrolled to the histories
+    opened.page.locator("#theta").scroll_into_view_if_needed()
+    canvas, panel = (opened.page.locator(x).bounding_box() for x in ("#stage", "aside"))
+    assert 0 <= canvas["y"] <= canvas["y"] + canvas["height"] <= panel["y"]
+
+
+def test_key_numbers_are_those_of_the_command(show: Open) -> None:
+    """Headline and groups are the words of `rwmf run`; a ratio gives way to its force in N."""
+    opened = show()
+    opened.page.select_option("#preset", "six_storeys")
+    opened.settle()
+    headline = str(opened.page.locator("#numbers").text_content())
+    run = rwmf.simulate(case_of_preset("six_storeys").replace(output={"reactions": True}))
+    assert "interstorey drift (IDR)" in str(run)
+    for line in str(run).splitlines()[1:7]:
+        assert line[26:].strip() in headline, line
+    shown = _numbers(opened)
+    assert "tendon_force_max_N" in shown
+    assert "tendon_force_max_over_m_w_g" not in shown
