@@ -16,11 +16,23 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rwmf import loops, plot, records, studies
+    from rwmf import coupling, loops, plot, records, studies
     from rwmf._cost import Cost, cost
     from rwmf._design.design import Design, design
     from rwmf._explore import explore
     from rwmf._gradient.gradient import gradient
+    from rwmf._hosts import (
+        Element,
+        ElementResponse,
+        Wall,
+        WallEvent,
+        WallEvents,
+        WallForces,
+        WallMaxima,
+        Walls,
+        WallSnapshot,
+        WallState,
+    )
     from rwmf._response import Response
     from rwmf._risk import cloud, fragility, ida, risk, stripes
     from rwmf._simulation import simulate
@@ -37,6 +49,8 @@ __all__ = [
     "Case",
     "Cost",
     "Design",
+    "Element",
+    "ElementResponse",
     "InputError",
     "Interrupted",
     "Motion",
@@ -45,9 +59,18 @@ __all__ = [
     "RecordFile",
     "Response",
     "RwmfError",
+    "Wall",
+    "WallEvent",
+    "WallEvents",
+    "WallForces",
+    "WallMaxima",
+    "WallSnapshot",
+    "WallState",
+    "Walls",
     "__version__",
     "cloud",
     "cost",
+    "coupling",
     "design",
     "explore",
     "find_records",
@@ -73,6 +96,8 @@ _HOMES = {
     "Case": "case",
     "Cost": "_cost",
     "Design": "_design.design",
+    "Element": "_hosts",
+    "ElementResponse": "_hosts",
     "InputError": "errors",
     "Interrupted": "errors",
     "Motion": "case",
@@ -81,6 +106,14 @@ _HOMES = {
     "RecordFile": "_sweep",
     "Response": "_response",
     "RwmfError": "errors",
+    "Wall": "_hosts",
+    "WallEvent": "_hosts",
+    "WallEvents": "_hosts",
+    "WallForces": "_hosts",
+    "WallMaxima": "_hosts",
+    "WallSnapshot": "_hosts",
+    "WallState": "_hosts",
+    "Walls": "_hosts",
     "cloud": "_risk",
     "cost": "_cost",
     "design": "_design.design",
