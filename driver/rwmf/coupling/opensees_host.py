@@ -104,7 +104,7 @@ class OpenSeesHost:
             ops.remove("loadPattern", tag)
         ops.pattern("Plain", tag, tag)
         for node, force in zip(self._nodes, forces.tolist(), strict=True):
-            values = [0.0] * len(ops.nodeDOFs(node))
+            values = [0.0] * len(ops.nodeDisp(node))
             values[self._dof - 1] = force
             ops.load(node, *values)
 
@@ -216,6 +216,8 @@ class OpenSeesHost:
         for equation, node, place in self._places:
             self._ops.setNodeVel(node, place, float(velocities[equation]), "-commit")
             self._ops.setNodeAccel(node, place, float(accelerations[equation]), "-commit")
+        # the integrator keeps a copy of the motion; it reads the nodes again after a change
+        self._ops.domainChange()
 
 
 def _existing(ops: ModuleType, nodes: object) -> list[int]:
