@@ -35,6 +35,7 @@ enum {
    RWMF_EVENT_LIFT_OFF = 3,
    RWMF_EVENT_REST = 4,
    RWMF_EVENT_OVERTURNED = 5,
+   RWMF_EVENT_BRANCH = 6, /* of a member: a spring begins another branch */
    RWMF_EVENT_COLLAPSED = 9
 };
 
@@ -42,6 +43,7 @@ typedef struct rwmf_case rwmf_case;         /* a case that has been read */
 typedef struct rwmf_wall rwmf_wall;         /* a wall that steps */
 typedef struct rwmf_snapshot rwmf_snapshot; /* a saved state */
 typedef struct rwmf_element rwmf_element;   /* a wall without frame */
+typedef struct rwmf_member rwmf_member;     /* a wall without frame that has memory */
 
 /* Maxima of one simulation; what does not apply is NaN. */
 typedef struct {
@@ -223,6 +225,98 @@ int rwmf_next_lift_off(const rwmf_element *element, double dt, double push_0, do
  * rests. */
 int rwmf_settles(const rwmf_element *element, double dt, double u_dot, double push,
                  double u_g_ddot, double host_mass);
+
+/* --- the wall as a member: an element with memory --- */
+
+/* A member carries what an element refuses: fuses, tendons that yield or break, walls that bend, links
+ * at every floor. Groups of the frame describe the frame of the host and have no effect, but for the
+ * links of `&storeys` and the mass ratio for `rule = 'coupled'`; T_s and xi_s may be absent in text.
+ *
+ * Its n degrees of freedom, in this order:
+ *    u          displacement of the straight wall at the link, as of an element, m
+ *    q_1, ...   one for each mode of &bending, m
+ *    u_1, ...   one for each floor on link springs (&storeys coupling = 'springs'), m
+ * The host adds force and tangents to its equations. It owns every mass and spring of its frame; q_i
+ * have only what the member adds. A motion is 3*n numbers: displacements, velocities, accelerations.
+ * `ground` is u_g'' and v_g'' in m/s2; v_g'' is 0 unless the case has a vertical record (a ratio
+ * follows u_g''). Forces are in N, per kg of the wall when the case has no m_w.
+ *
+ * The state is the side on which the wall rocks (1 or -1; 0: at rest, the initial state), u and the
+ * branches of its springs. A response sets the trial state only, always from the committed one: its
+ * path from there is straight in u. At a branch end the tangents are those of the branch that this
+ * path enters; without a path those of the direction of u'. */
+typedef struct {
+   int32_t dofs;   /* n */
+   int32_t modes;  /* of &bending */
+   int32_t floors; /* on link springs */
+   int32_t links;  /* between wall and host: 1, or one for each floor */
+   int32_t side;   /* committed: 1 or -1, 0 at rest; of a hinged wall 1 */
+   int32_t broken; /* committed: 1 when the tendon has broken */
+   double u;       /* committed, m */
+} rwmf_member_info;
+
+typedef struct {
+   double hold[2];    /* smallest and largest force on u at which a wall at rest stays there, N; NaN
+                         while it rocks */
+   double theta;      /* rad */
+   double theta_dot;  /* rad/s */
+   double theta_ddot; /* rad/s2 */
+   double cable;      /* tension, N */
+   double fuses[2];   /* tension of the left and of the right one, N */
+} rwmf_member_response;
+
+typedef struct {
+   double tau;   /* since the beginning of the step, s; its length without an event */
+   int32_t kind; /* RWMF_EVENT_IMPACT, _LIFT_OFF, _PEAK or _BRANCH; 0: none */
+   int32_t side; /* of a lift-off; else that of the wall */
+} rwmf_member_event;
+
+int rwmf_create_member(const char *namelist, rwmf_member **member, char *message, size_t size);
+int rwmf_create_member_from_case(const rwmf_case *scene, rwmf_member **member, char *message,
+                                 size_t size);
+/* Sets *member to NULL. Safe to call twice. */
+void rwmf_destroy_member(rwmf_member **member);
+int rwmf_query_member(const rwmf_member *member, rwmf_member_info *info, char *message, size_t size);
+
+/* Resisting forces: `force` has room for n numbers. `tangents` has room for 3*n*n numbers or is NULL:
+ * stiffness, damping and mass, row after row, the derivative of force i by the motion of j at i*n + j.
+ * `response` may be NULL. At rest u is 0 whatever the motion says; its force, row and column are 0. */
+int rwmf_respond_member(rwmf_member *member, const double *motion, const double *ground,
+                        double *force, double *tangents, rwmf_member_response *response,
+                        char *message, size_t size);
+/* Keep the trial state; return to the committed state; return to the initial state. */
+int rwmf_commit_member(rwmf_member *member, char *message, size_t size);
+int rwmf_revert_member(rwmf_member *member, char *message, size_t size);
+int rwmf_restart_member(rwmf_member *member, char *message, size_t size);
+/* `*copy` is made when it is NULL, else written over with everything of `member`: this saves a state
+ * and restores it. */
+int rwmf_copy_member(const rwmf_member *member, rwmf_member **copy, char *message, size_t size);
+
+/* Motion of the wall at its links: 3*links numbers, and their derivatives by the degrees of freedom,
+ * links*n numbers, row after row. With rigid links this is the motion of the host's floors. */
+int rwmf_query_links(const rwmf_member *member, const double *motion, double *links,
+                     double *derivatives, char *message, size_t size);
+
+/* First event of a step of length dt >= 0 from the committed state, from the motions at its ends (6*n
+ * numbers) and the ground at its ends (4 numbers). `push` has the forces of the host on u at both ends,
+ * for a wall at rest. With `branches` other than 0 ends of branches and the peaks where springs unload
+ * are events, too: steps that end there keep the order of the host's method. */
+int rwmf_next_member_event(const rwmf_member *member, double dt, const double *motions,
+                           const double *ground, const double *push, int branches,
+                           rwmf_member_event *event, char *message, size_t size);
+/* Impact of a wall that is committed at u = 0: the velocities (n numbers) become those after it, and
+ * the side changes, to 0 when both corners stay on the base. `host_mass` has n*n numbers in kg, the
+ * masses of the host: the rule 'coupled' balances momentum over them; NULL: the mass ratio of the case.
+ * `displacements` has n numbers. */
+int rwmf_land_member(rwmf_member *member, const double *displacements, const double *host_mass,
+                     double *velocities, int32_t *side, char *message, size_t size);
+/* 1 in *rests when the wall that has landed may be put to rest, since the following impacts are below
+ * the step dt. Motion, ground and push are those after the impact. */
+int rwmf_member_settles(const rwmf_member *member, double dt, const double *motion,
+                        const double *ground, double push, const double *host_mass, int32_t *rests,
+                        char *message, size_t size);
+/* Set the side of a wall that is committed at u = 0: after a lift-off (1 or -1), for rest (0). */
+int rwmf_place_member(rwmf_member *member, int side, char *message, size_t size);
 
 #ifdef __cplusplus
 }

@@ -44,6 +44,13 @@ module rwmf
    use rwmf_embedding_element, only: create_element, element_response_t, uplift_demand_of, &
       respond, velocity_factor, wall_element_t
    use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
+   ! the wall as a member: an element with memory
+   use rwmf_embedding_member, only: commit_member, create_member, member_info_t, place_member, &
+      query_member, restart_member, revert_member, wall_member_t
+   use rwmf_embedding_member_response, only: link_motion_t, member_response_t, query_links, &
+      respond_member
+   use rwmf_embedding_member_events, only: land_member, member_event_t, member_settles, &
+      next_member_event
    ! CSV files, written completely or not at all
    use rwmf_output_csv, only: write_result, write_spectrum
    ! stop a computation from another thread, count its finished parts
@@ -69,6 +76,10 @@ module rwmf
    public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
    public :: wall_element_t, element_response_t, create_element, respond, velocity_factor
    public :: next_impact, next_lift_off, uplift_demand_of, settles
+   public :: wall_member_t, member_info_t, member_response_t, link_motion_t, member_event_t
+   public :: create_member, query_member, respond_member, query_links
+   public :: commit_member, revert_member, restart_member, place_member
+   public :: next_member_event, land_member, member_settles
    public :: spectrum_t, compute_spectrum, compute_rows, status_of
    public :: write_result, write_spectrum
    public :: control_t

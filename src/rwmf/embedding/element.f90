@@ -16,8 +16,8 @@ module rwmf_embedding_element
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
+   use rwmf_embedding_link_rotation, only: find_rotation, slope_of_phi_ddot
    use rwmf_embedding_ranges, only: require_numbers
-   use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, keep_inside, narrow
    use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_list, only: all_effects
@@ -31,7 +31,6 @@ module rwmf_embedding_element
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
@@ -162,7 +161,7 @@ contains
          [character(8) :: 'u', 'u_dot', 'u_ddot', 'u_g_ddot'], error)
       if (allocated(error)) return
       s = side_of(element, side)
-      call find_rotation(element, s, s*u, phi, kin, error)
+      call find_rotation(element%equation, element%largest_angle, s, s*u, phi, kin, error)
       if (allocated(error)) return
       cable = cable_at(element%equation, s*phi, s)
       associate (R => element%equation%p%R)
@@ -243,15 +242,6 @@ contains
       end associate
    end subroutine fill_force
 
-   !> Derivative of phi'' by phi at fixed w', w'' [1/s2].
-   pure real(wp) function slope_of_phi_ddot(kin, rates) result(slope)
-      type(kinematics_t), intent(in) :: kin
-      real(wp), intent(in) :: rates(2)
-      !! phi' [rad/s], phi'' [rad/s2]
-
-      slope = ((2*kin%k**2/kin%j - kin%k_1)*rates(1)**2 - kin%k*rates(2))/kin%j
-   end function slope_of_phi_ddot
-
    !> Add vertical motion and further effects to force and tangents.
    !>
    !> The derivatives of further effects by phi and phi' are central differences.
@@ -323,39 +313,6 @@ contains
       call lane_rates(element%effects, state%coef, side*[phi, phi_dot], motion, rates)
       sums = [motion%moment(1), motion%inertia(1) - 1]
    end function moment_of_effects
-
-   !> Find the rotation at a displacement by Newton's method inside a bracket.
-   subroutine find_rotation(element, side, w, phi, kin, error)
-      type(wall_element_t), intent(in) :: element
-      integer, intent(in) :: side
-      real(wp), intent(in) :: w
-      !! sigma u [m]
-      real(wp), intent(out) :: phi
-      !! [rad]
-      type(kinematics_t), intent(out) :: kin
-      type(error_t), allocatable, intent(out) :: error
-      integer, parameter :: most_iterations = 100
-      type(bracket_t) :: bracket
-      real(wp) :: rest
-      real(wp) :: step
-      integer :: i
-
-      bracket = bracket_between(-min(element%largest_angle, merge(element%equation%p%alpha, &
-         huge(phi), element%equation%has_impacts)), element%largest_angle)
-      phi = 0
-      do i = 1, most_iterations
-         kin = kinematics_at(element%equation, side*phi, side)
-         rest = w/element%equation%p%R - kin%u
-         call narrow(bracket, .not. rest > 0, phi)
-         step = rest/kin%j
-         if (abs(step) <= 2*spacing(phi) .or. abs(rest) <= tiny(rest)) return
-         phi = keep_inside(bracket, phi + step)
-         if (.not. is_wider(bracket, 4)) exit
-      end do
-      if (abs(abs(phi) - element%largest_angle) > 1.0e-12_wp .and. phi > bracket%low) return
-      call fail(error, err_input, 'a displacement of '//trim(real_to_text(w)) &
-         //' m is more than the wall can follow', 'overturned')
-   end subroutine find_rotation
 
    !> Factor for the velocity of the link at an impact [-].
    !>

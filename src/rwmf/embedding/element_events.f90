@@ -10,7 +10,7 @@ module rwmf_embedding_element_events
    use rwmf_embedding_element, only: uplift_demand_of, require_element, resting_inertia, &
       velocity_factor, wall_element_t
    use rwmf_embedding_ranges, only: not_negative, require_number, require_numbers
-   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
+   use rwmf_math_cubic, only: cubic_between, falling_root, monotone_pieces, value_at
    implicit none
    private
 
@@ -58,10 +58,7 @@ contains
          if (present(error)) call move_alloc(refusal, error)
          return
       end if
-      p(0) = side*u_0
-      p(1) = side*dt*u_dot_0
-      p(2) = side*(3*(u_1 - u_0) - dt*(2*u_dot_0 + u_dot_1))
-      p(3) = side*(2*(u_0 - u_1) + dt*(u_dot_0 + u_dot_1))
+      p = side*cubic_between(dt, u_0, u_dot_0, u_1, u_dot_1)
       tau = dt
       ends = monotone_pieces(p)
       do i = 1, 3
@@ -72,48 +69,6 @@ contains
          end if
       end do
    end subroutine next_impact
-
-   pure real(wp) function value_at(p, x)
-      real(wp), intent(in) :: p(0:)
-      real(wp), intent(in) :: x
-
-      value_at = p(0) + x*(p(1) + x*(p(2) + x*p(3)))
-   end function value_at
-
-   !> Ends of the monotone pieces of a cubic on [0, 1]; a piece may be empty.
-   pure function monotone_pieces(p) result(ends)
-      real(wp), intent(in) :: p(0:)
-      real(wp) :: ends(0:3)
-      real(wp) :: discriminant
-      real(wp) :: q
-      real(wp) :: x(2)
-
-      ends = [0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp]
-      discriminant = p(2)**2 - 3*p(3)*p(1)
-      if (discriminant <= 0) return
-      ! this form avoids cancellation and retains the one root of a parabola
-      q = -(p(2) + sign(sqrt(discriminant), p(2)))
-      x = 0
-      if (abs(q) > abs(p(1))) x(1) = p(1)/q
-      if (abs(q) < abs(3*p(3))) x(2) = q/(3*p(3))
-      x = max(0.0_wp, min(1.0_wp, x))
-      ends(1) = minval(x)
-      ends(2) = maxval(x)
-   end function monotone_pieces
-
-   !> Root of a falling piece, to the spacing of floating-point numbers.
-   pure real(wp) function falling_root(p, begin, end) result(x)
-      real(wp), intent(in) :: p(0:)
-      real(wp), intent(in) :: begin
-      real(wp), intent(in) :: end
-      type(bracket_t) :: bracket
-
-      bracket = bracket_between(begin, end)
-      do while (bracket%is_open)
-         call narrow(bracket, value_at(p, bracket%middle) < 0)
-      end do
-      x = bracket%high
-   end function falling_root
 
    !> Find the first uplift of a resting wall within a step of the host.
    !>

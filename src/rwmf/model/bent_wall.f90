@@ -8,7 +8,7 @@ module rwmf_model_bent_wall
 
    public :: bent_kinetic_energy, bent_frame_strain, bent_gravity, bending_strain, landing
    public :: linked_floor_motion, linked_floor_accelerations, forces_of_linked_floors
-   public :: mean_acceleration, bent_overturning, bent_mass_matrix
+   public :: mean_acceleration, bent_overturning, bent_mass_matrix, solution
 
 contains
 
