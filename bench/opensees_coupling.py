@@ -38,6 +38,10 @@ SCENES = {
     "one mass": WALL + "&frame T_s = 0.8, gamma = 3.0, xi_s = 0.04 /" + CABLE,
     "three storeys, wall at the roof": WALL + storeys("full") + CABLE,
     "three storeys, wall at every floor": WALL + storeys("every_floor") + CABLE,
+    "yielding fuses, tendon that yields": WALL
+    + storeys("full")
+    + "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss', eta_y = 0.85 /"
+    + "&fuse F_y = 40e3, k = 2e7, hardening = 0.02 /\n",
     "yielding columns, wall at the roof": WALL
     + storeys("full")
     + CABLE

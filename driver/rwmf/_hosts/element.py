@@ -6,35 +6,76 @@ from types import TracebackType
 from typing import Generic, NamedTuple, Self, TypeVar, overload
 
 import numpy as np
+import numpy.typing as npt
 
 from rwmf._arguments import case_of
 from rwmf._hosts.guard import Guard, NotPickled
 from rwmf._hosts.states import Reals
-from rwmf._library.hosts import KernelElement, next_impact
+from rwmf._library.hosts import KernelMember, Saved, event_names
 from rwmf._numbers import is_whole, show, to_array, to_number
 from rwmf.case import CaseLike
 from rwmf.errors import InputError
 
-__all__ = ["Element", "ElementResponse"]
+__all__ = ["Element", "ElementEvent", "ElementResponse", "ElementSnapshot"]
 
 _Real = TypeVar("_Real", float, Reals)
+_NO_MASS = np.empty((0, 0), order="F")
 
 
-class ElementResponse(NamedTuple, Generic[_Real]):
-    """Response of an element, or arrays with the shape of the motion.
+class ElementSnapshot(NotPickled):
+    """Saved state of an element, from `save`.
 
-    Forces are in N if the case has `m_w`, otherwise per kg of the wall.
+    Parameters
+    ----------
+    owner : Element
+        The element.
+    saved : Saved
+        State in the kernel.
+    """
+
+    def __init__(self, owner: Element, saved: Saved) -> None:
+        self.owner = owner
+        self.saved = saved
+
+
+class ElementEvent(NamedTuple):
+    """First event of a step.
 
     Attributes
     ----------
-    force : float
-        Resisting force on the link [N].
-    stiffness, damping, mass : float
-        Its derivatives by u [N/m], u_dot [N s/m] and u_ddot [kg].
+    kind : str
+        ``impact``, ``lift_off``; of springs ``branch`` and ``peak``.
+    tau : float
+        Time since the beginning of the step [s].
+    side : int
+        Side of a lift-off, otherwise that of the wall.
+    """
+
+    kind: str
+    tau: float
+    side: int
+
+
+class ElementResponse(NamedTuple, Generic[_Real]):
+    """Response of an element; forces in N if the case has `m_w`, otherwise per kg of the wall.
+
+    For several motions each value has one more dimension in front.
+
+    Attributes
+    ----------
+    force : float or numpy.ndarray, shape (dofs,)
+        Resisting forces [N].
+    stiffness, damping, mass : float or numpy.ndarray, shape (dofs, dofs)
+        Derivatives of the forces by displacements [N/m], velocities [N s/m], accelerations [kg].
     theta, theta_dot, theta_ddot : float
         Rotation [rad] and its rates [rad/s, rad/s2].
     cable : float
         Tension of the tendon [N].
+    hold : numpy.ndarray, shape (2,)
+        Smallest and largest force of the host on u at which a wall at rest stays there [N]; NaN
+        while it rocks.
+    fuses : numpy.ndarray, shape (2,)
+        Tension of the left and of the right fuse [N].
     """
 
     force: _Real
@@ -45,19 +86,25 @@ class ElementResponse(NamedTuple, Generic[_Real]):
     theta_dot: _Real
     theta_ddot: _Real
     cable: _Real
+    hold: Reals
+    fuses: Reals
 
 
 class Element(NotPickled):
-    """A wall without frame: the resisting force on the host's displacement at the link.
+    """A wall without frame: resisting forces and tangents at a motion of the host.
 
-    The host owns masses, springs and dampers, and finds impact, rest and lift-off with the methods
-    below (docs/howto/stepping-python.md). Trial responses never change the committed side. Units
-    are SI, angles in rad.
+    The host owns masses, springs and dampers of the frame. The element has the state of its springs
+    and the side on which the wall rocks. A response is a trial from the committed state; `commit`
+    keeps the last one, `revert` drops it. A context manager. Units are SI, angles in rad.
+
+    Its degrees of freedom are the displacement u of the straight wall at the link, then one for each
+    mode of `&bending`, then one for each floor on link springs (`&storeys coupling = 'springs'`).
 
     Parameters
     ----------
     case : Case or path
-        The case; of `&frame` only the mass ratio is used, for the impact rule ``coupled``.
+        The case. Frame and motion have no effect, but for links and masses of the impact rule
+        ``coupled``.
 
     Raises
     ------
@@ -67,9 +114,9 @@ class Element(NotPickled):
 
     def __init__(self, case: CaseLike) -> None:
         given = case_of(case)
-        self._guard = Guard(KernelElement(given.kernel, given.kernel_source()), "Element")
-        self._committed = 0
-        self._trial = 0
+        kernel = KernelMember(given.kernel, given.kernel_source())
+        self._guard = Guard(kernel, "Element")
+        self._dofs, self._links, self._modes = kernel.dofs, kernel.links, kernel.modes
 
     def __enter__(self) -> Self:
         """Return the element, to be closed at the end of the block."""
@@ -86,153 +133,277 @@ class Element(NotPickled):
         self._guard.close()
 
     @property
+    def dofs(self) -> int:
+        """Number of degrees of freedom."""
+        return self._dofs
+
+    @property
+    def links(self) -> int:
+        """Number of links between wall and host: 1, or one for each floor."""
+        return self._links
+
+    @property
     def side(self) -> int:
-        """Committed side: 1 or -1 while the wall rocks; 0 at rest and at the beginning."""
-        return self._committed
+        """Committed side: 1 or -1 while the wall rocks, 0 at rest; 1 for a hinged wall."""
+        with self._guard as kernel:
+            return kernel.committed()[0]
+
+    @property
+    def is_broken(self) -> bool:
+        """True if the tendon has broken, in the committed state."""
+        with self._guard as kernel:
+            return kernel.committed()[1]
 
     @overload
     def respond(
-        self, u: float, u_dot: float, u_ddot: float, u_g_ddot: float, side: int | None = None
+        self,
+        u: float,
+        u_dot: float,
+        u_ddot: float,
+        u_g_ddot: float,
+        side: int | None = None,
+        v_g_ddot: float = 0.0,
     ) -> ElementResponse[float]: ...
 
     @overload
     def respond(
-        self, u: Reals, u_dot: object, u_ddot: object, u_g_ddot: object, side: object = None
+        self,
+        u: npt.ArrayLike,
+        u_dot: npt.ArrayLike,
+        u_ddot: npt.ArrayLike,
+        u_g_ddot: npt.ArrayLike,
+        side: npt.ArrayLike | None = None,
+        v_g_ddot: npt.ArrayLike = 0.0,
     ) -> ElementResponse[Reals]: ...
 
     def respond(
-        self, u: object, u_dot: object, u_ddot: object, u_g_ddot: object, side: object = None
+        self,
+        u: npt.ArrayLike,
+        u_dot: npt.ArrayLike,
+        u_ddot: npt.ArrayLike,
+        u_g_ddot: npt.ArrayLike,
+        side: npt.ArrayLike | None = None,
+        v_g_ddot: npt.ArrayLike = 0.0,
     ) -> ElementResponse[float] | ElementResponse[Reals]:
-        """Compute force and tangents at a trial motion of the link, or at many.
+        """Compute forces and tangents at a trial motion, or at each of many.
+
+        At rest u counts as 0, and its force and tangents are 0. With many motions each is a trial
+        from the committed state; `commit` keeps the last one.
 
         Parameters
         ----------
-        u, u_dot, u_ddot : float or array_like
-            Displacement of the link relative to the ground [m] and its rates [m/s, m/s2].
+        u, u_dot, u_ddot : float or array_like, shape (dofs,); of many motions (..., dofs)
+            Displacements relative to the ground [m] and their rates [m/s, m/s2]. With one degree of
+            freedom the last dimension is left out.
         u_g_ddot : float or array_like
-            Ground acceleration [m/s2].
+            Ground acceleration of each motion [m/s2].
         side : int or array_like, optional
-            1 or -1, the side on which the wall rocks. By default the committed side, or at rest the
-            sign of `u`.
+            1 or -1: respond as a wall on this side whose springs have not moved, and leave the
+            state alone.
+        v_g_ddot : float or array_like, optional
+            Vertical ground acceleration [m/s2], for a case with a vertical record.
 
         Returns
         -------
         ElementResponse
-            Numbers, or arrays of the common shape of the arguments.
+            Numbers for one motion of one degree of freedom, otherwise arrays.
 
         Raises
         ------
         InputError
-            When an argument is no finite number, the wall cannot follow the displacement, or no
-            side is known.
+            When an argument is no finite number, or the wall cannot follow the motion.
         """
-        motion = np.broadcast_arrays(
-            _numbers("u", u), _numbers("u_dot", u_dot), _numbers("u_ddot", u_ddot),
-            _numbers("u_g_ddot", u_g_ddot),
-        )  # fmt: skip
-        table = np.array([values.ravel() for values in motion])
-        shape = motion[0].shape
-        sides = self._sides(side, motion[0])
+        n = self._dofs
+        given = [_numbers(name, value) for name, value in (("u", u), ("u_dot", u_dot), ("u_ddot", u_ddot))]
+        if n == 1:
+            given = [values[..., np.newaxis] for values in given]
+        for name, values in zip(("u", "u_dot", "u_ddot"), given, strict=True):
+            if values.ndim == 0 or values.shape[-1] != n:
+                raise InputError(f"{name}: has the shape {values.shape}: must end with {n}, the dofs")
+        grounds = [_numbers("u_g_ddot", u_g_ddot), _numbers("v_g_ddot", v_g_ddot)]
+        sides = np.zeros(()) if side is None else _side(side)
+        shape = np.broadcast_shapes(
+            *(values.shape[:-1] for values in given), *(values.shape for values in grounds), sides.shape
+        )
+        table = np.concatenate(
+            [np.broadcast_to(values, (*shape, n)).reshape(-1, n) for values in given]
+            + [np.broadcast_to(values, shape).reshape(-1, 1) for values in grounds],
+            axis=1,
+        )
+        flat = np.broadcast_to(sides, shape).ravel().astype(np.int32)
         with self._guard as kernel:
-            found = kernel.respond(sides, table)
-            if not shape:
-                self._trial = int(sides[0])
-        if shape:
-            return ElementResponse(*found.reshape(len(found), *shape))
-        return ElementResponse(*found[:, 0].tolist())
+            found = kernel.respond(flat, table).reshape(*shape, -1)
+        return _response(found, n)
 
-    def _sides(self, side: object, u: Reals) -> np.ndarray[tuple[int], np.dtype[np.int32]]:
-        """Return the side of each motion."""
-        if side is None:
-            given = np.sign(u) if self._committed == 0 else np.full(u.shape, self._committed)
-        elif is_whole(side):
-            given = np.full(u.shape, np.clip(side, -2, 2))
-        else:
-            given = np.broadcast_to(np.clip(_numbers("side", side), -2, 2), u.shape)
-        return given.ravel().astype(np.int32)
-
-    def commit(self, side: int | None = None) -> None:
-        """Keep the trial state: the side of the last response to one motion.
-
-        Parameters
-        ----------
-        side : int, optional
-            Side to keep instead: after an impact the other one, 0 when the wall comes to rest.
-
-        Raises
-        ------
-        InputError
-            When the side is not 1, -1 or 0.
-        """
-        if side is not None and side not in (-1, 0, 1):
-            raise InputError(f"side = {show(side)}: must be 1, -1, or 0 at rest")
-        self._committed = self._trial = self._trial if side is None else int(side)
+    def commit(self) -> None:
+        """Keep the state of the last trial response."""
+        with self._guard as kernel:
+            kernel.change(1)
 
     def revert(self) -> None:
-        """Drop the trial state."""
-        self._trial = self._committed
-
-    @property
-    def velocity_factor(self) -> float:
-        """Factor on the velocity of the link at an impact [-]."""
+        """Return to the committed state."""
         with self._guard as kernel:
-            return kernel.velocity_factor()
+            kernel.change(2)
 
-    def next_impact(
-        self, dt: float, u_0: float, u_dot_0: float, u_1: float, u_dot_1: float
-    ) -> float | None:
-        """Find the first return of the rocking wall to its base within a step.
+    def restart(self) -> None:
+        """Return to the state after creation: at rest, with springs that have not moved."""
+        with self._guard as kernel:
+            kernel.change(3)
+
+    def save(self) -> ElementSnapshot:
+        """Save the committed and the trial state.
+
+        Returns
+        -------
+        ElementSnapshot
+            Argument of `restore`, any number of times.
+        """
+        with self._guard as kernel:
+            return ElementSnapshot(self, kernel.save())
+
+    def restore(self, snapshot: ElementSnapshot) -> None:
+        """Restore a saved state.
+
+        Parameters
+        ----------
+        snapshot : ElementSnapshot
+            From `save` of this element.
+
+        Raises
+        ------
+        InputError
+            When it is no snapshot of this element.
+        """
+        if not isinstance(snapshot, ElementSnapshot) or snapshot.owner is not self:
+            raise InputError(f"snapshot = {show(snapshot)}: must be from save() of this element")
+        with self._guard as kernel:
+            kernel.restore(snapshot.saved)
+
+    def place(self, side: int) -> None:
+        """Set the side of a wall that is committed at u = 0: after a lift-off, or for rest.
+
+        Parameters
+        ----------
+        side : int
+            1 or -1; 0 for rest.
+
+        Raises
+        ------
+        InputError
+            When the wall is not on its base, or is hinged.
+        """
+        if not is_whole(side) or side not in (-1, 0, 1):
+            raise InputError(f"side = {show(side)}: must be 1, -1, or 0 for rest")
+        with self._guard as kernel:
+            kernel.place(int(side))
+
+    def motion_of_links(self, u: object, u_dot: object, u_ddot: object) -> Reals:
+        """Return the motion of the wall at its links.
+
+        Parameters
+        ----------
+        u, u_dot, u_ddot : float or array_like, shape (dofs,)
+            Displacements [m] and their rates [m/s, m/s2].
+
+        Returns
+        -------
+        numpy.ndarray, shape (3 + dofs, links)
+            Displacement [m], velocity [m/s] and acceleration [m/s2] of each link; then the
+            derivatives of the displacement by each degree of freedom [-].
+
+        Raises
+        ------
+        InputError
+            When an argument is not acceptable.
+        """
+        motion = self._vector("u", u), self._vector("u_dot", u_dot), self._vector("u_ddot", u_ddot)
+        with self._guard as kernel:
+            return kernel.links_of(np.concatenate(motion))
+
+    def next_event(
+        self,
+        dt: float,
+        begin: object,
+        end: object,
+        u_g_ddot: tuple[float, float],
+        push: tuple[float, float] = (0.0, 0.0),
+        has_branches: bool = False,
+    ) -> ElementEvent | None:
+        """Find the first event of a step from the committed state.
 
         Parameters
         ----------
         dt : float
             Length of the step [s].
-        u_0, u_dot_0, u_1, u_dot_1 : float
-            Displacement [m] and velocity [m/s] of the link at the beginning and at the end.
+        begin, end : array_like, shape (3,) or (3, dofs)
+            Displacement [m], velocity [m/s], acceleration [m/s2] at both ends; the displacement
+            between is a cubic.
+        u_g_ddot : tuple of float
+            Ground acceleration at both ends [m/s2].
+        push : tuple of float
+            Force of the host on u at both ends [N], for a wall at rest; linear between.
+        has_branches : bool
+            Whether ends of branches of springs are events, too. Steps that end there keep the order
+            of the host's method.
 
         Returns
         -------
-        float or None
-            Time since the beginning [s], None without an impact.
+        ElementEvent or None
+            The event, None without one.
 
         Raises
         ------
         InputError
-            When the wall rests, or a number is not acceptable.
+            When an argument is not acceptable.
         """
-        return next_impact(self._committed, dt, u_0, u_dot_0, u_1, u_dot_1)
+        ground = [to_number("u_g_ddot", value) for value in u_g_ddot]
+        numbers = np.concatenate(
+            [
+                [to_number("dt", dt)],
+                [to_number("push", value) for value in push],
+                [ground[0], 0.0, ground[1], 0.0],
+                self._motion("begin", begin),
+                self._motion("end", end),
+            ]
+        )
+        with self._guard as kernel:
+            kind, tau, side = kernel.next_event(numbers, has_branches)
+        return ElementEvent(event_names()[kind - 1], tau, side) if kind else None
 
-    def next_lift_off(
-        self, dt: float, push_0: float, push_1: float, u_g_ddot_0: float, u_g_ddot_1: float
-    ) -> tuple[int, float]:
-        """Find the first lift-off of the resting wall within a step.
+    def land(self, u: object, u_dot: object, host_mass: object = None) -> Reals:
+        """Apply the impact of a wall that is committed at u = 0, and change its side.
 
         Parameters
         ----------
-        dt : float
-            Length of the step [s].
-        push_0, push_1 : float
-            Force of the host on the wall at the beginning and at the end [N], linear between.
-        u_g_ddot_0, u_g_ddot_1 : float
-            Ground acceleration at the beginning and at the end [m/s2].
+        u, u_dot : float or array_like, shape (dofs,)
+            Displacements [m] and velocities before the impact [m/s].
+        host_mass : float or array_like, shape (dofs, dofs), optional
+            Masses of the host [kg], over which the rule ``coupled`` balances momentum; by default
+            those of the case.
 
         Returns
         -------
-        int
-            Side, 0 without a lift-off.
-        float
-            Time since the beginning [s].
+        numpy.ndarray, shape (dofs,)
+            Velocities after the impact [m/s].
 
         Raises
         ------
         InputError
-            When a number is not acceptable.
+            When the wall is at rest, away from its base, or moves away from it.
         """
+        velocities = self._vector("u_dot", u_dot).copy()
+        mass = self._mass(host_mass)
         with self._guard as kernel:
-            return kernel.next_lift_off(dt, push_0, push_1, u_g_ddot_0, u_g_ddot_1)
+            kernel.land(self._vector("u", u), velocities, mass)
+        return velocities
 
     def settles(
-        self, dt: float, u_dot: float, push: float, u_g_ddot: float, host_mass: float
+        self,
+        dt: float,
+        motion: object,
+        u_g_ddot: float,
+        push: float,
+        host_mass: object = None,
     ) -> bool:
         """Tell whether the host may put the wall to rest after an impact.
 
@@ -240,14 +411,14 @@ class Element(NotPickled):
         ----------
         dt : float
             Step of the host [s].
-        u_dot : float
-            Velocity of the link after the impact [m/s].
-        push : float
-            Force of the host on the wall at rest [N].
+        motion : array_like, shape (3,) or (3, dofs)
+            Displacement [m], velocity [m/s], acceleration [m/s2] after the impact.
         u_g_ddot : float
             Ground acceleration [m/s2].
-        host_mass : float
-            Mass of the host at the link [kg].
+        push : float
+            Force of the host on u of the wall at rest [N].
+        host_mass : float or array_like, shape (dofs, dofs), optional
+            As in `land` [kg].
 
         Returns
         -------
@@ -257,15 +428,62 @@ class Element(NotPickled):
         Raises
         ------
         InputError
-            When a number is not acceptable.
+            When an argument is not acceptable.
         """
+        head = [to_number("dt", dt), to_number("push", push), to_number("u_g_ddot", u_g_ddot), 0.0]
+        numbers = np.concatenate([head, self._motion("motion", motion)])
+        mass = self._mass(host_mass)
         with self._guard as kernel:
-            return kernel.settles(dt, u_dot, push, u_g_ddot, host_mass)
+            return kernel.settles(numbers, mass)
+
+    def _vector(self, name: str, value: object) -> Reals:
+        return to_array(name, value, least=self._dofs)[: self._dofs]
+
+    def _motion(self, name: str, value: object) -> Reals:
+        """Return displacements, velocities and accelerations, one after the other."""
+        array = _numbers(name, value)
+        if array.shape not in ((3, self._dofs), (3,) if self._dofs == 1 else (3, self._dofs)):
+            raise InputError(f"{name}: has the shape {array.shape}: must have (3, {self._dofs})")
+        return array.ravel()
+
+    def _mass(self, value: object) -> Reals:
+        """Return masses of the host as a matrix; empty for those of the case."""
+        if value is None:
+            return _NO_MASS
+        array = np.atleast_2d(_numbers("host_mass", value))
+        if array.shape != (self._dofs, self._dofs):
+            wanted = f"({self._dofs}, {self._dofs})"
+            raise InputError(f"host_mass: has the shape {array.shape}: must have {wanted}")
+        return np.asfortranarray(array)
+
+
+def _response(found: Reals, n: int) -> ElementResponse[float] | ElementResponse[Reals]:
+    """Split the values of responses."""
+    shape = found.shape[:-1]
+    forces, tangents, rest = np.split(found, [n, n + 3 * n * n], axis=-1)
+    matrices = tangents.reshape(*shape, 3, n, n)
+    hold, fuses = rest[..., :2], rest[..., 6:]
+    if n > 1:
+        values = (forces, *(matrices[..., k, :, :] for k in range(3)))
+    else:
+        values = (forces[..., 0], *(matrices[..., k, 0, 0] for k in range(3)))
+    turns = tuple(rest[..., k] for k in range(2, 6))
+    if n == 1 and not shape:
+        return ElementResponse(*map(float, values), *map(float, turns), hold, fuses)
+    return ElementResponse(*values, *turns, hold, fuses)
 
 
 def _numbers(name: str, value: object) -> Reals:
     """Return finite numbers of any shape."""
-    if type(value) is float or not np.ndim(value):  # type: ignore[arg-type]
-        return np.array(to_number(name, value))
     array = np.asarray(value)
+    if array.ndim == 0:
+        return np.array(to_number(name, value))
     return to_array(name, array.ravel()).reshape(array.shape)
+
+
+def _side(value: object) -> Reals:
+    """Return sides."""
+    sides = _numbers("side", value)
+    if not np.all(np.abs(sides) == 1):
+        raise InputError(f"side = {show(value)}: must be 1 or -1")
+    return sides

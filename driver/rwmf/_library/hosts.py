@@ -1,4 +1,4 @@
-"""Walls and elements of a host in the kernel. One thread at a time may use an object."""
+"""Walls and members of a host in the kernel. One thread at a time may use an object."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rwmf._library.marshalling import fetch_text, message_buffer, raise_for
 from rwmf._library.memory import Memory
 from rwmf.errors import RwmfError
 
-__all__ = ["KernelElement", "KernelWalls", "Saved", "event_names", "next_impact"]
+__all__ = ["KernelMember", "KernelWalls", "Saved", "event_names"]
 
 _Reals = npt.NDArray[np.float64]
 _Counts = npt.NDArray[np.int64]
@@ -26,11 +26,12 @@ _GROUND = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
 _REALS = 11
 _COUNTS = 6
 _FORCES = 3
-_RESPONSES = 8
+# values of a response besides forces and tangents
+_DEVICES = 8
 
 
 class Saved(NamedTuple):
-    """Saved states of walls.
+    """Saved states of walls, or that of a member.
 
     Attributes
     ----------
@@ -228,8 +229,8 @@ class KernelWalls:
         raise_for(status, self._message, length)
 
 
-class KernelElement:
-    """An element in the kernel.
+class KernelMember:
+    """A wall in the kernel that answers the motions of a host, with the state of its springs.
 
     Parameters
     ----------
@@ -241,30 +242,50 @@ class KernelElement:
     Raises
     ------
     InputError
-        When an effect of the case does not allow an element.
+        When an effect of the case does not allow it.
     """
 
     def __init__(self, case: KernelCase, source: str) -> None:
         message = message_buffer()
-        handle, status, length = _hosts.element_create(case.handle, message)
+        handle, status, length = _hosts.member_create(case.handle, message)
         raise_for(status, message, length, source=source)
         self._memory = Memory(handle)
+        self.dofs, self.modes, self.floors, self.links = (int(n) for n in self._info()[:4])
 
-    def respond(self, sides: npt.NDArray[np.int32], motion: _Reals) -> _Reals:
-        """Compute the responses to motions of the link.
+    def _info(self) -> _Counts:
+        counts: _Counts = _hosts.member_info(self._memory.handle)[0]
+        return counts
 
-        Parameters
-        ----------
-        sides : numpy.ndarray of int, shape (n,)
-            Side of each motion.
-        motion : numpy.ndarray, shape (4, n)
-            u [m], u_dot, u_ddot, u_g_ddot [m/s2].
+    def committed(self) -> tuple[int, bool, float]:
+        """Return the committed state.
 
         Returns
         -------
-        numpy.ndarray, shape (8, n)
-            Force [N], stiffness [N/m], damping [N s/m], mass [kg], theta [rad], theta_dot,
-            theta_ddot, cable [N].
+        int
+            Side, 0 at rest.
+        bool
+            True if the tendon has broken.
+        float
+            Displacement of the link [m].
+        """
+        counts, u = _hosts.member_info(self._memory.handle)
+        return int(counts[4]), bool(counts[5]), float(u)
+
+    def respond(self, sides: npt.NDArray[np.int32], motion: _Reals) -> _Reals:
+        """Compute the responses to trial motions; the last one sets the trial state.
+
+        Parameters
+        ----------
+        sides : numpy.ndarray of int, shape (m,)
+            0 for the committed state, else the side of a wall whose springs have not moved.
+        motion : numpy.ndarray, shape (m, 3*dofs + 2)
+            Displacements, velocities, accelerations [m, s]; u_g_ddot and v_g_ddot [m/s2].
+
+        Returns
+        -------
+        numpy.ndarray, shape (m, dofs + 3*dofs**2 + 8)
+            Forces [N]; stiffness, damping, mass; hold (2) [N], theta [rad], theta_dot,
+            theta_ddot, cable [N], fuses (2) [N].
 
         Raises
         ------
@@ -272,8 +293,8 @@ class KernelElement:
             When the wall cannot follow a motion; with several, the message begins with its number.
         """
         message = message_buffer()
-        found = np.empty((_RESPONSES, sides.size))
-        failed, status, length = _hosts.element_respond(
+        found = np.empty((sides.size, self.dofs + 3 * self.dofs**2 + _DEVICES))
+        failed, status, length = _hosts.member_respond(
             self._memory.handle, sides, motion.T, found.T, message
         )
         if status:
@@ -281,30 +302,98 @@ class KernelElement:
             raise_for(status, message, length, source=source)
         return found
 
-    def velocity_factor(self) -> float:
-        """Return the factor on the velocity of the link at an impact.
-
-        Returns
-        -------
-        float
-            The factor [-].
-        """
-        return float(_hosts.element_factor(self._memory.handle))
-
-    def next_lift_off(self, *motion: float) -> tuple[int, float]:
-        """Find the first lift-off in a step.
+    def change(self, change: int) -> None:
+        """Change the state.
 
         Parameters
         ----------
-        *motion : float
-            Step [s], push at both ends [N], ground acceleration at both ends [m/s2].
+        change : int
+            1: keep the trial state; 2: return to the committed state; 3: to the first one.
+        """
+        message = message_buffer()
+        status, length = _hosts.member_change(self._memory.handle, change, message)
+        raise_for(status, message, length)
+
+    def place(self, side: int) -> None:
+        """Set the side of a wall that is committed at u = 0.
+
+        Parameters
+        ----------
+        side : int
+            1, -1, or 0 for rest.
+
+        Raises
+        ------
+        InputError
+            When the wall is not on its base, or the side is another one.
+        """
+        message = message_buffer()
+        status, length = _hosts.member_place(self._memory.handle, side, message)
+        raise_for(status, message, length)
+
+    def save(self) -> Saved:
+        """Save the committed and the trial state.
+
+        Returns
+        -------
+        Saved
+            Argument of `restore`.
+        """
+        return Saved(Memory(_hosts.member_save(self._memory.handle)), 1)
+
+    def restore(self, saved: Saved) -> None:
+        """Restore a saved state.
+
+        Parameters
+        ----------
+        saved : Saved
+            From `save` of this object.
+        """
+        _hosts.member_restore(self._memory.handle, saved.memory.handle)
+
+    def links_of(self, motion: _Reals) -> _Reals:
+        """Return the motion of the wall at its links.
+
+        Parameters
+        ----------
+        motion : numpy.ndarray, shape (3*dofs,)
+            Displacements, velocities, accelerations [m, s].
+
+        Returns
+        -------
+        numpy.ndarray, shape (3 + dofs, links)
+            Displacement [m], velocity [m/s], acceleration [m/s2] and derivatives [-].
+
+        Raises
+        ------
+        InputError
+            When the wall cannot follow the motion.
+        """
+        message = message_buffer()
+        found = np.empty((3 + self.dofs, self.links))
+        status, length = _hosts.member_links(self._memory.handle, motion, found.T, message)
+        raise_for(status, message, length)
+        return found
+
+    def next_event(self, numbers: _Reals, has_branches: bool) -> tuple[int, float, int]:
+        """Find the first event of a step.
+
+        Parameters
+        ----------
+        numbers : numpy.ndarray, shape (7 + 6*dofs,)
+            Step [s], pushes at both ends [N], u_g_ddot and v_g_ddot at both ends [m/s2], motions at
+            both ends.
+        has_branches : bool
+            Whether ends of branches are events.
 
         Returns
         -------
         int
-            Side, or 0.
+            Kind, 0 for none.
         float
-            Time since the beginning of the step [s].
+            Time since the beginning [s].
+        int
+            Side of a lift-off.
 
         Raises
         ------
@@ -312,61 +401,57 @@ class KernelElement:
             When a number is not acceptable.
         """
         message = message_buffer()
-        side, tau, status, length = _hosts.element_next_lift_off(
-            self._memory.handle, motion, message
+        event, status, length = _hosts.member_next_event(
+            self._memory.handle, numbers, int(has_branches), message
         )
         raise_for(status, message, length)
-        return int(side), float(tau)
+        return int(event[0]), float(event[1]), int(event[2])
 
-    def settles(self, *motion: float) -> bool:
+    def land(self, displacements: _Reals, velocities: _Reals, mass: _Reals) -> None:
+        """Apply an impact: change the velocities and the side.
+
+        Parameters
+        ----------
+        displacements, velocities : numpy.ndarray, shape (dofs,)
+            Motion before the impact [m, m/s]; the velocities are changed.
+        mass : numpy.ndarray, shape (dofs, dofs) or (0, 0)
+            Masses of the host [kg]; empty for those of the case.
+
+        Raises
+        ------
+        InputError
+            When the wall is not on its base or moves away from it.
+        """
+        message = message_buffer()
+        status, length = _hosts.member_land(
+            self._memory.handle, displacements, velocities, mass, message
+        )
+        raise_for(status, message, length)
+
+    def settles(self, numbers: _Reals, mass: _Reals) -> bool:
         """Tell whether the wall may be put to rest after an impact.
 
         Parameters
         ----------
-        *motion : float
-            Step [s], velocity after the impact [m/s], push [N], ground acceleration [m/s2], mass
-            of the host at the link [kg].
+        numbers : numpy.ndarray, shape (4 + 3*dofs,)
+            Step [s], push [N], u_g_ddot and v_g_ddot [m/s2], motion after the impact.
+        mass : numpy.ndarray, shape (dofs, dofs) or (0, 0)
+            Masses of the host [kg]; empty for those of the case.
 
         Returns
         -------
         bool
-            True when the following flights are shorter than a step.
+            True when all following flights together are shorter than a step.
 
         Raises
         ------
         InputError
-            When a number is not acceptable.
+            When the wall is not on its base, or a number is not acceptable.
         """
         message = message_buffer()
-        answer, status, length = _hosts.element_settles(self._memory.handle, motion, message)
+        answer, status, length = _hosts.member_rests(self._memory.handle, numbers, mass, message)
         raise_for(status, message, length)
         return bool(answer)
-
-
-def next_impact(side: int, *motion: float) -> float | None:
-    """Find the first impact in a step.
-
-    Parameters
-    ----------
-    side : int
-        1 or -1.
-    *motion : float
-        Step [s], displacement [m] and velocity [m/s] at its beginning and at its end.
-
-    Returns
-    -------
-    float or None
-        Time since the beginning of the step [s]; None without an impact.
-
-    Raises
-    ------
-    InputError
-        When a number is not acceptable.
-    """
-    message = message_buffer()
-    found, tau, status, length = _hosts.element_next_impact(side, motion, message)
-    raise_for(status, message, length)
-    return float(tau) if found else None
 
 
 @functools.cache

@@ -26,8 +26,6 @@ _PATIENCE = 6
 _INSTANT = 1e-4
 # part of the step below which the rest of a step is skipped
 _NOTHING = 1e-9
-# groups of a frame, which the host replaces
-_FRAME_GROUPS = ("p_delta", "yielding", "storeys", "frame", "spectrum", "output")
 # repetitions of a step that ends at an impact
 _MOST_REPETITIONS = 8
 
@@ -56,6 +54,8 @@ class CoupledRun:
 
     Attributes
     ----------
+    host_mass : float
+        Mass of the frame that moves with the wall, at the highest link [kg].
     t : list of float
         Times [s].
     u, theta, force : list of float
@@ -68,17 +68,15 @@ class CoupledRun:
     impacts : int
         Number of impacts.
     velocity_factor : float
-        Factor on the velocity of the link at impacts [-].
-    host_mass : float
-        Mass of the frame that moves with the wall, at the highest link [kg].
+        Factor on the velocity of the link at the last impact [-]; NaN without one.
     energy : CouplingEnergy
         Energies of the coupling [J].
     iterations : int
         Trial steps of the host.
     """
 
-    velocity_factor: float
     host_mass: float
+    velocity_factor: float = math.nan
     t: list[float] = field(default_factory=list)
     u: list[float] = field(default_factory=list)
     theta: list[float] = field(default_factory=list)
@@ -96,7 +94,9 @@ class _Step(NamedTuple):
     forces: Reals
     u: float
     v: float
+    a: float
     theta: float
+    theta_dot: float
     residual: float
 
 
@@ -118,8 +118,8 @@ def couple(
     Parameters
     ----------
     case : Case or path
-        Wall with `m_w`, tendon, impact rule and effects that an `Element` carries. Its frame and
-        motion have no effect.
+        Wall with `m_w`, tendon, fuses, impact rule and effects that an `Element` of one degree of
+        freedom carries. Its frame and motion have no effect.
     host : Host
         The frame at rest, for example an `OpenSeesHost` or a `FunctionHost`.
     ground : callable
@@ -195,13 +195,18 @@ class _Pair:
         at_links = self._by_force[host.links]
         if not np.all(np.diag(at_links) > 0) or not np.all(np.isfinite(at_links)):
             raise InputError("host: a link has no mass")
-        mass = float(shape @ np.linalg.solve(at_links, shape))
-        self._element = Element(_with_mass(case, mass / case.wall.m_w))
-        self.run = CoupledRun(self._element.velocity_factor, mass)
-        self._force = 0.0
+        self._element = Element(case)
+        if self._element.dofs > 1:
+            raise InputError(
+                f"{case.label}: a coupling needs a wall of one degree of freedom: without &bending "
+                "and &storeys coupling = 'springs'"
+            )
+        self._wall_mass = self._element.respond(0.0, 0.0, 0.0, 0.0, side=1).mass
+        self.run = CoupledRun(float(shape @ np.linalg.solve(at_links, shape)))
+        self._force = self._theta = 0.0
         self._losses = [0.0, 0.0, 0.0]
-        self._enter(0, host.motion()[1])
-        self._note(0.0)
+        self._enter(self._element.side, host.motion()[1])
+        self._note()
 
     def _increments_by_force(self, h: float) -> Reals:
         """Increments of the frame in a step by unit forces on the frame at the links [m/N]."""
@@ -225,17 +230,16 @@ class _Pair:
                     self._hold(h)
             except InputError as error:
                 raise NumericalError(f"t = {self._host.time():g} s: {error}") from None
-        self._note(self._theta)
+        self._note()
 
-    def _note(self, theta: float) -> None:
+    def _note(self) -> None:
         """Add the present state to the histories."""
         run, link = self.run, self._host.links[-1]
         run.t.append(self._host.time())
         run.u.append(float(self._host.motion()[0][link]))
-        run.theta.append(theta)
+        run.theta.append(self._theta)
         run.force.append(-self._force)
         run.energy = CouplingEnergy(*self._losses)
-        self._theta = theta
 
     def _at_links(self) -> tuple[Reals, Reals, Reals]:
         u, v, a = (values[self._host.links] for values in self._host.motion())
@@ -253,15 +257,14 @@ class _Pair:
             increment = self._host.attempt(-forces, h)[self._host.links]
             v, a = end_rates(increment, h, v_0, a_0)
             by_force = self._flexibility(h, is_new=iteration > 0 and iteration % _PATIENCE == 0)
-            theta = 0.0
+            turns = (0.0, 0.0)
             if is_held:
-                stiffness = 0.0
                 residuals, matrix = increment, -by_force
                 error = float(np.abs(np.linalg.solve(by_force, increment)).max())
             else:
                 r = self._element.respond(float(u_0[-1] + increment[-1]), float(v[-1]),
                                           float(a[-1]), ground)  # fmt: skip
-                theta = r.theta
+                turns = (r.theta, r.theta_dot)
                 stiffness = r.stiffness + 2 / h * r.damping + 4 / h**2 * r.mass
                 residuals = increment - shape * increment[-1]
                 residuals[-1] = shape @ forces - r.force
@@ -273,8 +276,8 @@ class _Pair:
                     error = max(error, float(np.abs(off).max()))
             # below the first bound the residual is round-off of the inertia forces of short steps
             if error <= self._tolerance or (error >= last / 2 and error <= 1e-6 * self._weight):
-                step = _Step(forces, float(u_0[-1] + increment[-1]), float(v[-1]), theta, error)
-                return step
+                end = (float(u_0[-1] + increment[-1]), float(v[-1]), float(a[-1]))
+                return _Step(forces, *end, *turns, error)
             last = error
             forces = forces - np.linalg.solve(matrix, residuals)
         raise NumericalError(
@@ -306,58 +309,60 @@ class _Pair:
             highest = max(highest, abs(float(u_0[-1]) + float(v_0[-1]) * turn / 2))
         self.run.u_s_max = max(self.run.u_s_max, highest)
         self._theta = step.theta
-        self._element.commit(self._element.side)
+        if self._element.side:
+            self._element.commit()
 
     def _rock(self, h: float) -> None:
-        """Step a rocking wall, at most to its impact."""
-        element = self._element
-        u_0, v_0, _ = self._at_links()
-        begin = (float(u_0[-1]), float(v_0[-1]))
+        """Step a rocking wall, at most to an impact or to the end of a branch."""
+        host, element = self._host, self._element
+        begin = tuple(float(values[-1]) for values in self._at_links())
+        t = host.time()
         step = self._solve(h, is_held=False)
-        tau = element.next_impact(h, *begin, step.u, step.v)
-        if tau is not None and tau <= _NOTHING * self._dt:
-            # a wall that has just lifted off: the root is its start, or it does not move away
-            if step.u * element.side <= 0:
-                self._enter(0, self._with_link_velocity(self._host.motion()[1], 0.0))
+        event = element.next_event(
+            h, begin, step[1:4], (self._ground(t), self._ground(t + h)), has_branches=True
+        )
+        if event is not None and event.tau <= _NOTHING * self._dt:
+            if event.kind == "impact" and step.u * element.side <= 0:
+                # a wall that has just lifted off does not move away
+                element.revert()
+                self._enter(0, self._with_link_velocity(host.motion()[1], 0.0))
                 return
-            tau = None
-        if tau is None:
+            event = None
+        if event is None:
             self._commit(step, h)
             return
-        for _ in range(_MOST_REPETITIONS):
-            step = self._solve(tau, is_held=False)
-            change = -step.u / step.v if step.v else 0.0
-            if abs(change) <= _NOTHING * self._dt or not 0 < tau + change <= h:
-                break
-            tau += change
+        tau = event.tau
+        step = self._solve(tau, is_held=False)
+        if event.kind == "impact":
+            for _ in range(_MOST_REPETITIONS):
+                change = -step.u / step.v if step.v else 0.0
+                if abs(change) <= _NOTHING * self._dt or not 0 < tau + change <= h:
+                    break
+                tau += change
+                step = self._solve(tau, is_held=False)
         self._commit(step, tau)
-        self._land(step.v)
+        if event.kind == "impact":
+            self._land(step)
 
-    def _land(self, v: float) -> None:
+    def _land(self, step: _Step) -> None:
         """Change the velocities by the balance of momentum, and the side."""
         element, host, run = self._element, self._host, self.run
-        side = -element.side
-        _, velocities, _ = host.motion()
-        factor = run.velocity_factor
-        run.impacts += 1
-        run.events.append(WallEvent("impact", host.time(), 0.0, self._rotation_rate(v)))
-        after = self._with_link_velocity(velocities, factor * v)
-        mass = run.host_mass + self._wall_mass(side)
-        self._losses[1] += mass * (1 - factor**2) * v**2 / 2
-        push = self._push(after)
         t = host.time()
-        if element.settles(self._dt, factor * v, push, self._ground(t), run.host_mass):
-            self._losses[1] += mass * (factor * v) ** 2 / 2
+        run.impacts += 1
+        run.events.append(WallEvent("impact", t, 0.0, step.theta_dot))
+        v = float(element.land(step.u, step.v, run.host_mass)[0])
+        run.velocity_factor = v / step.v
+        mass = run.host_mass + self._wall_mass
+        self._losses[1] += mass * (step.v**2 - v**2) / 2
+        after = self._with_link_velocity(host.motion()[1], v)
+        push = self._push(after)
+        rests = v == 0 or element.settles(
+            self._dt, (step.u, v, 0.0), self._ground(t), push, run.host_mass
+        )
+        if rests:
+            self._losses[1] += mass * v**2 / 2
             run.events.append(WallEvent("rest", t, 0.0, 0.0))
-            self._enter(0, self._with_link_velocity(velocities, 0.0))
-        else:
-            self._enter(side, after)
-
-    def _rotation_rate(self, v: float) -> float:
-        return self._element.respond(0.0, v, 0.0, 0.0).theta_dot
-
-    def _wall_mass(self, side: int) -> float:
-        return self._element.respond(0.0, 0.0, 0.0, 0.0, side=side).mass
+        self._enter(*((0, self._with_link_velocity(after, 0.0)) if rests else (element.side, after)))
 
     def _with_link_velocity(self, velocities: Reals, v: float) -> Reals:
         """Return velocities after impulses at the links."""
@@ -384,6 +389,8 @@ class _Pair:
     def _enter(self, side: int, velocities: Reals) -> None:
         """Begin to rock on a side, or to rest, with accelerations in equilibrium."""
         host, shape = self._host, self._shape
+        if side != self._element.side:
+            self._element.place(side)
         free = self._free_accelerations(velocities)
         by_force = self._by_force[host.links]
         at_links = free[host.links]
@@ -391,14 +398,13 @@ class _Pair:
             forces = np.linalg.solve(by_force, at_links)
         else:
             v = float(velocities[host.links[-1]])
-            r = self._element.respond(0.0, v, 0.0, self._ground(host.time()), side=side)
+            r = self._element.respond(0.0, v, 0.0, self._ground(host.time()))
             residuals = at_links - shape * at_links[-1]
             residuals[-1] = -r.force - r.mass * at_links[-1]
             matrix = shape[:, None] * by_force[-1] - by_force
             matrix[-1] = shape + r.mass * by_force[-1]
             forces = np.linalg.solve(matrix, -residuals)
         host.set_rates(velocities, free - self._by_force @ forces)
-        self._element.commit(side)
         self._forces, self._rates = forces, np.zeros(len(forces))
         self._force = float(shape @ forces)
 
@@ -409,24 +415,15 @@ class _Pair:
         grounds = self._ground(t), self._ground(t + h)
         step = self._solve(h, is_held=True)
         ends = self._force, float(self._shape @ step.forces)
-        side, tau = self._element.next_lift_off(h, *ends, *grounds)
-        if side == 0:
+        still = np.zeros(3)
+        event = self._element.next_event(h, still, still, grounds, push=ends)
+        if event is None:
             self._commit(step, h)
             return
+        side, tau = event.side, event.tau
         if tau > _NOTHING * self._dt:
             # the push need not be linear: the rest of the step shows the lift-off, or none
             self._commit(self._solve(tau, is_held=True), tau)
             return
         self.run.events.append(WallEvent("lift_off", host.time(), 0.0, 0.0))
         self._enter(side, host.motion()[1])
-
-
-def _with_mass(case: Case, ratio: float) -> Case:
-    """Return the case of the element: with the rule 'coupled' beside the mass of the host."""
-    groups = [name for name in _FRAME_GROUPS if getattr(case, name, None) is not None]
-    alone = case.without(*groups) if groups else case
-    if case.impact is None or case.impact.rule != "coupled":
-        return alone
-    return alone.replace(frame={"T_s": 1.0, "gamma": ratio, "xi_s": 0.0})
-
-

@@ -5,7 +5,7 @@ module rwmf_bindings_python_handles
       c_null_ptr
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: add_context, error_t
-   use rwmf_embedding_element, only: wall_element_t
+   use rwmf_embedding_member, only: wall_member_t
    use rwmf_embedding_stepping, only: snapshot_t
    use rwmf_embedding_wall_group, only: destroy_walls, wall_group_t
    use rwmf_input_change, only: changes_t
@@ -22,7 +22,7 @@ module rwmf_bindings_python_handles
    public :: keep_motion, motion_of, complete_case, sampled_case, samples_of
 
    !> Object behind a handle: a case, samples of a motion, changed keys, the result or the
-   !> spectrum computed from a case, walls or an element of a host, or saved states of walls.
+   !> spectrum computed from a case, walls or a member of a host, or saved states of walls.
    type :: kept_t
       type(case_t), allocatable :: case
       !! constant once stored, so that any number of threads may use it
@@ -39,7 +39,7 @@ module rwmf_bindings_python_handles
       type(spectrum_t), allocatable :: spectrum
       type(wall_group_t), allocatable :: group
       type(snapshot_t), allocatable :: snapshots(:)
-      type(wall_element_t), allocatable :: element
+      type(wall_member_t), allocatable :: member
    end type kept_t
 
 contains

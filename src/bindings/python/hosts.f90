@@ -1,6 +1,6 @@
-!> Walls and elements of a host in Python. Flat procedures for f2py in the extension `rwmf._kernel`
+!> Walls and members of a host in Python. Flat procedures for f2py in the extension `rwmf._kernel`
 !> beside `rwmf_bindings_python_kernel`, with the same conventions. Only one thread at a time may
-!> use a wall.
+!> use a wall or a member.
 module rwmf_bindings_python_hosts
    use, intrinsic :: iso_c_binding, only: c_double, c_f_procpointer, c_int, c_int64_t, c_int8_t, &
       c_null_funptr, c_null_ptr
@@ -9,8 +9,12 @@ module rwmf_bindings_python_hosts
       put_error
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: dp
-   use rwmf_embedding_element, only: create_element, element_response_t, respond, velocity_factor
-   use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
+   use rwmf_embedding_member, only: commit_member, create_member, member_info_t, place_member, &
+      query_member, restart_member, revert_member, wall_member_t
+   use rwmf_embedding_member_events, only: land_member, member_event_t, member_settles, &
+      next_member_event
+   use rwmf_embedding_member_response, only: link_motion_t, member_response_t, query_links, &
+      respond_member
    use rwmf_embedding_stepping, only: advance_stepping
    use rwmf_embedding_wall_group, only: advance_walls, create_walls, fill_forces, fill_states, &
       restore_walls, save_walls
@@ -205,8 +209,8 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine walls_restore
 
-   !> Create an element.
-   subroutine element_create(case, handle, status, message, message_length)
+   !> Create the member of a case.
+   subroutine member_create(case, handle, status, message, message_length)
       integer(c_int64_t), intent(in) :: case
       integer(c_int64_t), intent(out) :: handle
       integer(c_int), intent(out) :: status
@@ -218,112 +222,229 @@ contains
 
       from => find(case)
       allocate (kept)
-      allocate (kept%element)
-      call create_element(kept%element, from%case, error)
+      allocate (kept%member)
+      call create_member(kept%member, from%case, error)
       call keep(kept, error, handle)
       call put_error(error, status, message, message_length)
-   end subroutine element_create
+   end subroutine member_create
 
-   !> Compute responses to n motions: `motion` is (n, 4) u, u', u'', u_g'', `responses` (n, 8) as
-   !> `rwmf_response`. After an error `failed` is the number of the motion.
-   subroutine element_respond(handle, sides, motion, responses, failed, status, message, &
-      message_length)
+   !> Return sizes and committed state: dofs, modes, floors, links, side, 1 if the tendon has broken.
+   subroutine member_info(handle, counts, u)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int64_t), intent(out) :: counts(6)
+      real(c_double), intent(out) :: u
+      type(kept_t), pointer :: kept
+      type(member_info_t) :: info
+      type(error_t), allocatable :: error
+
+      kept => find(handle)
+      call query_member(kept%member, info, error)
+      counts = [info%dofs, info%modes, info%floors, info%links, info%side, &
+         merge(1, 0, info%is_broken)]
+      u = info%u
+   end subroutine member_info
+
+   !> Compute responses to m trial motions; the last one sets the trial state.
+   !>
+   !> A side of 1 or -1 belongs to a wall with springs that have not moved; the state then neither
+   !> matters nor changes. After an error `failed` is the number of the motion.
+   subroutine member_respond(handle, sides, motion, found, failed, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int), intent(in) :: sides(:)
+      !! (m) 0 for the committed state
       real(c_double), intent(in) :: motion(:, :)
-      real(c_double), intent(inout) :: responses(:, :)
+      !! (3*dofs + 2, m) displacements, velocities, accelerations, u_g'', v_g''
+      real(c_double), intent(inout) :: found(:, :)
+      !! (dofs + 3*dofs**2 + 8, m) forces; stiffness, damping and mass row after row; hold (2), theta,
+      !! theta', theta'', cable, fuses (2)
       integer(c_int64_t), intent(out) :: failed
       integer(c_int), intent(out) :: status
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
-      type(element_response_t) :: r
+      type(wall_member_t) :: fresh
+      type(member_response_t) :: r
       type(error_t), allocatable :: error
       integer :: i
+      integer :: n
       !f2py threadsafe
 
       kept => find(handle)
+      n = kept%member%n
       failed = 0_c_int64_t
       do i = 1, size(sides)
-         call respond(kept%element, int(sides(i)), motion(i, 1), motion(i, 2), motion(i, 3), &
-            motion(i, 4), r, error)
+         associate (q => reshape(motion(:3*n, i), [n, 3]), ground => motion(3*n + 1:, i))
+            if (sides(i) == 0) then
+               call respond_member(kept%member, q, ground, r, error)
+            else
+               fresh = kept%member
+               call restart_member(fresh, error)
+               call place_member(fresh, int(sides(i)), error)
+               if (.not. allocated(error)) call respond_member(fresh, q, ground, r, error)
+            end if
+         end associate
          if (allocated(error)) then
             failed = i
             exit
          end if
-         responses(i, :) = [r%force, r%stiffness, r%damping, r%mass, r%theta, r%theta_dot, &
-            r%theta_ddot, r%cable]
+         found(:, i) = [r%force, transpose(r%stiffness), transpose(r%damping), transpose(r%mass), &
+            r%hold, r%theta, r%theta_dot, r%theta_ddot, r%cable, r%fuses]
       end do
       call put_error(error, status, message, message_length)
-   end subroutine element_respond
+   end subroutine member_respond
 
-   !> Velocity factor of an element at an impact [-].
-   subroutine element_factor(handle, factor)
+   !> Change the state: keep the trial state (1), return to the committed (2) or to the first one (3).
+   subroutine member_change(handle, change, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
-      real(c_double), intent(out) :: factor
+      integer(c_int), intent(in) :: change
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
+      type(error_t), allocatable :: error
 
       kept => find(handle)
-      factor = velocity_factor(kept%element)
-   end subroutine element_factor
+      select case (change)
+      case (1)
+         call commit_member(kept%member, error)
+      case (2)
+         call revert_member(kept%member, error)
+      case default
+         call restart_member(kept%member, error)
+      end select
+      call put_error(error, status, message, message_length)
+   end subroutine member_change
 
-   !> First impact in a step, as `rwmf_next_impact`; `motion` is dt, u_0, u_dot_0, u_1, u_dot_1.
-   subroutine element_next_impact(side, motion, found, tau, status, message, message_length)
+   !> Set the side of a wall that is committed at u = 0.
+   subroutine member_place(handle, side, status, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
       integer(c_int), intent(in) :: side
-      real(c_double), intent(in) :: motion(5)
-      integer(c_int), intent(out) :: found
-      real(c_double), intent(out) :: tau
-      integer(c_int), intent(out) :: status
-      integer(c_int8_t), intent(inout) :: message(:)
-      integer(c_int), intent(out) :: message_length
-      logical :: is_found
-      type(error_t), allocatable :: error
-
-      call next_impact(int(side), motion(1), motion(2), motion(3), motion(4), motion(5), is_found, &
-         tau, error)
-      found = merge(1_c_int, 0_c_int, is_found)
-      call put_error(error, status, message, message_length)
-   end subroutine element_next_impact
-
-   !> First lift-off in a step, as `rwmf_next_lift_off`; `motion` is dt, push_0, push_1, u_g_ddot_0,
-   !> u_g_ddot_1.
-   subroutine element_next_lift_off(handle, motion, side, tau, status, message, message_length)
-      integer(c_int64_t), intent(in) :: handle
-      real(c_double), intent(in) :: motion(5)
-      integer(c_int), intent(out) :: side
-      real(c_double), intent(out) :: tau
       integer(c_int), intent(out) :: status
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
       type(error_t), allocatable :: error
-      integer :: found
 
       kept => find(handle)
-      call next_lift_off(kept%element, motion(1), motion(2), motion(3), motion(4), motion(5), &
-         found, tau, error)
-      side = int(found, c_int)
+      call place_member(kept%member, int(side), error)
       call put_error(error, status, message, message_length)
-   end subroutine element_next_lift_off
+   end subroutine member_place
 
-   !> 1 if the host may put the wall to rest, as `rwmf_settles`; `motion` is dt, u_dot, push,
-   !> u_g_ddot, host_mass.
-   subroutine element_settles(handle, motion, answer, status, message, message_length)
+   !> Copy a member into a new object.
+   subroutine member_save(handle, saved)
       integer(c_int64_t), intent(in) :: handle
-      real(c_double), intent(in) :: motion(5)
+      integer(c_int64_t), intent(out) :: saved
+      type(kept_t), pointer :: from
+      type(kept_t), pointer :: kept
+      type(error_t), allocatable :: none
+
+      from => find(handle)
+      allocate (kept)
+      kept%member = from%member
+      call keep(kept, none, saved)
+   end subroutine member_save
+
+   !> Overwrite a member with a saved one.
+   subroutine member_restore(handle, saved)
+      integer(c_int64_t), intent(in) :: handle
+      integer(c_int64_t), intent(in) :: saved
+      type(kept_t), pointer :: kept
+      type(kept_t), pointer :: from
+
+      kept => find(handle)
+      from => find(saved)
+      kept%member = from%member
+   end subroutine member_restore
+
+   !> Motion of the wall at its links: (links, 3 + dofs) displacement, velocity, acceleration, and the
+   !> derivatives by the degrees of freedom.
+   subroutine member_links(handle, motion, links, status, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
+      real(c_double), intent(in) :: motion(:)
+      real(c_double), intent(inout) :: links(:, :)
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: kept
+      type(link_motion_t) :: found
+      type(error_t), allocatable :: error
+
+      kept => find(handle)
+      call query_links(kept%member, reshape(motion, [kept%member%n, 3]), found, error)
+      if (.not. allocated(error)) then
+         links(:, :3) = found%motion
+         links(:, 4:) = found%derivatives
+      end if
+      call put_error(error, status, message, message_length)
+   end subroutine member_links
+
+   !> First event in a step: `numbers` are dt, the pushes (2), the grounds (4) and motions (6*dofs) at
+   !> both ends; `event` is kind, time since the beginning, side.
+   subroutine member_next_event(handle, numbers, branches, event, status, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
+      real(c_double), intent(in) :: numbers(:)
+      integer(c_int), intent(in) :: branches
+      !! 0 to leave out the ends of branches
+      real(c_double), intent(out) :: event(3)
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: kept
+      type(member_event_t) :: found
+      type(error_t), allocatable :: error
+
+      kept => find(handle)
+      call next_member_event(kept%member, numbers(1), reshape(numbers(8:), [kept%member%n, 3, 2]), &
+         reshape(numbers(4:7), [2, 2]), numbers(2:3), found, error, branches /= 0)
+      event = [real(found%kind, dp), found%tau, real(found%side, dp)]
+      call put_error(error, status, message, message_length)
+   end subroutine member_next_event
+
+   !> Apply an impact: `mass` is that of the host, or empty for that of the case.
+   subroutine member_land(handle, displacements, velocities, mass, status, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
+      real(c_double), intent(in) :: displacements(:)
+      real(c_double), intent(inout) :: velocities(:)
+      real(c_double), intent(in) :: mass(:, :)
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: kept
+      type(error_t), allocatable :: error
+
+      kept => find(handle)
+      if (size(mass) > 0) then
+         call land_member(kept%member, displacements, velocities, error, mass)
+      else
+         call land_member(kept%member, displacements, velocities, error)
+      end if
+      call put_error(error, status, message, message_length)
+   end subroutine member_land
+
+   !> 1 if the wall that has landed may be put to rest: `numbers` are dt, push, ground (2) and motion
+   !> (3*dofs); `mass` as in `member_land`.
+   subroutine member_rests(handle, numbers, mass, answer, status, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
+      real(c_double), intent(in) :: numbers(:)
+      real(c_double), intent(in) :: mass(:, :)
       integer(c_int), intent(out) :: answer
       integer(c_int), intent(out) :: status
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
       type(error_t), allocatable :: error
-      logical :: is_settled
+      logical :: rests
 
       kept => find(handle)
-      is_settled = settles(kept%element, motion(1), motion(2), motion(3), motion(4), motion(5), &
-         error)
-      answer = merge(1_c_int, 0_c_int, is_settled)
+      associate (q => reshape(numbers(5:), [kept%member%n, 3]))
+         if (size(mass) > 0) then
+            rests = member_settles(kept%member, numbers(1), q, numbers(3:4), numbers(2), error, mass)
+         else
+            rests = member_settles(kept%member, numbers(1), q, numbers(3:4), numbers(2), error)
+         end if
+      end associate
+      answer = merge(1_c_int, 0_c_int, rests)
       call put_error(error, status, message, message_length)
-   end subroutine element_settles
+   end subroutine member_rests
 
 end module rwmf_bindings_python_hosts
