@@ -16,13 +16,27 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rwmf import loops, plot, records, studies
+    from rwmf import coupling, loops, plot, records, studies
     from rwmf._base_section import base_section, ufp_force
     from rwmf._checks.checks import Checks, LimitCheck, checks
     from rwmf._cost import Cost, cost
     from rwmf._design.design import Design, design
     from rwmf._explore import explore
     from rwmf._gradient.gradient import gradient
+    from rwmf._hosts import (
+        Element,
+        ElementEvent,
+        ElementResponse,
+        ElementSnapshot,
+        Wall,
+        WallEvent,
+        WallEvents,
+        WallForces,
+        WallMaxima,
+        Walls,
+        WallSnapshot,
+        WallState,
+    )
     from rwmf._response import Response
     from rwmf._risk import cloud, fragility, ida, risk, stripes
     from rwmf._simulation import simulate
@@ -40,6 +54,10 @@ __all__ = [
     "Checks",
     "Cost",
     "Design",
+    "Element",
+    "ElementEvent",
+    "ElementResponse",
+    "ElementSnapshot",
     "InputError",
     "Interrupted",
     "LimitCheck",
@@ -49,11 +67,20 @@ __all__ = [
     "RecordFile",
     "Response",
     "RwmfError",
+    "Wall",
+    "WallEvent",
+    "WallEvents",
+    "WallForces",
+    "WallMaxima",
+    "WallSnapshot",
+    "WallState",
+    "Walls",
     "__version__",
     "base_section",
     "checks",
     "cloud",
     "cost",
+    "coupling",
     "design",
     "explore",
     "find_records",
@@ -81,6 +108,10 @@ _HOMES = {
     "Checks": "_checks.checks",
     "Cost": "_cost",
     "Design": "_design.design",
+    "Element": "_hosts",
+    "ElementEvent": "_hosts",
+    "ElementResponse": "_hosts",
+    "ElementSnapshot": "_hosts",
     "InputError": "errors",
     "Interrupted": "errors",
     "LimitCheck": "_checks.checks",
@@ -92,6 +123,14 @@ _HOMES = {
     "RwmfError": "errors",
     "base_section": "_base_section",
     "checks": "_checks.checks",
+    "Wall": "_hosts",
+    "WallEvent": "_hosts",
+    "WallEvents": "_hosts",
+    "WallForces": "_hosts",
+    "WallMaxima": "_hosts",
+    "WallSnapshot": "_hosts",
+    "WallState": "_hosts",
+    "Walls": "_hosts",
     "cloud": "_risk",
     "cost": "_cost",
     "design": "_design.design",

@@ -4,4 +4,5 @@ from typing import Any
 
 rwmf_bindings_python_cases: Any
 rwmf_bindings_python_cost: Any
+rwmf_bindings_python_hosts: Any
 rwmf_bindings_python_kernel: Any

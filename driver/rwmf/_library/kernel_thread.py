@@ -14,7 +14,7 @@ import numpy.typing as npt
 from rwmf._library.marshalling import raise_for
 from rwmf.errors import Interrupted
 
-__all__ = ["Progress", "wait_for", "write"]
+__all__ = ["NoResult", "Progress", "wait_for", "write"]
 
 Progress = Callable[[int], None]
 _T = TypeVar("_T")
@@ -73,8 +73,14 @@ def wait_for(
     return result
 
 
-class _Written:
-    """A result without memory."""
+class NoResult:
+    """Result of a call that returns none.
+
+    Parameters
+    ----------
+    _ : int
+        Handle, not used.
+    """
 
     def __init__(self, _: int) -> None:
         pass
@@ -111,7 +117,7 @@ def write(call: Callable[[npt.NDArray[np.int64]], tuple[int, int]]) -> tuple[int
         return (0, *done[0])
 
     try:
-        _call_beside(keep, control, _Written, None)
+        _call_beside(keep, control, NoResult, None)
     except Interrupted:
         if done and done[0][0] == 0:
             return done[0]

@@ -5,6 +5,9 @@ module rwmf_bindings_python_handles
       c_null_ptr
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: add_context, error_t
+   use rwmf_embedding_member, only: wall_member_t
+   use rwmf_embedding_stepping, only: snapshot_t
+   use rwmf_embedding_wall_group, only: destroy_walls, wall_group_t
    use rwmf_input_change, only: changes_t
    use rwmf_input_record_samples, only: samples_t
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
@@ -15,11 +18,11 @@ module rwmf_bindings_python_handles
    implicit none
    private
 
-   public :: kept_t, keep, find, put_text, put_error, add_source, split_names, make_control
+   public :: kept_t, keep, find, free, put_text, put_error, add_source, split_names, make_control
    public :: keep_motion, motion_of, complete_case, sampled_case, samples_of
 
-   !> Object behind a handle: a case, samples of a motion, changed keys, or the result or the
-   !> spectrum computed from a case.
+   !> Object behind a handle: a case, samples of a motion, changed keys, the result or the
+   !> spectrum computed from a case, walls or a member of a host, or saved states of walls.
    type :: kept_t
       type(case_t), allocatable :: case
       !! constant once stored, so that any number of threads may use it
@@ -34,6 +37,9 @@ module rwmf_bindings_python_handles
       type(changes_t), allocatable :: changes
       type(result_t), allocatable :: result
       type(spectrum_t), allocatable :: spectrum
+      type(wall_group_t), allocatable :: group
+      type(snapshot_t), allocatable :: snapshots(:)
+      type(wall_member_t), allocatable :: member
    end type kept_t
 
 contains
@@ -48,11 +54,19 @@ contains
 
       handle = 0_c_int64_t
       if (allocated(error)) then
-         deallocate (kept)
+         call free(kept)
       else
          handle = transfer(c_loc(kept), handle)
       end if
    end subroutine keep
+
+   !> Free an object and all that belongs to it.
+   subroutine free(kept)
+      type(kept_t), pointer, intent(inout) :: kept
+
+      if (allocated(kept%group)) call destroy_walls(kept%group)
+      deallocate (kept)
+   end subroutine free
 
    !> Return the object behind a handle.
    function find(handle) result(kept)

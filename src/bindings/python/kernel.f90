@@ -15,8 +15,8 @@
 module rwmf_bindings_python_kernel
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t, c_loc
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_bindings_python_handles, only: complete_case, find, keep, kept_t, make_control, &
-      motion_of, put_error, put_text, sampled_case, split_names
+   use rwmf_bindings_python_handles, only: complete_case, find, free, keep, kept_t, &
+      make_control, motion_of, put_error, put_text, sampled_case, split_names
    use rwmf_core_error, only: error_t
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
@@ -114,7 +114,7 @@ contains
       type(kept_t), pointer :: kept
 
       kept => find(handle)
-      deallocate (kept)
+      call free(kept)
    end subroutine release
 
    !> Describe all values of a case, including those that were not given.

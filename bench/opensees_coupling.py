@@ -1,0 +1,183 @@
+"""Frames of OpenSeesPy coupled with a wall of rwmf, beside the kernel's own frames.
+
+``python bench/opensees_coupling.py`` computes each scene with four steps, halved three times, writes
+``validation/opensees/coupling.csv`` and prints it as a table. It needs ``openseespy`` in the same
+Python (``rwmf[opensees]``).
+"""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import sys
+import time
+from pathlib import Path
+from types import ModuleType
+from typing import NamedTuple
+
+import numpy as np
+import rwmf
+from rwmf.export.si_building import Frame, Law, read_building
+
+ROOT = Path(__file__).resolve().parents[1]
+STORE = ROOT / "validation" / "opensees" / "coupling.csv"
+WALL = "&wall h = 5.0, b = 1.2, m_w = 40e3 / &impact rule = 'coupled' / &solver rtol = 1e-10, t_end = 4.0 /\n"
+CABLE = "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss' /\n"
+END = "&output reactions = .true. / &model formulation = 'exact' /\n"
+
+
+def storeys(coupling: str) -> str:
+    """Write three storeys."""
+    return (
+        "&frame xi_s = 0.03 / &storeys n = 3, m = 40e3, k = 40e6, height = 3.3333333333333335, "
+        f"coupling = '{coupling}', distribution = 'linear' /\n"
+    )
+
+
+SCENES = {
+    "one mass": WALL + "&frame T_s = 0.8, gamma = 3.0, xi_s = 0.04 /" + CABLE,
+    "three storeys, wall at the roof": WALL + storeys("full") + CABLE,
+    "three storeys, wall at every floor": WALL + storeys("every_floor") + CABLE,
+    "yielding fuses, tendon that yields": WALL
+    + storeys("full")
+    + "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss', eta_y = 0.85 /"
+    + "&fuse F_y = 40e3, k = 2e7, hardening = 0.02 /\n",
+    "yielding columns, wall at the roof": WALL
+    + storeys("full")
+    + CABLE
+    + "&yielding storey_u_y = 0.008, hardening = 0.05 /",
+}
+T_END = 4.0
+# interval of the samples [s], and the longest step
+SAMPLES = 0.01
+STEPS = tuple(SAMPLES / 2**k for k in (1, 2, 3, 4))
+COMPARED_IMPACTS = 10
+
+
+class Row(NamedTuple):
+    """One coupling beside the kernel."""
+
+    scene: str
+    sensitivity: float
+    dt_ms: float
+    u_s_max_error: float
+    impacts_error_ms: float
+    history_error: float
+    order: float
+    us_per_step: float
+
+
+def motion() -> rwmf.Motion:
+    """Ground acceleration with two frequencies that ends after 2 s."""
+    t = np.arange(0, T_END + 2 * SAMPLES, SAMPLES)
+    a = 4.0 * np.sin(2 * np.pi * t / 0.9) + 2.0 * np.sin(2 * np.pi * t / 0.37)
+    return rwmf.Motion(np.where(t < 2.0, a, 0.0), dt=SAMPLES, unit="m/s2")
+
+
+def case_of(scene: str) -> rwmf.Case:
+    """Make the case of a scene."""
+    case = rwmf.Case.from_text(SCENES[scene] + END)
+    return case.replace(motion=motion(), solver={"t_end": T_END})
+
+
+def build(ops: ModuleType, frame: Frame) -> None:
+    """Model the frame in OpenSees: floors 2, 3, ... above the ground, node 1."""
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    ops.node(1, 0.0)
+    ops.fix(1, 1)
+    for i, law in enumerate(frame.laws):
+        ops.node(i + 2, 0.0)
+        ops.mass(i + 2, float(frame.m[i]))
+        ops.uniaxialMaterial(*_material(i + 1, law))
+        ops.element("zeroLength", i + 1, i + 1, i + 2, "-mat", i + 1, "-dir", 1)
+    n = len(frame.laws)
+    for i in range(n):
+        for j in range(i, n):
+            tag = 100 + n * i + j
+            value = float(frame.c[i].sum() if i == j else -frame.c[i, j])
+            ops.uniaxialMaterial("Elastic", tag, 0.0, value)
+            ends = (i + 2, 1 if i == j else j + 2)
+            ops.element("zeroLength", tag, *ends, "-mat", tag, "-dir", 1)
+    given = motion()
+    ops.timeSeries("Path", 1, "-dt", SAMPLES, "-values", *np.asarray(given.values).tolist())
+    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+
+
+def _material(tag: int, law: Law) -> tuple[object, ...]:
+    if np.isinf(law.force_y):
+        return ("Elastic", tag, law.k)
+    return ("Steel01", tag, law.force_y, law.k, float(law.values["hardening"]))
+
+
+def impacts_of(run: rwmf.Response) -> np.ndarray:
+    """Times of the first impacts of a run [s]."""
+    is_impact = run["event"].values == "impact"
+    return np.asarray(run["event_time"].values[is_impact][:COMPARED_IMPACTS])
+
+
+def compare(ops: ModuleType, scene: str) -> list[Row]:
+    """Couple a scene with each step."""
+    case = case_of(scene)
+    frame = read_building(case).frame
+    assert frame is not None
+    truth = rwmf.simulate(case, SAMPLES)
+    times, values = np.arange(len(motion().values)) * SAMPLES, np.asarray(motion().values)
+    nodes = list(range(2, 2 + len(frame.laws)))
+    heights = np.cumsum(frame.height)
+    is_linked_everywhere = frame.coupling == "every_floor"
+    rows: list[Row] = []
+    for dt in STEPS:
+        build(ops, frame)
+        begun = time.perf_counter()
+        host = rwmf.coupling.OpenSeesHost(ops, nodes if is_linked_everywhere else nodes[-1:])
+        run = rwmf.coupling.couple(
+            case, host, lambda t: float(np.interp(t, times, values)), dt, T_END,
+            heights=heights if is_linked_everywhere else None,
+        )  # fmt: skip
+        seconds = time.perf_counter() - begun
+        history = np.interp(truth.time.values, run.t, run.u) - truth.u_s.values
+        error = float(np.abs(history).max() / truth.u_s_max)
+        ours = impacts_of(truth)
+        theirs = np.array([event.t for event in run.events if event.kind == "impact"])
+        impacts = float(np.abs(theirs[: ours.size] - ours).max()) if theirs.size >= ours.size else np.nan
+        rows.append(
+            Row(
+                scene, float(truth["sensitivity_u_s_max"]), 1e3 * dt,
+                run.u_s_max / float(truth.u_s_max) - 1, 1e3 * impacts, error,
+                np.log2(rows[-1].history_error / error) if rows else np.nan,
+                1e6 * seconds / (T_END / dt),
+            )  # fmt: skip
+        )
+        print(rows[-1], len(ours), len(theirs), run.energy, file=sys.stderr, flush=True)
+    return rows
+
+
+def main() -> None:
+    """Compute all scenes."""
+    ops = importlib.import_module("openseespy.opensees")
+    rows = [row for scene in SCENES for row in compare(ops, scene)]
+    with STORE.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(Row._fields)
+        for row in rows:
+            writer.writerow([row.scene, *(f"{value:.3g}" for value in row[1:])])
+    print(table(rows))
+
+
+def table(rows: list[Row]) -> str:
+    """Write the rows as a table of a page."""
+    lines = [
+        "| scene | step [ms] | largest $u_s$ | first impacts [ms] | history of $u_s$ | order |",
+        "|---|---|---|---|---|---|",
+    ]
+    lines += [
+        f"| {row.scene} | {row.dt_ms:g} | {row.u_s_max_error:.1e} | {row.impacts_error_ms:.1e} | "
+        f"{row.history_error:.1e} | {'' if np.isnan(row.order) else f'{row.order:.2f}'} |"
+        for row in rows
+    ]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    main()

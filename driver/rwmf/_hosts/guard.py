@@ -1,0 +1,74 @@
+"""Access to an object of the kernel: one thread at a time, not after its end."""
+
+from __future__ import annotations
+
+import threading
+from types import TracebackType
+from typing import Generic, NoReturn, TypeVar
+
+from rwmf.errors import InputError
+
+__all__ = ["Guard", "NotPickled"]
+
+_K = TypeVar("_K")
+
+
+class NotPickled:
+    """Base of objects whose memory belongs to the kernel."""
+
+    def __reduce__(self) -> NoReturn:
+        """Refuse pickling and copying."""
+        name = type(self).__name__
+        raise TypeError(f"{name} cannot be pickled or copied: create it from its case")
+
+
+class Guard(Generic[_K]):
+    """Lends an object of the kernel to one call at a time; other threads wait.
+
+    Parameters
+    ----------
+    kept : object
+        The object.
+    name : str
+        Name of its class, for messages.
+    """
+
+    __slots__ = ("_is_busy", "_kept", "_lock", "_name")
+
+    def __init__(self, kept: _K, name: str) -> None:
+        self._kept: _K | None = kept
+        self._name = name
+        self._is_busy = False
+        self._lock = threading.RLock()
+
+    def __enter__(self) -> _K:
+        self._lock.acquire()
+        if self._kept is None or self._is_busy:
+            problem = "is closed" if self._kept is None else "is in use: a call of it is not over"
+            self._lock.release()
+            raise InputError(f"this {self._name} {problem}")
+        self._is_busy = True
+        return self._kept
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
+        self._is_busy = False
+        self._lock.release()
+
+    @property
+    def is_open(self) -> bool:
+        """False after `close`."""
+        return self._kept is not None
+
+    def close(self) -> None:
+        """Drop the object; a second call has no effect.
+
+        Raises
+        ------
+        InputError
+            When one of its calls is not over.
+        """
+        if self._kept is not None:
+            with self:
+                self._kept = None

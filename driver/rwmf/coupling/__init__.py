@@ -1,0 +1,17 @@
+"""Coupling of the wall with a frame that another program integrates.
+
+::
+
+    host = rwmf.coupling.OpenSeesHost(ops, nodes=[2])
+    run = rwmf.coupling.couple(case, host, ground, dt=0.001, t_end=10.0)
+
+`couple` owns the time loop: every step is iterated until wall and host agree on the force and the
+motion of the link. Units are SI.
+"""
+
+from rwmf.coupling.function_host import FunctionHost
+from rwmf.coupling.host import Host
+from rwmf.coupling.loop import CoupledRun, CouplingEnergy, couple
+from rwmf.coupling.opensees_host import OpenSeesHost
+
+__all__ = ["CoupledRun", "CouplingEnergy", "FunctionHost", "Host", "OpenSeesHost", "couple"]

@@ -1,0 +1,208 @@
+"""A frame given by functions of Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from rwmf._numbers import show, to_array, to_items
+from rwmf.coupling.host import Reals, Wholes, end_rates
+from rwmf.errors import InputError, NumericalError
+
+__all__ = ["FunctionHost"]
+
+_MOST_ITERATIONS = 50
+# relative size of an increment at which Newton's method has converged
+_CONVERGED = 1e-13
+# difference for a tangent, relative to the increment of a step
+_DIFFERENCE = 1e-6
+
+
+class FunctionHost:
+    """A frame given by its masses and functions for damping and restoring forces.
+
+    Its equation is M u'' + d(u') + r(u) + f = -M u_g'', with all displacements horizontal and
+    relative to the ground.
+
+    Parameters
+    ----------
+    mass : array_like, shape (dofs,) or (dofs, dofs)
+        Masses, or mass matrix [kg].
+    damping : array_like, shape (dofs, dofs), or callable
+        Matrix [N s/m], or damping forces [N] at velocities [m/s].
+    restoring : array_like, shape (dofs, dofs), or callable
+        Matrix [N/m], or restoring forces [N] at displacements [m]. A function is called for trial
+        displacements in any order; a law with memory keeps its state until `on_commit`.
+    ground : callable
+        Ground acceleration [m/s2] at a time [s].
+    links : sequence of int
+        Degrees of freedom linked to the wall, from the ground up, counted from 0.
+    on_commit : callable, optional
+        Called with the displacements [m] at the end of each step.
+
+    Raises
+    ------
+    InputError
+        When an argument is not acceptable.
+    """
+
+    def __init__(
+        self,
+        mass: object,
+        damping: object,
+        restoring: object,
+        ground: Callable[[float], float],
+        links: object,
+        on_commit: Callable[[Reals], None] | None = None,
+    ) -> None:
+        self._mass = _matrix("mass", mass)
+        n = len(self._mass)
+        self._damping = _forces("damping", damping, n)
+        self._restoring = _forces("restoring", restoring, n)
+        if not callable(ground):
+            raise InputError(f"ground = {show(ground)}: must be callable")
+        self._ground = ground
+        self._on_commit = on_commit
+        numbers = to_items(links) or []
+        if not numbers or any(number not in range(n) for number in numbers):
+            raise InputError(f"links = {show(links)}: must be numbers in [0, {n - 1}]")
+        self.links: Wholes = np.array(numbers, dtype=np.int64)
+        self._t = 0.0
+        self._u, self._v, self._a = np.zeros((3, n))
+
+    def motion(self) -> tuple[Reals, Reals, Reals]:
+        """Return the committed displacements, velocities and accelerations [m, s].
+
+        Returns
+        -------
+        tuple of numpy.ndarray, each of shape (dofs,)
+            The motion.
+        """
+        return self._u, self._v, self._a
+
+    def time(self) -> float:
+        """Return the time of the committed motion.
+
+        Returns
+        -------
+        float
+            The time [s].
+        """
+        return self._t
+
+    def attempt(self, forces: Reals, h: float) -> Reals:
+        """Compute the increments of a step without committing it, as `Host.attempt`.
+
+        Parameters
+        ----------
+        forces : numpy.ndarray, shape (links,)
+            Forces on the frame at the end of the step [N].
+        h : float
+            Length of the step [s].
+
+        Returns
+        -------
+        numpy.ndarray, shape (dofs,)
+            Increments of displacement [m].
+
+        Raises
+        ------
+        NumericalError
+            When the frame finds no equilibrium.
+        """
+        load = -self._mass.sum(axis=1) * self._ground(self._t + h)
+        np.add.at(load, self.links, forces)
+        increment = h * self._v
+        size = h * np.abs(self._v).max() + h * h * np.abs(self._a).max()
+        for _ in range(_MOST_ITERATIONS):
+            v, a = end_rates(increment, h, self._v, self._a)
+            u = self._u + increment
+            residual = load - self._mass @ a - self._damping(v) - self._restoring(u)
+            matrix = (
+                4 / h**2 * self._mass
+                + 2 / h * _tangent(self._damping, v, np.abs(self._v).max() + h)
+                + _tangent(self._restoring, u, size + h * h)
+            )
+            change = np.linalg.solve(matrix, residual)
+            increment = increment + change
+            size = max(size, float(np.abs(increment).max()))
+            if np.abs(change).max() <= _CONVERGED * size:
+                return increment
+        raise NumericalError(f"t = {self._t:g} s: the host finds no equilibrium")
+
+    def commit(self, forces: Reals, h: float) -> None:
+        """Make a step, as `Host.commit`.
+
+        Parameters
+        ----------
+        forces : numpy.ndarray, shape (links,)
+            Forces on the frame at the end of the step [N].
+        h : float
+            Length of the step [s].
+
+        Raises
+        ------
+        NumericalError
+            When the frame finds no equilibrium.
+        """
+        increment = self.attempt(forces, h)
+        v, a = end_rates(increment, h, self._v, self._a)
+        self._u, self._v, self._a = self._u + increment, v, a
+        self._t += h
+        if self._on_commit is not None:
+            self._on_commit(self._u.copy())
+
+    def set_rates(self, velocities: Reals, accelerations: Reals) -> None:
+        """Replace the committed rates.
+
+        Parameters
+        ----------
+        velocities : numpy.ndarray, shape (dofs,)
+            Velocities [m/s].
+        accelerations : numpy.ndarray, shape (dofs,)
+            Accelerations [m/s2].
+        """
+        self._v, self._a = velocities, accelerations
+
+
+def _matrix(name: str, value: object, n: int | None = None) -> Reals:
+    """Return a square matrix; a vector is its diagonal."""
+    array = np.asarray(value)
+    flat = to_array(name, array.ravel(), least=1)
+    square = np.diag(flat) if array.ndim == 1 else flat.reshape(array.shape)
+    if square.ndim != 2 or square.shape[0] != square.shape[1] or n not in (None, len(square)):
+        size = "(dofs, dofs)" if n is None else f"({n}, {n})"
+        raise InputError(f"{name}: has the shape {array.shape}: must have {size}")
+    return square
+
+
+def _forces(name: str, value: object, n: int) -> Callable[[Reals], Reals]:
+    """Return a function for forces."""
+    if not callable(value):
+        return _Linear(_matrix(name, value, n))
+
+    def compute(at: Reals) -> Reals:
+        return to_array(name, value(at.copy()), least=n)
+
+    return compute
+
+
+class _Linear:
+    """Forces by a matrix."""
+
+    def __init__(self, matrix: Reals) -> None:
+        self.matrix = matrix
+
+    def __call__(self, at: Reals) -> Reals:
+        return np.asarray(self.matrix @ at)
+
+
+def _tangent(forces: Callable[[Reals], Reals], at: Reals, size: float) -> Reals:
+    """Return the derivative of forces: of a function by differences."""
+    if isinstance(forces, _Linear):
+        return forces.matrix
+    step = _DIFFERENCE * size
+    here = forces(at)
+    columns = [(forces(at + step * unit) - here) / step for unit in np.eye(len(at))]
+    return np.array(columns).T

@@ -1,0 +1,119 @@
+"""Interface of a frame to the time loop of the coupling."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Host", "Reals", "Wholes", "end_rates"]
+
+Reals = npt.NDArray[np.float64]
+Wholes = npt.NDArray[np.int64]
+
+
+class Host(Protocol):
+    """A frame that steps by Newmark's average acceleration and can try a step.
+
+    Vectors over the degrees of freedom hold displacements relative to the ground.
+
+    Attributes
+    ----------
+    links : numpy.ndarray of int, shape (links,)
+        Degrees of freedom linked to the wall, from the ground up.
+    """
+
+    links: Wholes
+
+    def motion(self) -> tuple[Reals, Reals, Reals]:
+        """Return the committed motion of all degrees of freedom.
+
+        Returns
+        -------
+        tuple of numpy.ndarray, each of shape (dofs,)
+            Displacements [m], velocities [m/s], accelerations [m/s2].
+        """
+        ...
+
+    def time(self) -> float:
+        """Return the time of the committed motion.
+
+        Returns
+        -------
+        float
+            The time [s].
+        """
+        ...
+
+    def attempt(self, forces: Reals, h: float) -> Reals:
+        """Compute a step without committing it.
+
+        Parameters
+        ----------
+        forces : numpy.ndarray, shape (links,)
+            Forces on the frame at the links at the end of the step [N].
+        h : float
+            Length of the step [s].
+
+        Returns
+        -------
+        numpy.ndarray, shape (dofs,)
+            Increments of displacement [m].
+
+        Raises
+        ------
+        NumericalError
+            When the frame finds no equilibrium.
+        """
+        ...
+
+    def commit(self, forces: Reals, h: float) -> None:
+        """Make a step.
+
+        Parameters
+        ----------
+        forces : numpy.ndarray, shape (links,)
+            Forces on the frame at the links at the end of the step [N].
+        h : float
+            Length of the step [s].
+
+        Raises
+        ------
+        NumericalError
+            When the frame finds no equilibrium.
+        """
+        ...
+
+    def set_rates(self, velocities: Reals, accelerations: Reals) -> None:
+        """Replace the committed rates, after an impact, a lift-off or rest.
+
+        Parameters
+        ----------
+        velocities : numpy.ndarray, shape (dofs,)
+            Velocities [m/s].
+        accelerations : numpy.ndarray, shape (dofs,)
+            Accelerations [m/s2].
+        """
+        ...
+
+
+def end_rates(increment: Reals, h: float, v: Reals, a: Reals) -> tuple[Reals, Reals]:
+    """Return the rates at the end of a step of average acceleration.
+
+    Parameters
+    ----------
+    increment : numpy.ndarray
+        Increments of displacement [m].
+    h : float
+        Length of the step [s].
+    v, a : numpy.ndarray
+        Velocities [m/s] and accelerations [m/s2] at its beginning.
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Velocities [m/s] and accelerations [m/s2] at its end.
+    """
+    mean = increment / h
+    return 2 * mean - v, 4 * (mean - v) / h - a

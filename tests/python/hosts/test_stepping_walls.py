@@ -1,0 +1,319 @@
+"""Walls that step with a host in Python: the bits of other hosts, threads, memory, errors."""
+
+from __future__ import annotations
+
+import copy
+import gc
+import math
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import c_host
+import numpy as np
+import pytest
+import rwmf
+
+TEXT = (
+    "&wall h = 2.0, b = 0.5, m_w = 2.0e4 / &frame T_s = 1.0, gamma = 5.0, xi_s = 0.05 /"
+    "&impact rule = 'coupled' / &solver method = '{}', t_end = 4.0 / {}"
+)
+PULSE = "&motion kind = 'one_sine', a_max_g = 0.4, T_p = 1.0 /"
+EFFECTS = "&cable eta_0 = 0.5, eta_alpha = 4.0, eta_y = 0.6 / &fuse F_y = 2e4, k = 1e7 /"
+METHODS = ("dop853", "adams", "erk54", "extrapolation")
+DT = 0.02
+# growth of a process that only makes and drops objects: an allocator's slack
+SLACK_BYTES = 8 * 2**20
+
+
+def case_of(text: str = PULSE, method: str = "dop853") -> rwmf.Case:
+    return rwmf.Case.from_text(TEXT.format(method, text))
+
+
+def step_of(i: int, amplitude: float = 4.0) -> tuple[np.ndarray, np.ndarray]:
+    t = np.array([i, i + 1]) * DT
+    return t, amplitude * np.sin(6 * t)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("effects", ["", EFFECTS])
+def test_the_bits_of_a_host_in_c(method: str, effects: str) -> None:
+    text = TEXT.format(method, effects)
+    with c_host.stepping(text, 4.0) as theirs, rwmf.Wall(rwmf.Case.from_text(text), peak=4.0) as ours:
+        for i in range(60):
+            t, a = step_of(i)
+            if i % 7 == 3:
+                theirs.save()
+                snapshot = ours.save()
+                theirs.advance_samples(t.tolist(), [0.0, 9.0])
+                ours.advance_samples(t, [0.0, 9.0])
+                theirs.restore()
+                ours.restore(snapshot)
+            if i % 5 == 4:
+                theirs.advance_ground(float(t[1]), math.sin)
+                ours.advance_ground(float(t[1]), math.sin)
+            else:
+                theirs.advance_samples(t.tolist(), a.tolist())
+                ours.advance_samples(t, a)
+            state, found = theirs.state(), ours.state
+            for name in ("t", "theta", "theta_dot", "theta_ddot", "u_s", "u_s_dot", "u_s_ddot",
+                         "impacts", "lift_offs", "steps", "at_rest", "overturned"):  # fmt: skip
+                assert getattr(state, name) == getattr(found, name), (i, name)
+            assert ours.maxima[:2] == (state.u_s_max, state.theta_max)
+            assert [getattr(theirs.forces(), name) for name in ours.forces._fields] == [*ours.forces]
+
+
+def test_the_bits_of_one_run(elcentro: Path) -> None:
+    motion = f"&motion kind = 'record', file = '{elcentro}', scale = 2.0 /"
+    case = case_of(motion)
+    run = rwmf.simulate(case)
+    with rwmf.Wall(case) as wall:
+        for k in range(1, 201):
+            wall.advance(k * 0.02)
+        assert wall.maxima.u_s_max == float(run.u_s_max)
+        assert wall.maxima.theta_dot_max == pytest.approx(float(run.theta_dot_max), rel=1e-12)
+        assert wall.state.impacts == int(run.impacts) > 5
+        assert wall.t == 4.0
+
+
+@pytest.mark.parametrize("threads", [1, 2, 7])
+def test_many_walls_have_the_bits_of_each(threads: int) -> None:
+    cases = [case_of().replace(frame={"T_s": 0.3 + 0.1 * k}) for k in range(12)]
+    with rwmf.Walls(cases, threads=threads) as walls:
+        assert len(walls) == 12
+        rows = np.array([[0.0, 3.0 + 0.1 * k] for k in range(12)])
+        walls.advance_samples([0.0, 0.3], rows)
+        walls.advance(1.0)
+        walls.advance_samples([1.0, 1.2], [4.0, -5.0])
+        state, forces, maxima, events = walls.state, walls.forces, walls.maxima, walls.events
+        assert walls.t == 1.2
+    for k, case in enumerate(cases):
+        with rwmf.Wall(case) as wall:
+            wall.advance_samples([0.0, 0.3], rows[k])
+            wall.advance(1.0)
+            wall.advance_samples([1.0, 1.2], [4.0, -5.0])
+            assert wall.state == tuple(column[k] for column in state)
+            assert wall.forces == tuple(column[k] for column in forces)
+            assert wall.maxima == tuple(column[k] for column in maxima)
+            mine = events.wall == k
+            assert [event.t for event in wall.events] == events.t[mine].tolist()
+            assert [event.kind for event in wall.events] == events.kind[mine].tolist()
+
+
+def test_one_case_and_a_number() -> None:
+    with rwmf.Walls(case_of(), 3) as walls:
+        walls.advance(0.5)
+        theta = walls.state.theta
+        assert np.ptp(theta) == 0 and theta[0] != 0
+        assert walls.state.at_rest.dtype == np.bool_
+        assert walls.state.impacts.dtype == np.int64
+
+
+def test_a_call_that_fails_for_one_wall_changes_none() -> None:
+    weak = case_of().replace(solver={"max_steps": 12})
+    with rwmf.Walls([case_of(), weak, case_of()]) as walls:
+        walls.advance(0.05)
+        before = walls.state
+        with pytest.raises(rwmf.NumericalError, match="wall 2"):
+            walls.advance(4.0)
+        for then, now in zip(before, walls.state, strict=True):
+            assert np.array_equal(then, now)
+        walls.advance(0.06)
+        with rwmf.Wall(case_of()) as wall:
+            wall.advance(0.05)
+            wall.advance(0.06)
+            assert wall.state.theta == walls.state.theta[0]
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("method", ["dop853", "extrapolation"])
+def test_trials_never_change_the_path(seed: int, method: str) -> None:
+    """Random trial steps, restores and accepted steps: the accepted path keeps its bits."""
+    random = np.random.default_rng(seed)
+    case = case_of(EFFECTS, method)
+    with rwmf.Wall(case) as straight, rwmf.Wall(case) as tried:
+        for i in range(60):
+            t, a = step_of(i, 6.0)
+            snapshot = tried.save()
+            for _ in range(random.integers(0, 3)):
+                tried.advance_samples(t, random.uniform(-8, 8, 2))
+                if random.random() < 0.3:
+                    tried.next_event(float(t[1] + random.uniform(0, 0.3)))
+                tried.restore(snapshot)
+            straight.advance_samples(t, a)
+            tried.advance_samples(t, a)
+            assert tried.state == straight.state
+            assert tried.maxima == straight.maxima
+            assert tried.forces == straight.forces
+
+
+def test_events_end_an_advance() -> None:
+    kinds = ("impact", "lift_off")
+    run = rwmf.simulate(case_of().replace(solver={"rtol": 1e-10}), 0.01)
+    names = run["event"].values.tolist()
+    expected = [
+        (name, float(t))
+        for name, t in zip(names, run["event_time"].values, strict=True)
+        if name in kinds
+    ]
+    found = []
+    with rwmf.Wall(case_of().replace(solver={"rtol": 1e-10})) as wall:
+        while (event := wall.next_event(4.0, kinds)) is not None:
+            found.append((event.kind, event.t))
+            assert abs(wall.t - event.t) < 1e-6
+            assert wall.state.impacts == sum(name == "impact" for name, _ in found)
+        assert wall.t == 4.0
+    assert [name for name, _ in found] == [name for name, _ in expected]
+    assert [t for _, t in found] == pytest.approx([t for _, t in expected], abs=1e-7)
+    with rwmf.Wall(case_of()) as wall:
+        peak = wall.next_event(4.0, ["peak"])
+        assert peak is not None and peak.kind == "peak"
+
+
+def _fails(error: type[Exception], match: str, call: Callable[[], object]) -> None:
+    with pytest.raises(error, match=match):
+        call()
+
+
+def test_bad_calls_are_named_and_change_nothing() -> None:
+    with rwmf.Wall(case_of()) as wall, rwmf.Wall(case_of(EFFECTS)) as other:
+        wall.advance(0.3)
+        before = wall.state
+        nan, text = float("nan"), "0.5"
+        bad = rwmf.InputError
+        _fails(bad, "cannot advance to t = 0.1 s", lambda: wall.advance(0.1))
+        _fails(bad, "t = nan", lambda: wall.advance(np.float64(nan)))
+        _fails(bad, "t = '0.5'", lambda: wall.advance(text))  # type: ignore[arg-type]
+        _fails(bad, "expected is the present time", lambda: wall.advance_samples([0.0, 1.0], [0, 1]))
+        _fails(bad, "increase strictly", lambda: wall.advance_samples([0.3, 0.3], [0, 1]))
+        _fails(bad, r"a: has the shape \(3,\)", lambda: wall.advance_samples([0.3, 1], [0, 1, 2]))
+        _fails(bad, r"shape \(2, 2\)", lambda: wall.advance_samples([0.3, 1], np.ones((2, 2))))
+        _fails(bad, "times and accel", lambda: wall.advance_samples([0.3], [1.0]))
+        _fails(bad, "not a finite", lambda: wall.advance_samples(np.array([0.3, 1]), np.array([0, nan])))
+        _fails(bad, "not a finite", lambda: wall.advance_samples([0.3, 1], [0, nan]))
+        _fails(bad, "function = 3", lambda: wall.advance_ground(1.0, 3))  # type: ignore[arg-type]
+        _fails(rwmf.NumericalError, "", lambda: wall.advance_ground(1.0, lambda t: 1.0 if t in (0.3, 1.0) else nan))
+        _fails(ZeroDivisionError, "", lambda: wall.advance_ground(1.0, lambda t: 1 / (t - 1.0)))
+        _fails(bad, "snapshot = 3", lambda: wall.restore(3))  # type: ignore[arg-type]
+        _fails(bad, "another wall", lambda: wall.restore(other.save()))
+        _fails(bad, "kinds = 'knock'", lambda: wall.next_event(1.0, ["knock"]))
+        _fails(bad, "in use", lambda: wall.advance_ground(1.0, lambda t: wall.t))
+        assert wall.state == before
+        with rwmf.Walls(case_of(), 2) as walls:
+            _fails(bad, "has 1 walls", lambda: walls.restore(wall.save()))
+    _fails(bad, "t_begin", lambda: rwmf.Wall(case_of(), t_begin=nan))
+    _fails(bad, "peak = 0", lambda: rwmf.Wall(case_of(), peak=0.0))
+    _fails(bad, "n = 3", lambda: rwmf.Walls([case_of(), case_of()], 3))
+    _fails(bad, "n = 0", lambda: rwmf.Walls(case_of(), 0))
+    _fails(bad, "cases", lambda: rwmf.Walls([]))
+    _fails(bad, "accuracy", lambda: rwmf.Wall(case_of().replace(solver={"accuracy": 1e-6})))
+    _fails(bad, "threads = -1", lambda: rwmf.Walls(case_of(), 2, threads=-1))
+
+
+def test_use_after_the_end() -> None:
+    wall = rwmf.Wall(case_of())
+    snapshot = wall.save()
+    wall.close()
+    wall.close()
+    assert "closed" in repr(wall)
+    bad = rwmf.InputError
+    _fails(bad, "Wall is closed", lambda: wall.advance(1.0))
+    _fails(bad, "Wall is closed", lambda: wall.state)
+    _fails(bad, "Wall is closed", lambda: wall.restore(snapshot))
+    with rwmf.Walls(case_of(), 2) as walls:
+        pass
+    _fails(bad, "Walls is closed", lambda: walls.maxima)
+
+
+def test_walls_are_not_pickled_or_copied() -> None:
+    with rwmf.Wall(case_of()) as wall:
+        for value in (wall, wall.save()):
+            _fails(TypeError, "cannot be pickled or copied", lambda value=value: pickle.dumps(value))
+            _fails(TypeError, "cannot be pickled or copied", lambda value=value: copy.copy(value))
+        assert pickle.loads(pickle.dumps(wall.state)) == wall.state
+
+
+def test_a_wall_in_many_threads() -> None:
+    """Walls of several threads have the bits of one; calls of one wall wait for each other."""
+
+    def run(_: int) -> object:
+        with rwmf.Wall(case_of()) as wall:
+            for i in range(50):
+                wall.advance_samples(*step_of(i))
+            return wall.state
+
+    with ThreadPoolExecutor(8) as pool:
+        assert len(set(pool.map(run, range(16)))) == 1
+        with rwmf.Wall(case_of()) as wall:
+            times = [0.01 * k for k in range(1, 200)]
+            done = list(pool.map(lambda _: wall.save(), times))
+            wall.advance(1.0)
+            list(pool.map(wall.restore, done))
+            assert wall.t == 0.0
+
+
+def test_the_interpreter_runs_during_a_call() -> None:
+    case = case_of().replace(solver={"rtol": 1e-12})
+    counted = 0
+    done = threading.Event()
+
+    def work() -> None:
+        with rwmf.Walls(case, 3000, threads=1) as walls:
+            walls.advance(4.0)
+        done.set()
+
+    worker = threading.Thread(target=work)
+    worker.start()
+    while not done.wait(0.001):
+        counted += 1
+    worker.join()
+    assert counted > 20
+
+
+def test_ctrl_c_stops_many_walls() -> None:
+    case = case_of().replace(solver={"rtol": 1e-12})
+    with rwmf.Walls(case, 20000, threads=1) as walls:
+        timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+        timer.start()
+        with pytest.raises(rwmf.Interrupted):
+            walls.advance(4.0)
+        timer.join()
+        assert walls.t == 0.0
+        assert not walls.state.steps.any()
+
+
+def _resident_bytes() -> int:
+    pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
+    return pages * 4096
+
+
+@pytest.mark.slow
+def test_cycles_leave_no_memory() -> None:
+    case = case_of(EFFECTS)
+
+    def cycle(n: int) -> None:
+        for i in range(n):
+            with rwmf.Wall(case) as wall:
+                snapshot = wall.save()
+                if i % 10 == 0:
+                    wall.advance_samples(*step_of(0))
+                    wall.restore(snapshot)
+                    assert wall.events == []
+
+    cycle(2000)
+    gc.collect()
+    before = _resident_bytes()
+    cycle(100_000)
+    gc.collect()
+    assert _resident_bytes() - before < SLACK_BYTES
+
+
+def test_imports_stay_small() -> None:
+    program = "import sys, rwmf; print([m for m in sys.modules if 'hosts' in m or 'coupling' in m])"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
