@@ -94,7 +94,9 @@ def _resources(case: Case) -> dict[str, bytes]:
     # neither sweeps nor files belong to a unit; its demands need the requests of `reactions`
     for name in ("spectrum", "sensitivity", "design"):
         groups.pop(name, None)
-    output = {k: v for k, v in groups.pop("output", {}).items() if k in ("energy", "friction_limit")}
+    output = {
+        k: v for k, v in groups.pop("output", {}).items() if k in ("energy", "friction_limit")
+    }
     groups["output"] = output | {"reactions": True}
     return {"case.nml": compose(groups).encode("utf-8", "surrogateescape"), **found}
 
@@ -123,16 +125,16 @@ def _try_out(resources: dict[str, bytes], token: str) -> None:
             raise InputError(f"no FMU of this case: {text}")
 
 
-_LOG = ctypes.CFUNCTYPE(
-    None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p
-)
+_LOG = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
 
 
 @functools.cache
 def _library() -> ctypes.CDLL:
     """Load the library of the units, once."""
     with tempfile.TemporaryDirectory() as folder:
-        with zipfile.ZipFile(io.BytesIO(files("rwmf.export").joinpath(_COMMON).read_bytes())) as zipped:
+        with zipfile.ZipFile(
+            io.BytesIO(files("rwmf.export").joinpath(_COMMON).read_bytes())
+        ) as zipped:
             zipped.extractall(folder)
         library = ctypes.CDLL(str(next(Path(folder).glob(f"binaries/*/{IDENTIFIER}.so"))))
     text, flag, real, address = ctypes.c_char_p, ctypes.c_bool, ctypes.c_double, ctypes.c_void_p

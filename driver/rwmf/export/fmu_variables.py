@@ -113,7 +113,7 @@ def _ground_variables(case: Case, force: str) -> list[Variable]:
             "s", "f", "peak_ground_acceleration", "m/s2",
             "expected peak, for the absolute tolerance; 0: that of the case, or g/10",
         ),
-        Variable("r", "f", "u_s_ddot_m_s2", "m/s2", "acceleration of the frame relative to the ground"),
+        Variable("r", "f", "u_s_ddot_m_s2", "m/s2", "acceleration of the frame over the ground"),
         Variable("r", "f", "link_force", force, "force from the wall on the frame"),
         Variable("r", "f", "frame_shear", force, "force of the frame's spring and damper"),
         Variable("r", "f", "cable_tension", force, "tension of the cable"),
@@ -146,7 +146,7 @@ def _link_variables(force: str) -> list[Variable]:
         Variable("r", "f", "theta_dot", "rad/s", "angular velocity of the wall"),
         Variable("r", "f", "theta_ddot", "rad/s2", "angular acceleration of the wall"),
         Variable("r", "f", "cable_tension", force, "tension of the cable"),
-        Variable("r", "f", "velocity_factor", "", "factor on the velocity of the link at an impact"),
+        Variable("r", "f", "velocity_factor", "", "factor on the velocity at an impact"),
         Variable("r", "i", "side", "", "1 or -1 while the wall rocks, 0 at rest"),
         Variable("r", "i", "impacts", "", "number of impacts"),
         Variable("r", "i", "lift_offs", "", "number of uplifts"),
@@ -192,10 +192,15 @@ def _parameters(case: Case) -> list[Variable]:
             unit = "" if row.unit == "-" else row.unit
             for i, number in enumerate(numbers, 1):
                 place = i if len(numbers) > 1 else 0
-                found.append(
-                    Variable(
-                        "p", _TYPES[row.kind], name, unit, row.meaning, float(number),
-                        len(numbers), place,
-                    )  # fmt: skip
+                variable = Variable(
+                    "p",
+                    _TYPES[row.kind],
+                    name,
+                    unit,
+                    row.meaning,
+                    float(number),
+                    len(numbers),
+                    place,
                 )
+                found.append(variable)
     return found

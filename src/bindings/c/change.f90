@@ -6,6 +6,7 @@ module rwmf_bindings_c_change
    use rwmf_bindings_c_pointers, only: require_argument, require_empty
    use rwmf_bindings_c_strings, only: get_names, put_message
    use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_embedding_ranges, only: is_number
    use rwmf_input_change, only: change_case, changes_t, find_changes
    use rwmf_problem_case, only: case_t
    implicit none
@@ -43,6 +44,10 @@ contains
       if (.not. allocated(error)) call get_sizes(sizes, int(n), lengths, error)
       if (.not. allocated(error)) then
          call c_f_pointer(values, numbers, [sum(lengths)])
+         if (.not. all(is_number(numbers))) call fail(error, err_input, &
+            'a value is not a finite number, or too large to be one')
+      end if
+      if (.not. allocated(error)) then
          allocate (changed)
          changed%path = kept%path
          call change(kept%case, names, lengths, numbers, changed%case, error)

@@ -32,7 +32,10 @@ STOREYS = (
 CASES = {
     "block": BLOCK + PULSE.replace("0.7,", "0.3,"),
     "frame": "&frame T_s = 0.8, xi_s = 0.04, m_s = 1e5 /" + PULSE,
-    "yielding": WALL + FRAME + "&yielding u_y = 0.03, law = 'bouc_wen' / &output energy = T /" + PULSE,
+    "yielding": WALL
+    + FRAME
+    + "&yielding u_y = 0.03, law = 'bouc_wen' / &output energy = T /"
+    + PULSE,
     "tendon": WALL + FRAME + CABLE.replace("/", ", eta_y = 1.1 /") + PULSE,
     "fuses": WALL + FRAME + CABLE + "&fuse F_y = 40e3, k = 2e7, hardening = 0.02 /" + PULSE,
     "storeys": WALL + STOREYS.format("full") + CABLE + "&yielding storey_u_y = 0.012 /" + PULSE,
@@ -77,11 +80,11 @@ class Unit:
     ----------
     path : Path
         The FMU.
-    **options : bool or callable
+    **options : bool or callable or None
         Of the instantiation.
     """
 
-    def __init__(self, path: Path, **options: Any) -> None:
+    def __init__(self, path: Path, **options: bool | Callable[..., None] | None) -> None:
         self.description = fmpy.read_model_description(str(path))
         self.variables = {v.name: v for v in self.description.modelVariables}
         folder = path.with_suffix(".unzipped")
@@ -97,7 +100,7 @@ class Unit:
         log: Callable[..., None] = lambda *a: self.messages.append(a[3].decode())  # noqa: E731
         self.fmu.instantiate(logMessage=log, **options)
 
-    def begin(self, t: float = 0.0, **values: Any) -> Unit:
+    def begin(self, t: float = 0.0, **values: float) -> Unit:
         """Initialize with parameters and inputs; ``__`` in a name is a dot."""
         self.fmu.enterInitializationMode(startTime=t)
         for name, value in values.items():
@@ -105,17 +108,18 @@ class Unit:
         self.fmu.exitInitializationMode()
         return self
 
-    def set(self, name: str, value: Any) -> None:
+    def set(self, name: str, value: float) -> None:
         """Set a variable."""
         variable = self.variables[name]
         getattr(self.fmu, f"set{variable.type}")([variable.valueReference], [value])
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> float:
         """Return the value of a variable."""
         variable = self.variables[name]
-        return getattr(self.fmu, f"get{variable.type}")([variable.valueReference])[0]
+        found: list[float] = getattr(self.fmu, f"get{variable.type}")([variable.valueReference])
+        return found[0]
 
-    def outputs(self) -> dict[str, Any]:
+    def outputs(self) -> dict[str, float]:
         """Return all outputs."""
         names = [v.name for v in self.description.modelVariables if v.causality == "output"]
         return {name: self[name] for name in names}
@@ -129,11 +133,9 @@ class Unit:
         return self.messages[0]
 
 
-def same(a: dict[str, Any], b: dict[str, Any]) -> bool:
+def same(a: dict[str, float], b: dict[str, float]) -> bool:
     """Compare outputs bit by bit; NaN equals NaN."""
-    return a.keys() == b.keys() and all(
-        np.array_equal(a[key], b[key], equal_nan=True) for key in a
-    )
+    return a.keys() == b.keys() and all(np.array_equal(a[key], b[key], equal_nan=True) for key in a)
 
 
 @pytest.fixture(scope="module")
@@ -247,9 +249,9 @@ def test_state_belongs_to_its_parameters(record: Path) -> None:
 
 @pytest.mark.parametrize("by", ["early return", "event mode", "request"])
 def test_steps_end_at_the_impacts(by: str, record: Path) -> None:
-    def ask(_e: Any, t: float, can_set: bool, can_get: bool, _f: bool, early: bool, wish: Any,
-            _t: Any) -> None:  # fmt: skip
-        assert (can_set, can_get, early) == (False, True, True)
+    def ask(*arguments: object) -> None:
+        _, t, can_set, can_get, _, can_return_early, wish, _ = arguments
+        assert (can_set, can_get, can_return_early) == (False, True, True)
         asked.append(t)
         wish[0] = True
 
@@ -461,7 +463,9 @@ def test_unit_is_self_contained(record: Path, tmp_path: Path) -> None:
     ).stdout.splitlines()
     for line in lines:
         name, *where = line.split()
-        system = Path(name).name.startswith(("libc.", "libm.", "libgcc_s.", "ld-linux", "linux-vdso"))
+        system = Path(name).name.startswith(
+            ("libc.", "libm.", "libgcc_s.", "ld-linux", "linux-vdso")
+        )
         assert system or str(folder) in where[1], line
     assert "documentation/licenses/license.txt" in names
     for name in ("modelDescription.xml", "resources/case.nml", "resources/variables.txt"):
