@@ -138,6 +138,11 @@ int rwmf_read_case_with(const char *namelist, const char *folder, const rwmf_sam
 int rwmf_read_case_file(const char *path, rwmf_case **scene, char *message, size_t size);
 /* Sets *scene to NULL. Safe to call twice. */
 void rwmf_destroy_case(rwmf_case **scene);
+/* The same case with other numbers, with the records of the first one. `sizes` (NULL: one each) says how
+ * many of the `values` each of the n keys "group.key" takes: one, or any number for a list. Yes is 1, no
+ * is 0. `*changed` has to be NULL. */
+int rwmf_change_case(const rwmf_case *scene, size_t n, const char *const *keys, const size_t *sizes,
+                     const double *values, rwmf_case **changed, char *message, size_t size);
 /* As `rwmf_run`, and as `rwmf_create` and `rwmf_create_element` below. */
 int rwmf_run_case(const rwmf_case *scene, rwmf_result *result, char *message, size_t size);
 /* As `rwmf_run_case`, and how the simulation ended. */
@@ -188,6 +193,10 @@ int rwmf_advance_samples(rwmf_wall *wall, size_t n, const double *t, const doubl
 int rwmf_advance_ground(rwmf_wall *wall, double t, double (*ground)(double t, void *data),
                         void *data, char *message, size_t size);
 
+/* With `stops` = 1 every later advance ends at its first impact, if there is one before its target; the
+ * state is that after the impact. The next advance goes on, with the bits of one that was not stopped. */
+int rwmf_stop_at_impacts(rwmf_wall *wall, int stops, char *message, size_t size);
+
 int rwmf_query_state(const rwmf_wall *wall, rwmf_state *state, char *message, size_t size);
 /* A wall that has overturned or collapsed stays as it is, whatever it is advanced to. */
 int rwmf_query_ending(const rwmf_wall *wall, rwmf_ending *ending, char *message, size_t size);
@@ -195,6 +204,14 @@ int rwmf_query_forces(const rwmf_wall *wall, rwmf_forces *forces, char *message,
 /* Events of the last advance: the first `capacity` of `*count`. */
 int rwmf_query_events(const rwmf_wall *wall, size_t capacity, rwmf_event *events, size_t *count,
                       char *message, size_t size);
+
+/* Number by which `rwmf_query_outputs` knows a column of a history or a number of a run by its key,
+ * "storey_2_drift" (docs/reference/outputs.md). */
+int rwmf_find_output(const char *key, int32_t *number, char *message, size_t size);
+/* n outputs at the present time; maxima, counts and energies of the motion so far. Maxima of demands and
+ * reactions need the keys of `&output` that request them. NaN is what does not apply. */
+int rwmf_query_outputs(const rwmf_wall *wall, size_t n, const int32_t *numbers, double *values,
+                       char *message, size_t size);
 
 /* `*snapshot` is made when it is NULL, else written over. */
 int rwmf_save(rwmf_wall *wall, rwmf_snapshot **snapshot, char *message, size_t size);

@@ -38,8 +38,9 @@ module rwmf
    ! a wall inside the time loop of a host program
    use rwmf_motion_ground_motion, only: ground_t
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
-      restore_stepping, save_stepping, snapshot_t, stepping_t, query_events, query_forces, &
-      query_state, wall_forces_t, wall_state_t
+      restore_stepping, save_stepping, snapshot_t, stepping_t, stop_at_impacts, query_events, &
+      query_forces, query_state, wall_forces_t, wall_state_t
+   use rwmf_embedding_outputs, only: find_output, query_outputs
    ! the wall as an element of a host program that owns the frame
    use rwmf_embedding_element, only: create_element, element_response_t, uplift_demand_of, &
       respond, velocity_factor, wall_element_t
@@ -74,6 +75,7 @@ module rwmf
    public :: stepping_t, snapshot_t, ground_t, create_stepping, destroy_stepping
    public :: advance_stepping, save_stepping, restore_stepping
    public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
+   public :: stop_at_impacts, find_output, query_outputs
    public :: wall_element_t, element_response_t, create_element, respond, velocity_factor
    public :: next_impact, next_lift_off, uplift_demand_of, settles
    public :: wall_member_t, member_info_t, member_response_t, link_motion_t, member_event_t

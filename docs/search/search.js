@@ -28,6 +28,7 @@ const EQUIVALENTS = [
   ["time history", "response history", "nltha"],
   ["animation", "film", "animate", "moving picture"],
   ["opensees", "openseespy"],
+  ["fmu", "fmi", "functional mock up unit", "co simulation", "cosimulation", "modelica", "simulink"],
   ["cluster", "slurm", "mpi", "hpc"],
 ];
 const STOPS = new Set(("a all an and are as at be between by can do does each every for from get give has have how i "

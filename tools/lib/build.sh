@@ -73,6 +73,7 @@ build_all() {
    build_in "$root/build"
    link_extensions
    copy_vendor
+   ln -sfn ../../../build/src/bindings/fmi/fmu.zip "$root/driver/rwmf/export/fmu.zip"
    link_batch_program
 }
 

@@ -7,10 +7,41 @@ from pathlib import Path
 
 from rwmf._files import files
 from rwmf.case import Case
+from rwmf.export.fmu import export_fmu
 from rwmf.export.opensees import opensees_script
 from rwmf.export.opensees_run import compare_with_opensees, run_opensees
 
-__all__ = ["write_opensees"]
+__all__ = ["write_fmu", "write_opensees"]
+
+
+def write_fmu(options: argparse.Namespace) -> int:
+    """Write a case as a functional mock-up unit (``rwmf export fmu``).
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+        As the parser of the command line makes them.
+
+    Returns
+    -------
+    int
+        Exit status.
+
+    Raises
+    ------
+    InputError, OutputError
+        As `export_fmu`.
+    """
+    case = Case.from_namelist(options.case)
+    path = Path(options.file)
+    files.check_outputs([path], case.inputs)
+    variables = export_fmu(case, path, link=options.input == "link")
+    counts = [
+        f"{sum(variable.kind in kinds for variable in variables)} {name}"
+        for kinds, name in (("i", "inputs"), ("or", "outputs"), ("ps", "parameters"))
+    ]
+    print(f"written: {path}, FMI 3.0 co-simulation, {', '.join(counts)}")
+    return 0
 
 
 def write_opensees(options: argparse.Namespace) -> int:

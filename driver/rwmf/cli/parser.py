@@ -263,7 +263,23 @@ def _add_export(commands: Subcommands) -> None:
         "Write the building of a case for another program.",
         "opensees inputs/storeys_full.nml storeys.py",
     )
-    opensees = Subcommands(parser, "PROGRAM").add(
+    programs = Subcommands(parser, "PROGRAM")
+    fmu = programs.add(
+        "fmu",
+        "Write a functional mock-up unit (FMI 3.0, co-simulation) with the records of the case.",
+        "inputs/fig12_one_sine.nml wall.fmu",
+        "export.write_fmu",
+    )
+    add_case(fmu)
+    fmu.add_argument("file", metavar="FILE", type=written_file, help="unit to write, NAME.fmu")
+    fmu.add_argument(
+        "--input",
+        choices=("ground", "link"),
+        default="ground",
+        help="ground: acceleration of the ground; link: motion of the link, for an importer that "
+        "owns the frame (default: ground)",
+    )
+    opensees = programs.add(
         "opensees",
         "Write a script for OpenSeesPy: model, analysis, and the same demands.",
         "inputs/storeys_full.nml storeys.py --run",

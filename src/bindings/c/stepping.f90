@@ -23,7 +23,7 @@ module rwmf_bindings_c_stepping
    public :: c_advance, c_advance_samples, c_advance_ground
    public :: c_query_state, c_query_ending, c_query_forces, c_query_events
    public :: c_save, c_restore, c_destroy_snapshot
-   public :: c_ground_t
+   public :: c_ground_t, wall_of
 
    !> `rwmf_state` of the header.
    type, bind(c) :: c_state_t

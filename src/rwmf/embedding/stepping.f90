@@ -26,7 +26,7 @@ module rwmf_embedding_stepping
    use rwmf_model_equation, only: frame_acceleration, frame_motion
    use rwmf_model_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
-      motion_from_case
+      interval_end, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_hybrid_state, only: is_at_rest, mode_collapsed, mode_overturned
@@ -37,7 +37,7 @@ module rwmf_embedding_stepping
 
    public :: stepping_t, snapshot_t
    public :: create_stepping, destroy_stepping, advance_stepping, save_stepping, restore_stepping
-   public :: require
+   public :: require, stop_at_impacts
    public :: wall_state_t, wall_forces_t, query_state, query_forces, query_events
 
    !> Handle of a wall. A copy refers to the same wall.
@@ -103,7 +103,8 @@ contains
       type(stepping_t), intent(inout) :: stepping
       !! empty handle, which refers to no wall
       type(case_t), intent(in) :: case
-      !! valid; `&output`, `&spectrum` and `t_end` are ignored
+      !! valid; `&output dt`, `&spectrum` and `t_end` are ignored. The other requests of `&output`
+      !! cost time, and only `query_outputs` shows their results
       type(error_t), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: t_begin
       !! time of the initial state, 0 by default [s]
@@ -119,7 +120,9 @@ contains
          instance%own_motion = motion_from_case(case)
          if (allocated(instance%case%record)) deallocate (instance%case%record)
          if (allocated(instance%case%vertical_record)) deallocate (instance%case%vertical_record)
-         if (allocated(instance%case%output)) deallocate (instance%case%output)
+         if (allocated(instance%case%output)) then
+            if (allocated(instance%case%output%dt)) deallocate (instance%case%output%dt)
+         end if
          call build_equation(case, instance%own_motion, instance%equation)
          call new_integrator(case%solver%method, instance%integrator)
       end associate
@@ -183,9 +186,29 @@ contains
             instance%hybrid%must_restart = .true.
             instance%follows_host = .false.
          end if
-         call advance_instance(instance, t, error)
+         call advance_instance(instance, near_knot(instance%own_motion, t), error)
+         ! the host counts on by its own time
+         if (.not. (allocated(error) .or. instance%hybrid%is_stopped)) instance%t = t
       end associate
    end subroutine advance_own
+
+   !> Return the knot of a motion that a time means, and any other time unchanged [s].
+   !>
+   !> A host that sums up its steps misses the knots by round-off. Its results have the bits of a
+   !> run none the less.
+   pure real(wp) function near_knot(motion, t) result(knot)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t
+      !! [s]
+      integer :: i, interval
+
+      interval = interval_at(motion, t)
+      do i = max(0, interval - 1), interval
+         knot = interval_end(motion, i)
+         if (abs(knot - t) <= 8*spacing(t)) return
+      end do
+      knot = t
+   end function near_knot
 
    !> Advance to the last sample under linearly interpolated samples of the ground acceleration.
    !>
@@ -236,6 +259,20 @@ contains
          if (instance%follows_host) call hold_ground_acceleration(instance)
       end associate
    end subroutine advance_ground
+
+   !> Let every later advance end at its first impact, or not.
+   !>
+   !> The state is then that after the impact, and its time that of the impact. The next advance
+   !> continues from there, with the bits of an advance that was not stopped.
+   subroutine stop_at_impacts(stepping, stops, error)
+      type(stepping_t), intent(inout) :: stepping
+      logical, intent(in) :: stops
+      type(error_t), allocatable, intent(out) :: error
+      !! `err_input` if the handle refers to no wall
+
+      call require(stepping, error)
+      if (.not. allocated(error)) stepping%instance%hybrid%stops_at_impact = stops
+   end subroutine stop_at_impacts
 
    !> Check that a wall can advance to a time.
    subroutine check_target(stepping, t, error)

@@ -19,7 +19,8 @@ module rwmf_embedding_wall_instance
    use rwmf_simulation_hybrid_loop, only: start_hybrid
    use rwmf_simulation_hybrid_state, only: has_ended, hybrid_state_t, hybrid_t
    use rwmf_simulation_lanes_batch, only: batch_t
-   use rwmf_simulation_recorder_recorder, only: create_recorder, peaks_t, recorder_t
+   use rwmf_simulation_recorder_recorder, only: create_recorder, has_more_than_peaks, peaks_t, &
+      recorder_t
    use rwmf_simulation_run, only: guess_size, initial_state, tolerances
    implicit none
    private
@@ -69,6 +70,8 @@ module rwmf_embedding_wall_instance
       type(hybrid_state_t) :: hybrid
       type(peaks_t) :: peaks
       !! maxima and counts of the recorder
+      type(recorder_t), allocatable :: recorder
+      !! the whole recorder; allocated if it has more than `peaks`
       integer(i8) :: steps = 0
       integer(i8) :: rhs_evaluations = 0
       real(wp) :: h = 0
@@ -175,6 +178,7 @@ contains
       call save_state(instance, before, goes_on=.false.)
       instance%integrator%steps = 0_i8
       instance%recorder%n_events = 0
+      instance%hybrid%is_stopped = .false.
       call advance(instance%hybrid, instance%equation, instance%integrator, instance%recorder, t, &
          no_control, instance%batch, error)
       call check_numbers('the state of the wall', instance%hybrid%y, error)
@@ -187,8 +191,10 @@ contains
       end if
       instance%steps = instance%steps + instance%integrator%steps
       instance%t = t
+      if (instance%hybrid%is_stopped) instance%t = instance%hybrid%t
       if (.not. has_ended(instance%hybrid)) then
-         instance%ground = acceleration(instance%equation%motion, interval_of(instance%equation), t)
+         instance%ground = acceleration(instance%equation%motion, interval_of(instance%equation), &
+            instance%t)
       end if
    end subroutine advance_instance
 
@@ -207,6 +213,7 @@ contains
       snapshot%state = instance%equation%state
       snapshot%hybrid = instance%hybrid%hybrid_state_t
       snapshot%peaks = instance%recorder%peaks_t
+      if (has_more_than_peaks(instance%recorder)) snapshot%recorder = instance%recorder
       snapshot%steps = instance%steps
       snapshot%rhs_evaluations = instance%equation%rhs_evaluations
       select type (method => instance%integrator)
@@ -231,6 +238,7 @@ contains
             interval_of(instance%equation))
       end if
       instance%hybrid%hybrid_state_t = snapshot%hybrid
+      if (allocated(snapshot%recorder)) instance%recorder = snapshot%recorder
       instance%recorder%peaks_t = snapshot%peaks
       instance%steps = snapshot%steps
       instance%equation%rhs_evaluations = snapshot%rhs_evaluations

@@ -108,7 +108,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! as `advance`
 
-      do while (hybrid%t < t_target .and. .not. has_ended(hybrid))
+      do while (hybrid%t < t_target .and. .not. (has_ended(hybrid) .or. hybrid%is_stopped))
          if (hybrid%mode == mode_rest) then
             call stay_at_rest(hybrid, equation, recorder, t_target, error)
          else

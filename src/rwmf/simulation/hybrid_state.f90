@@ -60,6 +60,10 @@ module rwmf_simulation_hybrid_state
       !! is then known, despite round-off in the rate [s]
       integer(i8) :: steps_at_knot = 0_i8
       !! number of steps of the integrator at the start of the current interval
+      logical :: stops_at_impact = .false.
+      !! an advance ends at the first impact
+      logical :: is_stopped = .false.
+      !! the advance has ended at an impact
    end type hybrid_t
 
 contains

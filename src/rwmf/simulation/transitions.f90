@@ -235,6 +235,7 @@ contains
       !! shortest duration of a flight in spacings of the time [-]
 
       hybrid%must_restart = .true.
+      hybrid%is_stopped = hybrid%stops_at_impact
       do
          call apply_one_impact(hybrid, equation, recorder)
          if (is_at_rest(hybrid) .or. abs(hybrid%y(2)) <= 0) return

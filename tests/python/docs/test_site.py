@@ -123,6 +123,7 @@ QUESTIONS = {
     "which tolerance": ("tutorials/method.html", "tolerance"),
     "run on a cluster": ("howto/sweeps.html", "cluster"),
     "convert Steel01": ("howto/opensees.html", "Steel01"),
+    "use it in Simulink": ("howto/fmu.html", "co-simulation"),
     "does the building collapse": ("tutorials/six-storeys.html", "collapse"),
     "make a film": ("howto/buildings.html#film-it", "film"),
 }

@@ -47,6 +47,7 @@ static rwmf_ending ending;
 static int32_t row_status[2];
 static size_t count;
 static double acceleration;
+static int32_t output;
 
 #define TALK message, sizeof message
 
@@ -67,6 +68,9 @@ static int read_case_file(void) { return rwmf_read_case_file(p[0], (void *)p[1],
 static int run_case(void) { return rwmf_run_case(p[0], (void *)p[1], TALK); }
 static int run_case_ending(void) {
    return rwmf_run_case_ending(p[0], (void *)p[1], (void *)p[2], TALK);
+}
+static int change_case(void) {
+   return rwmf_change_case(p[0], 1, p[2], NULL, p[3] ? x : NULL, (void *)p[1], TALK);
 }
 static int run_rows(void) {
    const rwmf_rows rows = {1, p[2], 2, p[3] ? x : NULL, 1, p[4]};
@@ -91,6 +95,11 @@ static int advance_ground(void) {
 static int query_state(void) { return rwmf_query_state(p[0], (void *)p[1], TALK); }
 static int query_ending(void) { return rwmf_query_ending(p[0], (void *)p[1], TALK); }
 static int query_forces(void) { return rwmf_query_forces(p[0], (void *)p[1], TALK); }
+static int stop_at_impacts(void) { return rwmf_stop_at_impacts((void *)p[0], 0, TALK); }
+static int find_output(void) { return rwmf_find_output(p[0], (void *)p[1], TALK); }
+static int query_outputs(void) {
+   return rwmf_query_outputs(p[0], 1, p[1], (void *)p[2], TALK);
+}
 static int query_events(void) {
    return rwmf_query_events(p[0], 2, (void *)p[1], (void *)p[2], TALK);
 }
@@ -248,6 +257,7 @@ static void try_function(const function *f) {
 
 static void try_functions(void) {
    const char *const column = "frame.T_s", *const quantity = "overturned";
+   const char *const key = "theta_rad";
    /* the wall stands at 0.5 s: an earlier time is refused as well */
    const function functions[] = {
       {"run", run, 1, 2, {text, &room}, 0, 0, {0}, 0},
@@ -255,6 +265,7 @@ static void try_functions(void) {
       {"read_case_file", read_case_file, 1, 2, {path, &made_case}, 0, 0, {0}, 0},
       {"run_case", run_case, 1, 2, {scene, &room}, 0, 0, {0}, 0},
       {"run_case_ending", run_case_ending, 1, 3, {scene, &room, &ending}, 0, 0, {0}, 0},
+      {"change_case", change_case, 1, 4, {scene, &made_case, &column, text}, 0, 1, {1.0}, 1},
       {"run_rows", run_rows, 1, 7, {scene, text, &column, text, &quantity, &room, row_status}, 0, 2,
        {1.0, 2.0}, 0},
       {"create_from_case", create_from_case, 1, 2, {scene, &made_wall}, 0, 2, {0, 1}, 0},
@@ -265,6 +276,9 @@ static void try_functions(void) {
       {"query_state", query_state, 1, 2, {wall, &room}, 0, 0, {0}, 0},
       {"query_ending", query_ending, 1, 2, {wall, &ending}, 0, 0, {0}, 0},
       {"query_forces", query_forces, 1, 2, {wall, &room}, 0, 0, {0}, 0},
+      {"stop_at_impacts", stop_at_impacts, 1, 1, {wall}, 0, 0, {0}, 0},
+      {"find_output", find_output, 1, 2, {key, &room}, 0, 0, {0}, 0},
+      {"query_outputs", query_outputs, 1, 3, {wall, &output, &room}, 0, 0, {0}, 0},
       {"query_events", query_events, 1, 3, {wall, &room, &count}, 0, 0, {0}, 0},
       {"save", save, 1, 2, {wall, &made_snapshot}, 0, 0, {0}, 0},
       {"restore", restore, 1, 2, {wall, saved}, 0, 0, {0}, 0},
@@ -324,6 +338,19 @@ static void try_the_rest(void) {
       expect((rwmf_next_impact(side, 0.1, 0, 0, 0, 0, &tau) == RWMF_INPUT) == !is_side,
              "next_impact", "side", side);
    }
+   const char *const bad_keys[] = {"frame.T", "T_s", "cable.law", "link.L"};
+   const double one = 1;
+   const int32_t bad_outputs[] = {0, -1, 1, INT32_MAX};
+   for (i = 0; i < 4; i++) {
+      expect(rwmf_change_case(scene, 1, bad_keys + i, NULL, &one, &made_case, TALK) == RWMF_INPUT
+                && !made_case, bad_keys[i], "changes", 0);
+      expect(rwmf_query_outputs(wall, 1, bad_outputs + i, &tau, TALK) == RWMF_INPUT,
+             "query_outputs", "number", bad_outputs[i]);
+      expect(rwmf_query_outputs(wall, n[i], &output, &tau, TALK) == (n[i] == 1 ? 0 : RWMF_INPUT),
+             "query_outputs", "n", (double)n[i]);
+   }
+   expect(rwmf_find_output("u_s", &output, TALK) == RWMF_INPUT, "find_output", "no key", 0);
+   expect(rwmf_stop_at_impacts(wall, 2, TALK) == RWMF_INPUT, "stop_at_impacts", "stops", 2);
    /* a host that only counts has no room */
    expect(rwmf_query_events(wall, 0, NULL, &count, TALK) == 0, "query_events", "only counts", 0);
    expect(rwmf_query_events(wall, SIZE_MAX, NULL, &count, TALK) == RWMF_INPUT, "query_events",
@@ -339,6 +366,7 @@ int main(void) {
    expect(rwmf_create_from_case(scene, 0, 0, &wall, TALK) == 0, "create", "begins", 0);
    expect(rwmf_advance(wall, 0.5, TALK) == 0, "advance", "begins", 0.5);
    expect(rwmf_save(wall, &saved, TALK) == 0, "save", "begins", 0);
+   expect(rwmf_find_output("u_s_m", &output, TALK) == 0, "find_output", "begins", 0);
    expect(rwmf_create_element_from_case(scene, &element, TALK) == 0, "element", "begins", 0);
    expect(rwmf_create_member_from_case(scene, &member, TALK) == 0, "member", "begins", 0);
    try_functions();

@@ -123,7 +123,7 @@ contains
       associate (hybrid => lane%hybrid, equation => lane%equation, t_end => lane%t_end)
          do
             if (allocated(lane%error)) return
-            if (hybrid%t >= t_end .or. has_ended(hybrid)) return
+            if (hybrid%t >= t_end .or. has_ended(hybrid) .or. hybrid%is_stopped) return
             call check_work(hybrid, lane%integrator, no_control, lane%error)
             if (allocated(lane%error)) return
             if (hybrid%mode == mode_rest) then

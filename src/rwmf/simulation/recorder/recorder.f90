@@ -43,10 +43,10 @@ module rwmf_simulation_recorder_recorder
    private
 
    public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece
-   public :: needs_all_steps, sees_forces, sees_rest
+   public :: has_more_than_peaks, needs_all_steps, sees_forces, sees_rest
    public :: observe_rest, observe_still
    public :: observe_impact, observe_event, observe_grazing, finish_recorder
-   public :: observe_chatter
+   public :: observe_chatter, observe_present, create_columns, find_columns, find_rates
 
    !> Counts and running maxima.
    type :: peaks_t
@@ -163,7 +163,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at t = 0
       type(error_t), allocatable, intent(out) :: error
-      integer :: status, i
+      integer :: status
       real(wp) :: rows
 
       recorder%keeps_history = .true.
@@ -171,17 +171,7 @@ contains
       recorder%keeps_events = .true.
       recorder%dt = case%output%dt
       recorder%next_row = 1
-      recorder%m_w_g = 0
-      if (equation%has_wall) then
-         if (allocated(case%wall%m_w)) recorder%m_w_g = case%wall%m_w*equation%p%g
-      end if
-      allocate (recorder%weights(size(all_quantities)), source=0.0_wp)
-      do i = 1, size(all_quantities)
-         if (all_quantities(i)%ratio > 0) recorder%weights(i) = weight_under(case, &
-            all_quantities(i)%ratio)
-      end do
-      call create_row(recorder%row)
-      call put_columns(recorder, equation, 0.0_wp, y, 0*y, recorder%energy)
+      call create_columns(recorder, case, equation, y)
       call move_alloc(recorder%row%names, recorder%history%names)
       rows = aint(t_end/recorder%dt*(1 + 8*epsilon(1.0_wp))) + 1
       status = 1
@@ -194,6 +184,49 @@ contains
          return
       end if
    end subroutine create_history
+
+   !> Collect numbers and names of the columns that apply to the scene.
+   subroutine create_columns(recorder, case, equation, y)
+      type(recorder_t), intent(inout) :: recorder
+      !! its `row` receives the columns
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states) any possible state
+      integer :: i
+
+      recorder%m_w_g = 0
+      if (equation%has_wall) then
+         if (allocated(case%wall%m_w)) recorder%m_w_g = case%wall%m_w*equation%p%g
+      end if
+      allocate (recorder%weights(size(all_quantities)), source=0.0_wp)
+      do i = 1, size(all_quantities)
+         if (all_quantities(i)%ratio > 0) recorder%weights(i) = weight_under(case, &
+            all_quantities(i)%ratio)
+      end do
+      call create_row(recorder%row)
+      call put_columns(recorder, equation, 0.0_wp, y, 0*y, recorder%energy)
+   end subroutine create_columns
+
+   !> Compute the columns at one instant.
+   subroutine find_columns(recorder, equation, t, y, is_at_rest)
+      type(recorder_t), intent(inout) :: recorder
+      !! after `create_columns`, without names; its `row` receives the values
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      logical, intent(in) :: is_at_rest
+      !! the wall rests, so its acceleration is 0
+      real(wp) :: y_dot(size(y))
+
+      call find_rates(equation, t, y, is_at_rest, y_dot)
+      recorder%row%n = 0
+      call put_columns(recorder, equation, t, y, y_dot, recorder%energy)
+      ! Adding zero turns -0 of a wall at rest on its left side into 0.
+      recorder%row%values = recorder%row%values + 0.0_wp
+   end subroutine find_columns
 
    !> Update the maxima with a state.
    subroutine observe_state(recorder, equation, t, y)
@@ -224,6 +257,14 @@ contains
          recorder%t_u_max = t
       end if
    end subroutine observe_state
+
+   !> True if the recorder keeps running values besides its `peaks_t`.
+   pure logical function has_more_than_peaks(recorder) result(has_more)
+      type(recorder_t), intent(in) :: recorder
+
+      has_more = sees_forces(recorder) .or. recorder%keeps_energy .or. recorder%cable_max > 0 &
+         .or. allocated(recorder%drifts) .or. allocated(recorder%top)
+   end function has_more_than_peaks
 
    !> True if every step must be observed.
    !>
@@ -487,6 +528,21 @@ contains
          y_dot)
    end subroutine observe_still
 
+   !> Compute the rates of all states, whether the wall moves or rests.
+   subroutine find_rates(equation, t, y, is_at_rest, y_dot)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      logical, intent(in) :: is_at_rest
+      real(wp), intent(out) :: y_dot(:)
+
+      if (is_at_rest) then
+         call find_rates_at_rest(equation, t, y, y_dot)
+      else
+         call rates_at(equation, t, y, y_dot)
+      end if
+   end subroutine find_rates
+
    !> Compute the rates of all states while the wall rests.
    subroutine find_rates_at_rest(equation, t, y, y_dot)
       type(equation_t), intent(in) :: equation
@@ -682,8 +738,6 @@ contains
       !! (states)
       logical, intent(in) :: is_at_rest
       !! the wall rests at the end, so its acceleration is 0
-      type(history_row_t) :: parts
-      !! parts of the energy
       real(wp) :: y_dot(size(y))
       integer :: before
       !! interval of the motion that ends at the last knot
@@ -692,12 +746,33 @@ contains
       before = max(0, interval_of(equation) - 1)
       if (t <= interval_end(equation%motion, before)) call enter_interval(equation%model_t, &
          equation%state, before)
-      call observe_state(recorder, equation, t, y)
-      if (is_at_rest) then
-         call find_rates_at_rest(equation, t, y, y_dot)
-      else
-         call rates_at(equation, t, y, y_dot)
+      call find_rates(equation, t, y, is_at_rest, y_dot)
+      call observe_present(recorder, equation, t, y, y_dot)
+      if (.not. recorder%keeps_history) return
+      call shorten_events(recorder%events, recorder%n_events)
+      if (recorder%next_row > size(recorder%history%values, 1)) return
+      ! The last row may lie within round-off beyond the end.
+      if ((recorder%next_row - 1)*recorder%dt <= t*(1 + 16*epsilon(t))) then
+         call write_row(recorder, equation, t, y, y_dot, recorder%energy)
       end if
+      ! overturning and collapse end the history early
+      call shorten_rows(recorder%history%values, recorder%next_row - 1)
+   end subroutine finish_recorder
+
+   !> Update the maxima with the last state of a motion, and complete its energy.
+   subroutine observe_present(recorder, equation, t, y, y_dot)
+      type(recorder_t), intent(inout) :: recorder
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
+      type(history_row_t) :: parts
+      !! parts of the energy
+
+      call observe_state(recorder, equation, t, y)
       if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_dot)
       if (allocated(recorder%demands)) call search_state(recorder%demands, equation, t, y, y_dot)
       if (allocated(recorder%envelopes)) call search_state(recorder%envelopes, equation, t, y, &
@@ -711,16 +786,7 @@ contains
          call move_alloc(parts%numbers, recorder%energy%numbers)
          call move_alloc(parts%values, recorder%energy%values)
       end if
-      if (.not. recorder%keeps_history) return
-      call shorten_events(recorder%events, recorder%n_events)
-      if (recorder%next_row > size(recorder%history%values, 1)) return
-      ! The last row may lie within round-off beyond the end.
-      if ((recorder%next_row - 1)*recorder%dt <= t*(1 + 16*epsilon(t))) then
-         call write_row(recorder, equation, t, y, y_dot, recorder%energy)
-      end if
-      ! overturning and collapse end the history early
-      call shorten_rows(recorder%history%values, recorder%next_row - 1)
-   end subroutine finish_recorder
+   end subroutine observe_present
 
    !> Keep the first rows of a history.
    !>

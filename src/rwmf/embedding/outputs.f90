@@ -1,0 +1,150 @@
+!> Outputs of a stepping wall by the keys of the table of quantities: columns of a history at the
+!> current time, and scalars of a run up to the current time.
+module rwmf_embedding_outputs
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_kinds, only: wp
+   use rwmf_embedding_stepping, only: require, stepping_t
+   use rwmf_embedding_wall_instance, only: wall_instance_t
+   use rwmf_problem_quantity_table, only: all_quantities, look_up
+   use rwmf_simulation_hybrid_state, only: is_at_rest
+   use rwmf_simulation_recorder_recorder, only: create_columns, find_columns, find_rates, &
+      observe_present, recorder_t
+   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_run, only: fill_result
+   use rwmf_simulation_scalars, only: scalars_of, value_of, values_t
+   use rwmf_text_strings, only: shown
+   implicit none
+   private
+
+   public :: find_output, query_outputs
+
+   integer, parameter :: storeys = 10000
+   !! storeys that the number of an output tells apart
+
+contains
+
+   !> Find the number by which `query_outputs` knows an output.
+   subroutine find_output(key, number, error)
+      character(*), intent(in) :: key
+      !! key of a history column or of a scalar, 'storey_2_drift'
+      integer, intent(out) :: number
+      type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for any other key
+      integer :: place, storey
+
+      call look_up(key, place, storey)
+      number = storeys*place + storey
+      if (place > 0) then
+         if (is_column(place) .or. index(all_quantities(place)%outputs, 'run') > 0) return
+      end if
+      call fail(error, err_input, shown(key)//': must be a column of the history or a number of a ' &
+         //'run (reference/outputs.md)')
+   end subroutine find_output
+
+   !> True for a column of the history.
+   pure logical function is_column(place)
+      integer, intent(in) :: place
+      !! row of the table
+
+      is_column = index(all_quantities(place)%outputs, 'history') > 0
+   end function is_column
+
+   !> Return outputs at the current time.
+   !>
+   !> Maxima need the requests of `&output` in the case. An output that does not apply, or is not
+   !> requested, is NaN.
+   subroutine query_outputs(stepping, numbers, values, error)
+      type(stepping_t), intent(in) :: stepping
+      integer, intent(in) :: numbers(:)
+      !! (outputs) results of `find_output`
+      real(wp), intent(out) :: values(:)
+      !! (outputs) in the units of their keys; counts unchanged, 1 for true, 0 for false
+      type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for a handle without a wall and a number of no output
+      type(recorder_t) :: columns
+      type(values_t) :: scalars
+      integer :: i
+      logical :: has_columns, has_scalars
+
+      values = ieee_value(1.0_wp, ieee_quiet_nan)
+      call require(stepping, error)
+      if (allocated(error)) return
+      if (any(numbers < storeys .or. numbers >= storeys*(size(all_quantities) + 1))) then
+         call fail(error, err_input, 'a number of no output: ask for it by its key')
+         return
+      end if
+      has_columns = .false.
+      has_scalars = .false.
+      do i = 1, size(numbers)
+         associate (place => numbers(i)/storeys, storey => modulo(numbers(i), storeys))
+            if (is_column(place)) then
+               if (.not. has_columns) call compute_columns(stepping%instance, columns)
+               has_columns = .true.
+               values(i) = column_of(columns, all_quantities(place)%id, storey)
+            else
+               if (.not. has_scalars) call compute_scalars(stepping%instance, scalars)
+               has_scalars = .true.
+               values(i) = value_of(scalars, all_quantities(place)%id, storey)
+            end if
+         end associate
+      end do
+   end subroutine query_outputs
+
+   !> Compute the columns of a history at the current time.
+   subroutine compute_columns(instance, columns)
+      type(wall_instance_t), pointer, intent(in) :: instance
+      type(recorder_t), intent(out) :: columns
+      !! recorder whose row has the values
+
+      columns = instance%recorder
+      if (allocated(columns%weights)) deallocate (columns%weights)
+      if (allocated(columns%newtons)) deallocate (columns%newtons)
+      associate (hybrid => instance%hybrid)
+         call create_columns(columns, instance%case, instance%equation, hybrid%y)
+         deallocate (columns%row%names)
+         call find_columns(columns, instance%equation, hybrid%t, hybrid%y, is_at_rest(hybrid))
+      end associate
+   end subroutine compute_columns
+
+   !> Value of a column; NaN without such a column.
+   pure real(wp) function column_of(columns, number, storey) result(value)
+      type(recorder_t), intent(in) :: columns
+      integer, intent(in) :: number
+      !! number of the quantity
+      integer, intent(in) :: storey
+      !! number of the storey from the ground up; 0 for a quantity without storeys
+      integer :: first, place
+
+      value = ieee_value(1.0_wp, ieee_quiet_nan)
+      associate (row => columns%row)
+         first = findloc(row%numbers, number, dim=1)
+         if (first == 0) return
+         place = first + max(1, storey) - 1 - row%below(first)
+         if (place < first .or. place > size(row%numbers)) return
+         if (row%numbers(place) == number) value = row%values(place)
+      end associate
+   end function column_of
+
+   !> Compute the scalars of a run that ends at the current time.
+   subroutine compute_scalars(instance, scalars)
+      type(wall_instance_t), pointer, intent(in) :: instance
+      type(values_t), intent(out) :: scalars
+      type(recorder_t) :: recorder
+      type(result_t) :: result
+      real(wp) :: y_dot(size(instance%hybrid%y))
+
+      recorder = instance%recorder
+      recorder%keeps_history = .false.
+      associate (hybrid => instance%hybrid, equation => instance%equation)
+         call find_rates(equation, hybrid%t, hybrid%y, is_at_rest(hybrid), y_dot)
+         call observe_present(recorder, equation, hybrid%t, hybrid%y, y_dot)
+         ! the warnings of the case are not needed
+         allocate (result%warnings(0))
+         call fill_result(instance%case, equation, hybrid, recorder, result)
+      end associate
+      result%steps = instance%steps
+      call scalars_of(instance%case, result, scalars)
+   end subroutine compute_scalars
+
+end module rwmf_embedding_outputs
