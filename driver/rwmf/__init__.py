@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rwmf._design.design import Design, design
     from rwmf._explore import explore
     from rwmf._gradient.gradient import gradient
+    from rwmf._pushover import pushover
     from rwmf._response import Response
     from rwmf._risk import cloud, fragility, ida, risk, stripes
     from rwmf._simulation import simulate
@@ -58,6 +59,7 @@ __all__ = [
     "loops",
     "merge",
     "plot",
+    "pushover",
     "quantile",
     "records",
     "risk",
@@ -91,6 +93,7 @@ _HOMES = {
     "ida": "_risk",
     "intensity": "_sweep.intensity",
     "merge": "_sweep",
+    "pushover": "_pushover",
     "quantile": "studies.statistics",
     "risk": "_risk",
     "simulate": "_simulation",

@@ -10,6 +10,7 @@ module rwmf_bindings_python_handles
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: key_length
+   use rwmf_simulation_pushover_curve, only: curve_t
    use rwmf_simulation_result, only: result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
    implicit none
@@ -18,8 +19,8 @@ module rwmf_bindings_python_handles
    public :: kept_t, keep, find, put_text, put_error, add_source, split_names, make_control
    public :: keep_motion, motion_of, complete_case, sampled_case, samples_of
 
-   !> Object behind a handle: a case, samples of a motion, changed keys, or the result or the
-   !> spectrum computed from a case.
+   !> Object behind a handle: a case, samples of a motion, changed keys, or the result, the
+   !> spectrum or the static curve computed from a case.
    type :: kept_t
       type(case_t), allocatable :: case
       !! constant once stored, so that any number of threads may use it
@@ -34,6 +35,7 @@ module rwmf_bindings_python_handles
       type(changes_t), allocatable :: changes
       type(result_t), allocatable :: result
       type(spectrum_t), allocatable :: spectrum
+      type(curve_t), allocatable :: curve
    end type kept_t
 
 contains

@@ -28,7 +28,7 @@ module rwmf_model_hysteresis_spring_set
    public :: yield_displacement, storey_strengths, moves
    public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
    public :: frame_residuals, plastic_displacement, plastic_parts, uneven_plastic_part
-   public :: fuse_uplift
+   public :: fuse_uplift, spring_forces
 
 contains
 
