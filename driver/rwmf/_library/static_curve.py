@@ -11,7 +11,7 @@ from rwmf._kernel import rwmf_bindings_python_static_curve as _kernel
 from rwmf._library.kernel_case import KernelCase
 from rwmf._library.kernel_thread import wait_for
 from rwmf._library.marshalling import encode, fetch_text, message_buffer
-from rwmf._library.memory import Memory
+from rwmf._library.results import Result
 
 __all__ = ["StaticCurve", "compute_curve"]
 
@@ -87,11 +87,9 @@ def compute_curve(
         return handle, status, n
 
     with case.own_lines():
-        memory = wait_for(call, message, source, Memory, None)
-    try:
-        return _copy(case, memory.handle)
-    finally:
-        memory.close()
+        found = wait_for(call, message, source, lambda handle: Result(case, handle), None)
+    with found:
+        return _copy(case, found.handle)
 
 
 def _copy(case: KernelCase, handle: int) -> StaticCurve:
