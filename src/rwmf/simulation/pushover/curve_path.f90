@@ -162,8 +162,10 @@ contains
       integer, allocatable :: before(:)
       real(wp), allocatable :: y(:)
       type(control_t) :: control
+      type(discrete_state_t) :: kept
       integer :: i
 
+      kept = path%scene%equation%state
       control = control_t(of_roof, target_value=real(path%sense, wp))
       if (.not. roof_can_move(path%scene)) control%kind = of_load
       associate (scene => path%scene, model => path%scene%equation%model_t, &
@@ -180,9 +182,31 @@ contains
          end do
          if (is_found .and. .not. scene%is_held .and. model%has_impacts .and. abs(scene%y(1)) <= 0) &
             is_found = state%side*path%rates(1) > 0
+         if (is_found) is_found = .not. rebounds(path, kept)
          if (is_found .and. path%sense /= path%direction) is_found = continues(path)
       end associate
    end subroutine turn_consistently
+
+   !> True if a storey that has just begun to unload moves in its previous direction.
+   logical function rebounds(path, kept)
+      type(path_t), intent(in) :: path
+      type(discrete_state_t), intent(in) :: kept
+      !! state before the springs were turned
+      real(wp), dimension(path%scene%equation%floors%n) :: d, d_dot
+      integer :: before(path%scene%equation%floors%n)
+      real(wp) :: y(size(path%scene%y))
+
+      rebounds = .false.
+      associate (equation => path%scene%equation)
+         if (.not. allocated(equation%floors%springs)) return
+         y = path%scene%y
+         y(path%scene%v) = path%rates
+         call storey_motion(equation, equation%state%side, y, d, d_dot)
+         before = loading_direction(equation%floors%springs, kept%storeys)
+         rebounds = any(before*d_dot > 0 .and. before /= loading_direction(equation%floors%springs, &
+            equation%state%storeys))
+      end associate
+   end function rebounds
 
    !> True if a storey on a falling branch still moves in its loading direction.
    logical function continues(path)

@@ -96,10 +96,11 @@ contains
              .and. state%side*(step%y(1) - scene%y(1)) < 0) call try_level(scene, step, &
             at_landing, control_t(of_rotation, target_value=0.0_wp))
          if (equation%has_bilinear_springs) then
+            ! a limit at theta = 0 is out of the range of the other side
             if (step%y(1) > scene%y(1) .and. step%y(1) > state%high) call try_level(scene, step, &
-               at_window, control_t(of_rotation, target_value=state%high))
+               at_window, control_t(of_rotation, target_value=max(state%high, scene%y(1))))
             if (step%y(1) < scene%y(1) .and. step%y(1) < state%low) call try_level(scene, step, &
-               at_window, control_t(of_rotation, target_value=state%low))
+               at_window, control_t(of_rotation, target_value=min(state%low, scene%y(1))))
          end if
          if (.not. equation%has_wall) return
          direction = merge(1, -1, step%y(1) > 0)

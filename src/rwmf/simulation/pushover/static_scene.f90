@@ -384,9 +384,10 @@ contains
          slopes(:, k - first + 1) = (equations_of(scene, control, y + along, load) &
             - equations_of(scene, control, y - along, load))/(2*step)
       end do
-      associate (g => scene%equation%p%g)
-         slopes(:, size(slopes, 2)) = (equations_of(scene, control, y, load + g) &
-            - equations_of(scene, control, y, load - g))/(2*g)
+      ! all are linear in the load, but for the corner of a decompression without load
+      associate (step => 1.0e-4_wp*scene%equation%p%g)
+         slopes(:, size(slopes, 2)) = (equations_of(scene, control, y, load + step) &
+            - equations_of(scene, control, y, load - step))/(2*step)
       end associate
    end subroutine differentiate
 
