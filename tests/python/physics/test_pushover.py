@@ -281,7 +281,7 @@ def test_slow_motion(coupling: str) -> None:
     top = int(np.argmax(drift))
     assert shear[:top].max() > a_max
     found = []
-    times = (40.0, 80.0)
+    times = (300.0, 600.0)
     for time in times:
         t = np.array([0.0, time, 1.5 * time])
         a = -a_max / G * np.array([0.0, 1.0, 0.5])
@@ -293,7 +293,7 @@ def test_slow_motion(coupling: str) -> None:
         )
         found.append(run["frame_drift"].values)
     dynamic = (2 * found[1] - found[0])[2:9]
-    assert dynamic.max() > 0.01
+    assert dynamic.max() > 0.009
     loading = np.interp(a_max * np.array([2, 3, 4, 5, 6, 7, 8]) / 8, shear[:top], drift[:top])
     assert np.abs(dynamic / loading - 1).max() < 1e-3
 

@@ -67,13 +67,14 @@ contains
       type(path_event_t), intent(out) :: event
       !! kind `no_event` if there is none
       type(step_t) :: step
+      integer :: side
 
       step = step_t(y, load)
       if (scene%is_held) then
-         call try_upward(scene, step, at_uplift, control_t(of_uplift, 1, target_value=0.0_wp))
-         call try_upward(scene, step, at_uplift, control_t(of_uplift, -1, target_value=0.0_wp))
-         call try_upward(scene, step, at_decompression, control_t(of_decompression, &
-            target_value=0.0_wp))
+         do side = -1, 1, 2
+            call try_upward(scene, step, at_uplift, control_t(of_uplift, side))
+            call try_upward(scene, step, at_decompression, control_t(of_decompression, side))
+         end do
       else
          call try_rotations(scene, overturning_angle, step)
       end if

@@ -41,7 +41,8 @@ module rwmf_simulation_pushover_static_scene
    integer, parameter :: of_uplift = 6
    !! moment that lifts the resting wall towards the side `number` [m2/s2]
    integer, parameter :: of_decompression = 7
-   !! moment at the base less that at which the pressure at one edge vanishes [m2/s2]
+   !! moment at the base towards the side `number`, less that at which the pressure at the other
+   !! edge vanishes [m2/s2]
    integer, parameter :: of_drift = 8
    !! drift `number` of the effect `effect` over its limit [-]
 
@@ -321,7 +322,7 @@ contains
          case (of_decompression)
             ! M - N b and -M - N b on both corners; the pressure at an edge vanishes at M = N b/3
             moment = corner_moments(scene, y, load)
-            value = abs(moment(1) - moment(-1))/2 + (moment(1) + moment(-1))/6
+            value = control%number*(moment(1) - moment(-1))/2 + (moment(1) + moment(-1))/6
          case (of_drift)
             associate (effect => equation%effects(control%effect))
                allocate (ratio(effect%drifts), rate(effect%drifts))
@@ -384,8 +385,8 @@ contains
          slopes(:, k - first + 1) = (equations_of(scene, control, y + along, load) &
             - equations_of(scene, control, y - along, load))/(2*step)
       end do
-      ! all are linear in the load, but for the corner of a decompression without load
-      associate (step => 1.0e-4_wp*scene%equation%p%g)
+      ! all are linear in the load
+      associate (step => scene%equation%p%g)
          slopes(:, size(slopes, 2)) = (equations_of(scene, control, y, load + step) &
             - equations_of(scene, control, y, load - step))/(2*step)
       end associate
