@@ -13,7 +13,7 @@ module rwmf_model_hysteresis_bouc_wen_backbone
    implicit none
    private
 
-   public :: virgin_displacement, unloaded_displacement, follow_state
+   public :: virgin_displacement, unloaded_displacement, follow_state, state_slope
 
    real(wp), parameter :: growing = 1
    !! c while |z| grows [-]
@@ -192,6 +192,20 @@ contains
       spent = spent + whole
       z = sign(state_of(part), x)
    end subroutine follow_state
+
+   !> Slope dz/dx, x = u/u_y, in a direction of the motion [-].
+   pure real(wp) function state_slope(direction, beta, n, z) result(slope)
+      real(wp), intent(in) :: direction
+      !! any number with the sign of the change of x
+      real(wp), intent(in) :: beta
+      !! shape factor while |z| decreases [-]
+      real(wp), intent(in) :: n
+      !! exponent, >= 1 [-]
+      real(wp), intent(in) :: z
+      !! hysteretic state [-]
+
+      slope = 1 - merge(1 - 2*beta, growing, direction*z < 0)*min(1.0_wp, abs(z))**n
+   end function state_slope
 
    !> Find the w at a distance from another one, by Newton's method inside a bracket.
    pure subroutine find_end(rule, from, x, n, c, w, spent)

@@ -16,7 +16,7 @@ module rwmf_simulation_pushover_static_scene
    use rwmf_model_equation, only: frame_displacement, frame_mass, frame_motion, frame_travel, &
       hysteresis_t
    use rwmf_model_floor_motion, only: floor_motion, storey_motion
-   use rwmf_model_hysteresis_bouc_wen_backbone, only: follow_state
+   use rwmf_model_hysteresis_bouc_wen_backbone, only: follow_state, state_slope
    use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    use rwmf_model_lanes, only: lane_motion_t
    implicit none
@@ -363,24 +363,14 @@ contains
       !! (equations, unknowns)
       real(wp), parameter :: small = 1.0e-6_wp
       !! displacement [m]
-      type(lane_motion_t) :: motion
-      real(wp), dimension(size(y)) :: along, rates
-      real(wp) :: step
+      real(wp) :: along(size(y)), step
       integer :: k, first
 
       first = merge(2, 1, scene%is_held)
       do k = first, size(scene%q)
          step = small/scene%unit(k)
          along = 0
-         if (size(scene%z) > 0) then
-            motion%ground = 0
-            motion%vertical = 0
-            along = y
-            along(scene%v(k)) = 1
-            call lane_rates(scene%equation%scene, scene%equation%state%coef, along, motion, rates)
-            along = 0
-            along(scene%z) = step*rates(scene%z)
-         end if
+         if (size(scene%z) > 0) along(scene%z) = step*smooth_rates(scene, y, k)
          along(scene%q(k)) = step
          slopes(:, k - first + 1) = (equations_of(scene, control, y + along, load) &
             - equations_of(scene, control, y - along, load))/(2*step)
@@ -392,7 +382,58 @@ contains
       end associate
    end subroutine differentiate
 
+   !> Rates of the states of smooth springs per rate of a position, in the direction in which the
+   !> springs have moved since the state of the scene.
+   function smooth_rates(scene, y, k) result(rates)
+      type(static_scene_t), intent(in) :: scene
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      integer, intent(in) :: k
+      !! number of the position
+      real(wp) :: rates(size(scene%z))
+      real(wp) :: along(size(y))
+      real(wp), dimension(scene%equation%floors%n) :: d, d_dot, before
+      real(wp) :: u, u_dot, u_before
+      integer :: i
+
+      along = y
+      along(scene%v(k)) = 1
+      associate (equation => scene%equation, state => scene%equation%state)
+         if (equation%has_loading_direction) then
+            call frame_motion(equation, state%side, along, u, u_dot)
+            u_before = frame_displacement(equation, state%side, scene%y)
+            rates(1) = u_dot*slope_of(equation%hysteresis, u - u_before, &
+               state%signs%loading_direction)
+            return
+         end if
+         call storey_motion(equation, state%side, scene%y, before, d_dot)
+         call storey_motion(equation, state%side, along, d, d_dot)
+         do i = 1, size(rates)
+            rates(i) = d_dot(i)*slope_of(equation%floors%laws(i), d(i) - before(i), &
+               state%storey_signs(i)%loading_direction)
+         end do
+      end associate
+
+   contains
+
+      !> Slope of one spring [1/m].
+      pure real(wp) function slope_of(law, change, direction) result(slope)
+         type(hysteresis_t), intent(in) :: law
+         real(wp), intent(in) :: change
+         integer, intent(in) :: direction
+         !! for a spring that has not moved
+         real(wp) :: onward
+
+         onward = change
+         if (abs(change) <= 0) onward = direction
+         slope = state_slope(onward, law%beta, law%exponent, y(law%place))/law%u_y
+      end function slope_of
+   end function smooth_rates
+
    !> Find the equilibrium with a prescribed quantity by Newton's method.
+   !>
+   !> Smooth springs have a corner where they turn. Between two corners full steps may alternate;
+   !> some half steps end this.
    subroutine find_equilibrium(scene, control, y, load, is_found)
       type(static_scene_t), intent(inout) :: scene
       type(control_t), intent(in) :: control
@@ -401,7 +442,8 @@ contains
       real(wp), intent(inout) :: load
       !! [m/s2]
       logical, intent(out) :: is_found
-      integer, parameter :: most_steps = 40
+      integer, parameter :: most_steps = 60, full = 12, half = 24
+      !! largest number of steps; of full steps, and of these and half steps, at the beginning
       real(wp), parameter :: settled = 1.0e-9_wp
       !! relative change below which the changes must not grow [-]
       real(wp), allocatable :: slopes(:, :), values(:), change(:)
@@ -419,6 +461,7 @@ contains
          call differentiate(scene, control, y, load, slopes)
          call solve_system(slopes, -values, change, is_found)
          if (.not. is_found) return
+         if (i > full .and. i <= half) change = change/2
          y(scene%q(first:)) = y(scene%q(first:)) + change(:m - 1)
          load = load + change(m)
          size_of_change = relative_size(scene, change, y, load)
