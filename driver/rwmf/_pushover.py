@@ -19,7 +19,7 @@ from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.quantities import QUANTITIES, find_numbered
 
-__all__ = ["PATTERNS", "mark_crossings", "pushover"]
+__all__ = ["PATTERNS", "columns_by_key", "mark_crossings", "pushover"]
 
 PATTERNS = ("first_mode", "floors", "roof")
 
@@ -142,9 +142,37 @@ def mark_crossings(curve: xr.Dataset, name: str, variable: str, level: float) ->
     return plain.assign_coords({key: xr.Variable(*item) for key, item in marks.items()})
 
 
-def _pattern_of(
-    case: Case, pattern: object, forces: object
-) -> tuple[str, npt.NDArray[np.float64]]:
+def columns_by_key(curve: xr.Dataset) -> dict[str, npt.NDArray[np.float64]]:
+    """Return the columns of a curve by their keys, as in CSV and JSON.
+
+    Parameters
+    ----------
+    curve : xarray.Dataset
+        From `pushover`.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray, each shape (steps,)
+        Values by key, units included; those of storeys, floors and links one by one.
+    """
+    keys = {name: key for key, (name, _, _) in _OWN.items()}
+    for key, quantity in QUANTITIES.items():
+        if "history" in quantity.outputs.split():
+            item = quantity.over_levels if quantity.level else quantity
+            keys.setdefault(item.names("history")[0], key)
+    found = {}
+    for name, values in curve.data_vars.items():
+        if str(name) not in keys:
+            continue
+        # no negative zeros
+        table = values.values.reshape(len(values), -1).T + 0.0
+        for number, column in enumerate(table, 1):
+            if not np.isnan(column).all():
+                found[keys[str(name)].replace("{i}", str(number))] = column
+    return found
+
+
+def _pattern_of(case: Case, pattern: object, forces: object) -> tuple[str, npt.NDArray[np.float64]]:
     """Return the name of the pattern, and the forces of 'floors'."""
     if pattern is not None and not isinstance(pattern, str):
         if forces is not None:

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from rwmf._files import files
-from rwmf._pushover import pushover
+from rwmf._pushover import columns_by_key, pushover
 from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_written
@@ -74,23 +74,9 @@ def _history(case: Case) -> xr.Dataset:
     return simulate(case.replace(output={"dt": dt, "reactions": True, "conditioning": False}))
 
 
-def _columns(curve: xr.Dataset) -> dict[str, np.ndarray]:
-    """Return the variables over the steps, those of storeys and floors one by one."""
-    found: dict[str, np.ndarray] = {}
-    for name, values in curve.data_vars.items():
-        if values.dims == ("step",):
-            found[str(name)] = values.values
-            continue
-        level = str(values.dims[1])
-        stem, _, rest = str(name).partition(f"{level}s")
-        for number, column in zip(curve[level].values, values.values.T, strict=True):
-            found[f"{stem}{level}_{number}{rest}"] = column
-    return found
-
-
 def _table(curve: xr.Dataset) -> str:
     """Return the rows of the curve as CSV; the last column names the marks of a row."""
-    columns = _columns(curve)
+    columns = columns_by_key(curve)
     marks: dict[int, list[str]] = {}
     for name, step in zip(curve["mark"].values, curve["mark_step"].values, strict=True):
         marks.setdefault(int(step), []).append(str(name))
@@ -110,7 +96,7 @@ def _plain(curve: xr.Dataset) -> dict[str, object]:
             strict=True,
         )
     ]  # fmt: skip
-    return {**curve.attrs, "marks": marks, **_columns(curve)}
+    return {**curve.attrs, "marks": marks, **columns_by_key(curve)}
 
 
 def _lines(curve: xr.Dataset) -> list[str]:

@@ -10,7 +10,16 @@ import numpy.typing as npt
 
 from rwmf._arguments import checked, dataset_of
 from rwmf.errors import InputError
-from rwmf.plotting.style import COLOURS, FAINT, INK, LEVEL, MARKERS, PAPER, legend_beside, make_panels
+from rwmf.plotting.style import (
+    COLOURS,
+    FAINT,
+    INK,
+    LEVEL,
+    MARKERS,
+    PAPER,
+    legend_beside,
+    make_panels,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -128,10 +137,13 @@ def _segment(
 
 
 def _first_marks(curve: xr.Dataset) -> list[tuple[str, int, float]]:
-    """Return words, step and drift of the first mark of each name; storeys in one mark each verb."""
+    """Return words, step and drift of the first mark of each name; storeys share their marks."""
     found: dict[str, tuple[str, int, float]] = {}
     for name, step, drift in zip(
-        curve["mark"].values, curve["mark_step"].values, curve["mark_roof_drift"].values, strict=True
+        curve["mark"].values,
+        curve["mark_step"].values,
+        curve["mark_roof_drift"].values,
+        strict=True,
     ):
         storey = re.fullmatch(r"storey_(\d+)_(\w+)", str(name))
         kind = f"storey_{storey[2]}" if storey else str(name)

@@ -59,7 +59,10 @@ def _frame_force(u: np.ndarray) -> np.ndarray:
 
 
 def _resisting(curve: xr.Dataset, tendon: Any, extra: Any = None) -> np.ndarray:  # noqa: ANN401
-    """Base shear over the weight by the moment about the pivot; `tendon` is the moment over m_w."""
+    """Return the base shear over the weight by the moment about the pivot.
+
+    `tendon` and `extra` are functions of |theta|, moments over m_w.
+    """
     drift = curve["roof_drift"].values
     theta = _rotation(drift)
     side, phi = np.where(theta >= 0, 1.0, -1.0), np.abs(theta)
@@ -97,7 +100,7 @@ def test_corner_model(direction: float) -> None:
 
 
 def test_uplift_and_decompression() -> None:
-    """The moment about the ground at lift-off is (weight + tendon) b; a third of it decompresses."""
+    """At lift-off the moment about the ground is (weight + tendon) b; a third decompresses."""
     curve = rwmf.pushover(_case())
     moment = curve["overturning_moment_over_weight"].values * 6.0
     assert moment[_marked(curve, "uplift")[0]] == pytest.approx(2.0 * B, rel=EXACT)
@@ -152,9 +155,7 @@ def test_fuse() -> None:
 
     def moment(phi: np.ndarray) -> np.ndarray:
         stroke = 4 * B * np.sin(phi / 2)
-        force = np.where(
-            stroke < 0.004, 0.5 * stroke / 0.004, 0.5 + 0.025 * (stroke / 0.004 - 1)
-        )
+        force = np.where(stroke < 0.004, 0.5 * stroke / 0.004, 0.5 + 0.025 * (stroke / 0.004 - 1))
         return G * force * 2 * B * np.cos(phi / 2)
 
     after = slice(_marked(curve, "uplift")[0] + 1, None)
@@ -232,7 +233,7 @@ def test_loops_dissipate_the_ledger(coupling: str, law: dict[str, Any]) -> None:
 
 
 def _yielding(coupling: str, law: dict[str, Any]) -> rwmf.Case | None:
-    """Return a scene in which frame, fuses and tendon yield; None where the case refuses the law."""
+    """Return a scene in which all springs yield; None where the case refuses the law."""
     changes: dict[str, Any] = {
         "cable": {"law": "truss", "eta_y": 1.2, "hardening": 0.05},
         "fuse": {"eta_y": 0.3, "stroke_y": 0.004, "hardening": 0.02},

@@ -407,7 +407,8 @@ contains
       if (turned%slope > 0) residual = -turned%offset/turned%slope
    end function unloaded_elongation
 
-   !> Name of the active branch on the envelope: 'yield', 'capping', 'residual' or 'failure'; else ''.
+   !> Name of the active branch on the envelope, 'yield', 'capping', 'residual' or 'failure'; else
+   !> ''.
    pure function degrading_word(branch) result(word)
       type(branch_t), intent(in) :: branch
       character(:), allocatable :: word

@@ -182,8 +182,9 @@ contains
          end do
          ! the rate of a smooth spring at its reversal vanishes, and its sign is round-off
          if (size(scene%z) > 0) is_found = .true.
-         if (is_found .and. .not. scene%is_held .and. model%has_impacts .and. abs(scene%y(1)) <= 0) &
-            is_found = state%side*path%rates(1) > 0
+         if (is_found .and. .not. scene%is_held .and. model%has_impacts) then
+            if (abs(scene%y(1)) <= 0) is_found = state%side*path%rates(1) > 0
+         end if
          if (is_found) is_found = .not. rebounds(path, kept)
          if (is_found .and. path%sense /= path%direction) is_found = continues(path)
       end associate
@@ -205,8 +206,8 @@ contains
          y(path%scene%v) = path%rates
          call storey_motion(equation, equation%state%side, y, d, d_dot)
          before = loading_direction(equation%floors%springs, kept%storeys)
-         rebounds = any(before*d_dot > 0 .and. before /= loading_direction(equation%floors%springs, &
-            equation%state%storeys))
+         rebounds = any(before*d_dot > 0 .and. before &
+            /= loading_direction(equation%floors%springs, equation%state%storeys))
       end associate
    end function rebounds
 
@@ -233,9 +234,18 @@ contains
       real(wp), intent(in) :: goal
       !! [m]
       type(control_t), intent(out) :: control
+      real(wp), parameter :: pieces = 16
+      !! steps for the moment of the wall's weight about its corner
 
       if (.not. roof_can_move(path%scene)) then
-         control = control_t(of_uplift, path%direction, target_value=0.0_wp)
+         control = control_t(of_uplift, path%direction)
+         if (size(path%scene%q) > 1) then
+            ! free floors move while the wall holds the roof
+            associate (p => path%scene%equation%p)
+               control%target_value = min(0.0_wp, control_value(path%scene, control, path%scene%y, &
+                  path%scene%load) + p%g*p%R*p%sin_alpha/pieces)
+            end associate
+         end if
       else if (path%sense == path%direction) then
          control = control_t(of_roof, target_value=goal)
       else
@@ -308,7 +318,9 @@ contains
 
       is_found = .true.
       call stop_at_turn(path, control, y, load)
-      if (control%kind == of_uplift) event = path_event_t(at_uplift, control, .true., 1.0_wp)
+      if (control%kind == of_uplift .and. control%target_value >= 0) then
+         event = path_event_t(at_uplift, control, .true., 1.0_wp)
+      end if
       do i = 1, most
          call find_first_event(path%scene, path%overturning_angle, path%has_yielded, y, load, other)
          if (other%kind == no_event .or. is_same(other, event)) return

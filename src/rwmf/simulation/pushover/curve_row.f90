@@ -135,8 +135,8 @@ contains
          call put(row, id%wall_moment_over_m_w_g_m, extremes%moment/g)
          call put(row, id%wall_shear_base_over_m_w_g, base(1)/g)
          call put(row, id%wall_moment_base_over_m_w_g_m, base(2)/g)
-         if (equation%has_frame) call put(row, id%link_i_force_over_m_w_g, norm2(links%force, dim=1) &
-            *sign(1.0_wp, links%force(1, :))/g)
+         if (equation%has_frame) call put(row, id%link_i_force_over_m_w_g, sign(norm2(links%force, &
+            dim=1), links%force(1, :))/g)
       end associate
    end subroutine put_wall
 

@@ -188,8 +188,8 @@ contains
       after = control_value(scene, control, step%y, step%load)
       least = round_off*scene%equation%p%g*scene%equation%p%R
       ! a wall that has just landed is at the level of its own side
-      if (after > least .and. after > before .and. (before < -least .or. kind == at_uplift)) &
-         call try_level(scene, step, kind, control)
+      if (before >= -least .and. kind /= at_uplift) return
+      if (after > least .and. after > before) call try_level(scene, step, kind, control)
    end subroutine try_upward
 
    !> Keep an event if it is the first one so far.
