@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         WallSnapshot,
         WallState,
     )
+    from rwmf._pushover import pushover
     from rwmf._response import Response
     from rwmf._risk import cloud, fragility, ida, risk, stripes
     from rwmf._simulation import simulate
@@ -91,6 +92,7 @@ __all__ = [
     "loops",
     "merge",
     "plot",
+    "pushover",
     "quantile",
     "records",
     "risk",
@@ -141,6 +143,7 @@ _HOMES = {
     "ida": "_risk",
     "intensity": "_sweep.intensity",
     "merge": "_sweep",
+    "pushover": "_pushover",
     "quantile": "studies.statistics",
     "risk": "_risk",
     "simulate": "_simulation",

@@ -20,7 +20,16 @@ if TYPE_CHECKING:
     from rwmf._labels import Labelled
     from rwmf._response import Response
 
-__all__ = ["simulate", "start", "to_dataset", "with_history"]
+__all__ = [
+    "by_quantity",
+    "label",
+    "level_coordinates",
+    "simulate",
+    "sizes_of",
+    "start",
+    "to_dataset",
+    "with_history",
+]
 
 
 def simulate(case: CaseLike, dt: float | None = None) -> Response:
@@ -126,20 +135,20 @@ def to_dataset(run: _library.Run, case: Case) -> Response:
 
     summary = run.summary()
     columns, values = run.history()
-    over_time = _by_quantity(zip(columns, values, strict=True))
-    of_run = _by_quantity(summary.items())
-    sizes = _sizes((*over_time.values(), *of_run.values()))
+    over_time = by_quantity(zip(columns, values, strict=True))
+    of_run = by_quantity(summary.items())
+    sizes = sizes_of((*over_time.values(), *of_run.values()))
     if "floor_{i}_m" in over_time:
         # the roof is a floor as well; on link springs it moves separately
         over_time["floor_{i}_m"][1].setdefault(sizes["floor"], over_time["u_s_m"][1][0])
     variables: dict[str, Labelled] = {}
-    _label(variables, over_time, "history", sizes)
+    label(variables, over_time, "history", sizes)
     coordinates: dict[str, Labelled] = {}
     if columns:
         coordinates = {"time": variables.pop("time")} | _event_coordinates(run, summary)
-    _label(variables, {key: item for key, item in of_run.items() if item[0].name}, "run", sizes)
+    label(variables, {key: item for key, item in of_run.items() if item[0].name}, "run", sizes)
     if sizes:
-        coordinates |= _level_coordinates(
+        coordinates |= level_coordinates(
             case, sizes, {dim for item in variables.values() for dim in item[0]}
         )
     facts: dict[str, Any] = {"version": _library.version()}
@@ -156,8 +165,19 @@ def to_dataset(run: _library.Run, case: Case) -> Response:
 _Found = dict[str, tuple[Quantity, dict[int, Any]]]
 
 
-def _by_quantity(items: Iterable[tuple[str, Any]]) -> _Found:
-    """Group values by their row in the table of quantities; the number is 0 without levels."""
+def by_quantity(items: Iterable[tuple[str, Any]]) -> _Found:
+    """Group values by their row in the table of quantities.
+
+    Parameters
+    ----------
+    items : iterable of tuple
+        Keys of the kernel, and their values.
+
+    Returns
+    -------
+    dict
+        By key, the row and its values by the number of storey, floor or mode; 0 for none.
+    """
     found: _Found = {}
     for key, value in items:
         quantity, number = find_numbered(key)
@@ -165,8 +185,19 @@ def _by_quantity(items: Iterable[tuple[str, Any]]) -> _Found:
     return found
 
 
-def _sizes(found: Iterable[tuple[Quantity, dict[int, Any]]]) -> dict[str, int]:
-    """Return the number of storeys, as many as floors, and of modes; absent without a quantity."""
+def sizes_of(found: Iterable[tuple[Quantity, dict[int, Any]]]) -> dict[str, int]:
+    """Return the number of storeys, as many as floors, and of modes; absent without a quantity.
+
+    Parameters
+    ----------
+    found : iterable of tuple
+        Values of `by_quantity`.
+
+    Returns
+    -------
+    dict of str to int
+        Numbers by level.
+    """
     sizes: dict[str, int] = {}
     for quantity, values in found:
         if quantity.level:
@@ -176,12 +207,30 @@ def _sizes(found: Iterable[tuple[Quantity, dict[int, Any]]]) -> dict[str, int]:
     return sizes
 
 
-def _label(
-    variables: dict[str, Labelled], found: _Found, output: str, sizes: dict[str, int]
+def label(
+    variables: dict[str, Labelled],
+    found: _Found,
+    output: str,
+    sizes: dict[str, int],
+    over: str = "time",
 ) -> None:
-    """Add variables over time or of a run, those of storeys or floors over their numbers."""
+    """Add variables over time or of a run, those of storeys or floors over their numbers.
+
+    Parameters
+    ----------
+    variables : dict
+        Variables by name, to be extended.
+    found : dict
+        From `by_quantity`.
+    output : str
+        'history' for columns, 'run' for scalars.
+    sizes : dict of str to int
+        From `sizes_of`.
+    over : str
+        Dimension of columns.
+    """
     for quantity, values in found.values():
-        dims = ("time",) if output == "history" else ()
+        dims = (over,) if output == "history" else ()
         if quantity.level:
             missing = np.full_like(next(iter(values.values())), np.nan, dtype=np.float64)
             levels = [values.get(number, missing) for number in range(1, sizes[quantity.level] + 1)]
@@ -193,8 +242,23 @@ def _label(
             variables[name] = (dims, array, quantity.attributes)
 
 
-def _level_coordinates(case: Case, sizes: dict[str, int], dims: set[str]) -> dict[str, Labelled]:
-    """Return numbers and heights of the storeys and floors, from the ground up."""
+def level_coordinates(case: Case, sizes: dict[str, int], dims: set[str]) -> dict[str, Labelled]:
+    """Return numbers and heights of the storeys and floors, from the ground up.
+
+    Parameters
+    ----------
+    case : Case
+        The computed case.
+    sizes : dict of str to int
+        From `sizes_of`.
+    dims : set of str
+        Dimensions in use.
+
+    Returns
+    -------
+    dict
+        Coordinates by name.
+    """
     heights = heights_of_storeys(case, sizes.get("floor", sizes.get("storey", 0)))
     found: dict[str, Labelled] = {}
     for level, values, meaning in (

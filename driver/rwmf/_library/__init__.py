@@ -14,6 +14,7 @@ from rwmf._library.kernel_case import (
 )
 from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
+from rwmf._library.static_curve import StaticCurve, compute_curve
 from rwmf._library.tables import (
     KeyRow,
     digits_of,
@@ -35,7 +36,9 @@ __all__ = [
     "Samples",
     "SceneAxis",
     "Spectrum",
+    "StaticCurve",
     "check_threads",
+    "compute_curve",
     "digits_of",
     "instruction_set",
     "keep_samples",

@@ -21,7 +21,7 @@ from rwmf.cli.subcommands import (
     add_plot,
     add_threads,
 )
-from rwmf.cli.words import number, whole, written_file
+from rwmf.cli.words import number, numbers, whole, written_file
 
 __all__ = ["make_parser"]
 
@@ -53,6 +53,7 @@ def make_parser() -> argparse.ArgumentParser:
         _add_spectrum,
         _add_cost,
         _add_gradient,
+        _add_pushover,
         add_design,
         _add_check,
         add_records,
@@ -184,6 +185,46 @@ def _add_gradient(commands: Subcommands) -> None:
         help="quantile over the records to differentiate, 0.5 for the median",
     )
     add_threads(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def _add_pushover(commands: Subcommands) -> None:
+    parser = commands.add(
+        "pushover",
+        "Compute the static curve: base shear and overturning moment over the roof drift, with "
+        "marks (&motion is ignored).",
+        "inputs/storeys_full.nml --drifts 0.01,-0.01,0.02 --plot curve.png",
+        "pushover_command.run",
+    )
+    add_case(parser)
+    parser.add_argument(
+        "--drifts",
+        metavar="LIST",
+        type=numbers,
+        help="roof drifts at the ends of the legs, such as 0.01,-0.01,0.02 (0.04)",
+    )
+    parser.add_argument(
+        "--pattern",
+        choices=("first_mode", "floors", "roof"),
+        help="load on the floors (with &storeys first_mode, otherwise roof)",
+    )
+    parser.add_argument(
+        "--forces",
+        metavar="LIST",
+        type=numbers,
+        help="forces on the floors from the ground up, for the pattern floors, in any unit",
+    )
+    parser.add_argument(
+        "--steps", metavar="N", type=whole(1, 100000), default=100, help="steps of a leg (100)"
+    )
+    parser.add_argument("--csv", metavar="FILE", type=written_file, help="write the rows as CSV")
+    add_plot(parser, "the curve with its marks")
+    parser.add_argument(
+        "--run",
+        dest="run_too",
+        action="store_true",
+        help="simulate the case, and draw its hysteresis behind the curve of --plot",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 

@@ -13,6 +13,7 @@ module rwmf_bindings_python_handles
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: key_length
+   use rwmf_simulation_pushover_curve, only: curve_t
    use rwmf_simulation_result, only: result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
    implicit none
@@ -21,8 +22,8 @@ module rwmf_bindings_python_handles
    public :: kept_t, keep, find, free, put_text, put_error, add_source, split_names, make_control
    public :: keep_motion, motion_of, complete_case, sampled_case, samples_of
 
-   !> Object behind a handle: a case, samples of a motion, changed keys, the result or the
-   !> spectrum computed from a case, walls or a member of a host, or saved states of walls.
+   !> Object behind a handle: a case, samples of a motion, changed keys, the result, the spectrum or
+   !> the static curve computed from a case, walls or a member of a host, or saved states of walls.
    type :: kept_t
       type(case_t), allocatable :: case
       !! constant once stored, so that any number of threads may use it
@@ -40,6 +41,7 @@ module rwmf_bindings_python_handles
       type(wall_group_t), allocatable :: group
       type(snapshot_t), allocatable :: snapshots(:)
       type(wall_member_t), allocatable :: member
+      type(curve_t), allocatable :: curve
    end type kept_t
 
 contains

@@ -22,7 +22,7 @@ module rwmf_simulation_static_rest
    implicit none
    private
 
-   public :: come_to_rest
+   public :: come_to_rest, directions, turn_springs
 
    integer, parameter :: most_pieces = 2000
    !! largest number of pieces of a path, each up to the end of a branch
@@ -207,7 +207,7 @@ contains
          call stiffness_of(model, path, stiffness)
          call solve_stable(stiffness, path%damping, rates(path%v), mass_of(model, path), change)
          before = directions(model, path%state)
-         call turn_springs(model, path, change)
+         call turn_along(model, path, change)
          if (all(before == directions(model, path%state))) exit
       end do
    end subroutine find_change
@@ -238,7 +238,7 @@ contains
    end function directions
 
    !> Unload springs whose displacement changes against their loading direction.
-   subroutine turn_springs(model, path, change)
+   subroutine turn_along(model, path, change)
       type(model_t), intent(in) :: model
       type(path_t), intent(inout) :: path
       real(wp), intent(in) :: change(:)
@@ -247,13 +247,23 @@ contains
 
       y = path%y
       y(path%v) = change
-      if (model%floors%yields) call settle_storeys(model, path%state, y, .false.)
+      call turn_springs(model, path%state, y)
+   end subroutine turn_along
+
+   !> Unload springs whose displacement changes against their loading direction.
+   subroutine turn_springs(model, state, y)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(inout) :: state
+      real(wp), intent(in) :: y(:)
+      !! (states) their velocities have the signs of the change
+
+      if (model%floors%yields) call settle_storeys(model, state, y, .false.)
       if (abs(y(2)) <= 0) return
-      call turn_back(model, path%state, y(1), onward=int(sign(1.0_wp, y(2))))
-      if (model%has_bilinear_springs) call renew_window(model, path%state)
+      call turn_back(model, state, y(1), onward=int(sign(1.0_wp, y(2))))
+      if (model%has_bilinear_springs) call renew_window(model, state)
       if (.not. model%has_loading_direction) return
-      path%state%signs%loading_direction = int(sign(1.0_wp, y(2)))
-      call follow_loading_direction(model, path%state, y)
+      state%signs%loading_direction = int(sign(1.0_wp, y(2)))
+      call follow_loading_direction(model, state, y)
    end subroutine turn_springs
 
    !> Stiffness over mass: decrease of the accelerations with the free positions, by central
@@ -525,7 +535,7 @@ contains
          end do
          path%y(path%z) = path%y(path%z) + total(path%z)
          path%y(path%q) = path%y(path%q) + change/n
-         call turn_springs(model, path, change)
+         call turn_along(model, path, change)
       end do
       if (size(path%z) == 0) path%y(path%q) = path%y(path%q) + change
    end subroutine move_along

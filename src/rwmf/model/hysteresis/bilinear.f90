@@ -23,6 +23,7 @@ module rwmf_model_hysteresis_bilinear
    public :: bilinear_force, bilinear_tangent, bilinear_plastic, bilinear_residual
    public :: bilinear_energy, bilinear_loss
    public :: bilinear_limits, pass_bilinear, turn_bilinear, is_yielding, is_broken
+   public :: bilinear_word
 
    integer, parameter :: elastic = 0
    integer, parameter :: yields_up = 1
@@ -263,5 +264,16 @@ contains
 
       is_broken = branch%kind == broken
    end function is_broken
+
+   !> Name of the active branch: 'yield', 'slack', 'rupture', or '' while elastic.
+   pure function bilinear_word(branch) result(word)
+      type(branch_t), intent(in) :: branch
+      character(:), allocatable :: word
+
+      word = ''
+      if (is_yielding(branch)) word = 'yield'
+      if (branch%kind == is_slack) word = 'slack'
+      if (branch%kind == broken) word = 'rupture'
+   end function bilinear_word
 
 end module rwmf_model_hysteresis_bilinear

@@ -28,7 +28,7 @@ module rwmf_model_hysteresis_degrading
    private
 
    public :: start_degrading, pass_degrading, turn_degrading, degrading_energy, degrading_loss
-   public :: unloaded_elongation
+   public :: unloaded_elongation, degrading_word
 
    integer, parameter :: unyielded = 0
    integer, parameter :: unloading = 1
@@ -406,5 +406,25 @@ contains
       residual = x
       if (turned%slope > 0) residual = -turned%offset/turned%slope
    end function unloaded_elongation
+
+   !> Name of the active branch on the envelope, 'yield', 'capping', 'residual' or 'failure'; else
+   !> ''.
+   pure function degrading_word(branch) result(word)
+      type(branch_t), intent(in) :: branch
+      character(:), allocatable :: word
+
+      select case (branch%kind)
+      case (hardens)
+         word = 'yield'
+      case (softens)
+         word = 'capping'
+      case (remains)
+         word = 'residual'
+      case (broken)
+         word = 'failure'
+      case default
+         word = ''
+      end select
+   end function degrading_word
 
 end module rwmf_model_hysteresis_degrading

@@ -16,7 +16,7 @@ module rwmf_model_hysteresis_flag
    implicit none
    private
 
-   public :: start_flag, pass_flag, turn_flag, flag_energy, flag_loss
+   public :: start_flag, pass_flag, turn_flag, flag_energy, flag_loss, flag_word
 
    integer, parameter :: at_origin = 0
    integer, parameter :: upper = 1
@@ -150,5 +150,14 @@ contains
          force = level + spring%hardening*(spring%stiffness*x - level)
       end associate
    end function lower_force
+
+   !> Name of the active branch: 'yield' on the upper line, else ''.
+   pure function flag_word(branch) result(word)
+      type(branch_t), intent(in) :: branch
+      character(:), allocatable :: word
+
+      word = ''
+      if (branch%kind == upper) word = 'yield'
+   end function flag_word
 
 end module rwmf_model_hysteresis_flag

@@ -3,11 +3,12 @@
 module rwmf_model_hysteresis_laws
    use rwmf_core_kinds, only: wp
    use rwmf_model_hysteresis_bilinear, only: bilinear_energy, bilinear_force, bilinear_limits, &
-      bilinear_loss, bilinear_plastic, bilinear_residual, draw_line, is_yielding, pass_bilinear, &
-      turn_bilinear
-   use rwmf_model_hysteresis_degrading, only: degrading_energy, degrading_loss, pass_degrading, &
-      start_degrading, turn_degrading, unloaded_elongation
-   use rwmf_model_hysteresis_flag, only: flag_energy, flag_loss, pass_flag, start_flag, turn_flag
+      bilinear_loss, bilinear_plastic, bilinear_residual, bilinear_word, draw_line, is_yielding, &
+      pass_bilinear, turn_bilinear
+   use rwmf_model_hysteresis_degrading, only: degrading_energy, degrading_loss, degrading_word, &
+      pass_degrading, start_degrading, turn_degrading, unloaded_elongation
+   use rwmf_model_hysteresis_flag, only: flag_energy, flag_loss, flag_word, pass_flag, &
+      start_flag, turn_flag
    use rwmf_model_hysteresis_spring, only: branch_t, law_bilinear, law_degrading, law_flag, &
       line_force, spring_t
    use rwmf_problem_case, only: spring_law_t
@@ -17,6 +18,7 @@ module rwmf_model_hysteresis_laws
    public :: new_spring, new_branch, load_spring
    public :: spring_force, spring_plastic, spring_residual, spring_energy, spring_loss, forget_loss
    public :: spring_limits, pass_limit, turn_spring, loading_direction, has_wear
+   public :: branch_word
 
 contains
 
@@ -249,5 +251,23 @@ contains
 
       has_wear = spring%law /= law_bilinear .or. spring%breakaway > 1
    end function has_wear
+
+   !> Name of the active branch where it changes the stiffness of the envelope, else ''.
+   !>
+   !> The names are 'yield', 'slack', 'rupture', 'capping', 'residual' and 'failure'.
+   pure function branch_word(spring, branch) result(word)
+      type(spring_t), intent(in) :: spring
+      type(branch_t), intent(in) :: branch
+      character(:), allocatable :: word
+
+      select case (spring%law)
+      case (law_flag)
+         word = flag_word(branch)
+      case (law_degrading)
+         word = degrading_word(branch)
+      case default
+         word = bilinear_word(branch)
+      end select
+   end function branch_word
 
 end module rwmf_model_hysteresis_laws

@@ -1,0 +1,264 @@
+"""Static curve of a case under lateral loads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rwmf import _library
+from rwmf._arguments import case_of, dataset_of
+from rwmf._labels import Labelled, dataset
+from rwmf._numbers import show, to_array, to_number, to_whole
+from rwmf._response import Response
+from rwmf._simulation import by_quantity, label, level_coordinates, sizes_of
+from rwmf.case import Case, CaseLike
+from rwmf.errors import InputError
+from rwmf.quantities import QUANTITIES, find_numbered
+
+__all__ = ["PATTERNS", "columns_by_key", "mark_crossings", "pushover"]
+
+PATTERNS = ("first_mode", "floors", "roof")
+
+# drift of the roof without a protocol: beyond what design codes allow and tests reach
+_DRIFT = 0.04
+_MOST_STEPS = 100_000
+_STEP = "step"
+# columns of the kernel that no history has: name, unit and meaning
+_OWN = {
+    "roof_drift": ("roof_drift", "1", "displacement of the roof over its height"),
+    "roof_displacement_m": ("roof_displacement", "m", "displacement of the roof"),
+    "energy_stored_J_per_kg": (
+        "energy_stored",
+        "J/kg",
+        "energy of springs, cable, wall and weights, over the reference mass",
+    ),
+    "energy_work_J_per_kg": (
+        "energy_work",
+        "J/kg",
+        "work of the load by the trapezoidal rule over the steps, over the reference mass",
+    ),
+}
+
+
+def pushover(
+    case: CaseLike,
+    drifts: float | Sequence[float] = _DRIFT,
+    pattern: str | Sequence[float] | None = None,
+    *,
+    forces: Sequence[float] | None = None,
+    steps: int = 100,
+) -> Response:
+    """Compute the static curve of a case: base shear over the drift of its roof.
+
+    The roof moves slowly from rest through the drifts. Motion, initial state and dampers of the
+    case have no effect. Ends of branches, lift-off and contact are located to round-off; each is a
+    step with a mark.
+
+    Parameters
+    ----------
+    case : Case or path
+        The case.
+    drifts : float or sequence of float
+        Drifts of the roof at the ends of the legs: one for a monotonic curve, turning points with
+        their signs for a cyclic one.
+    pattern : str or sequence of float, optional
+        Load on the floors: ``'first_mode'`` (masses times first mode of the frame; default with
+        `&storeys`), ``'roof'`` (default otherwise), ``'floors'`` with `forces`, or these forces.
+    forces : sequence of float, optional
+        Forces on the floors from the ground up, in any unit.
+    steps : int
+        Steps of a leg, apart from events.
+
+    Returns
+    -------
+    Response
+        An `xarray.Dataset` over ``step``: ``roof_drift``, ``base_shear_over_weight``,
+        ``overturning_moment_over_weight``, displacements and forces with the names of a history,
+        and, where masses are known, the forces in N. The coordinates ``mark``, ``mark_step`` and
+        ``mark_roof_drift`` name the events. The attribute ``weight`` says which weight is meant;
+        ``ending`` is ``complete``, ``overturned``, ``collapsed`` (a drift limit of the case),
+        ``no_equilibrium`` or ``no_contact``.
+
+    Raises
+    ------
+    InputError
+        When an argument is not acceptable, or the height of the frame is unknown.
+    NumericalError
+        When branches change without end.
+    Interrupted
+        After Ctrl-C.
+    """
+    case = case_of(case)
+    name, loads = _pattern_of(case, pattern, forces)
+    legs = _drifts_of(drifts)
+    n = to_whole("steps", steps, 1, _MOST_STEPS)
+    curve = _library.compute_curve(case.kernel, case.label, name, loads, legs, n)
+    return _to_dataset(curve, case, name)
+
+
+def mark_crossings(curve: xr.Dataset, name: str, variable: str, level: float) -> xr.Dataset:
+    """Add a mark wherever the magnitude of a variable rises above a level.
+
+    Parameters
+    ----------
+    curve : xarray.Dataset
+        From `pushover`.
+    name : str
+        Name of the mark.
+    variable : str
+        Variable over ``step``, such as ``storey_3_drift``.
+    level : float
+        Level in the unit of the variable.
+
+    Returns
+    -------
+    xarray.Dataset
+        The curve with more marks, in the order of the steps. A mark has the first step at or above
+        the level; its drift is interpolated between this step and the one before.
+
+    Raises
+    ------
+    InputError
+        When the curve has no such variable over its steps.
+    """
+    curve = dataset_of(curve, "rwmf.pushover", "roof_drift", "mark_step")
+    level = to_number("level", level, above=0.0)
+    if variable not in curve or curve[variable].dims != (_STEP,):
+        raise InputError(f"variable = {show(variable)}: must be a variable over the steps")
+    size, drift = np.abs(curve[variable].values), curve["roof_drift"].values
+    steps = np.flatnonzero((size[1:] >= level) & (size[:-1] < level)) + 1
+    share = (level - size[steps - 1]) / (size[steps] - size[steps - 1])
+    at = drift[steps - 1] + share * (drift[steps] - drift[steps - 1])
+    names = [*curve["mark"].values.tolist(), *[name] * len(steps)]
+    places = np.concatenate([curve["mark_step"].values, steps])
+    drifts = np.concatenate([curve["mark_roof_drift"].values, at])
+    order = np.argsort(places, kind="stable")
+    plain = curve.drop_dims("mark")
+    marks = _marks([names[i] for i in order], places[order], drifts[order])
+    return plain.assign_coords({key: xr.Variable(*item) for key, item in marks.items()})
+
+
+def columns_by_key(curve: xr.Dataset) -> dict[str, npt.NDArray[np.float64]]:
+    """Return the columns of a curve by their keys, as in CSV and JSON.
+
+    Parameters
+    ----------
+    curve : xarray.Dataset
+        From `pushover`.
+
+    Returns
+    -------
+    dict of str to numpy.ndarray, each shape (steps,)
+        Values by key, units included; those of storeys, floors and links one by one.
+    """
+    keys = {name: key for key, (name, _, _) in _OWN.items()}
+    for key, quantity in QUANTITIES.items():
+        if "history" in quantity.outputs.split():
+            item = quantity.over_levels if quantity.level else quantity
+            keys.setdefault(item.names("history")[0], key)
+    found = {}
+    for name, values in curve.data_vars.items():
+        if str(name) not in keys:
+            continue
+        # no negative zeros
+        table = values.values.reshape(len(values), -1).T + 0.0
+        for number, column in enumerate(table, 1):
+            if not np.isnan(column).all():
+                found[keys[str(name)].replace("{i}", str(number))] = column
+    return found
+
+
+def _pattern_of(case: Case, pattern: object, forces: object) -> tuple[str, npt.NDArray[np.float64]]:
+    """Return the name of the pattern, and the forces of 'floors'."""
+    if pattern is not None and not isinstance(pattern, str):
+        if forces is not None:
+            raise InputError("forces: must not be given when pattern holds the forces")
+        pattern, forces = "floors", pattern
+    if pattern is None:
+        pattern = "first_mode" if case.storeys is not None else "roof"
+        if forces is not None:
+            pattern = "floors"
+    if pattern not in PATTERNS:
+        raise InputError(f"pattern = {show(pattern)}: must be one of {', '.join(PATTERNS)}")
+    if pattern == "floors" and forces is None:
+        raise InputError("pattern = 'floors': needs forces, one for each floor from the ground up")
+    loads = np.zeros(0) if forces is None else to_array("forces", forces, least=1)
+    return str(pattern), loads
+
+
+def _drifts_of(drifts: object) -> npt.NDArray[np.float64]:
+    """Return the turning points; one number is one leg."""
+    if isinstance(drifts, int | float | np.number) and not isinstance(drifts, bool):
+        drifts = [drifts]
+    return to_array("drifts", drifts, least=1)
+
+
+def _to_dataset(curve: _library.StaticCurve, case: Case, pattern: str) -> Response:
+    """Label the curve of the kernel."""
+    columns = {name: values for name, values in curve.columns.items() if name not in _OWN}
+    found = by_quantity((columns | _in_newtons(columns, curve.weights, case)).items())
+    sizes = sizes_of(found.values())
+    variables: dict[str, Labelled] = {}
+    for name, (short, unit, meaning) in _OWN.items():
+        attributes = {"units": unit, "long_name": meaning}
+        variables[short] = ((_STEP,), curve.columns[name], attributes)
+    label(variables, found, "history", sizes, _STEP)
+    steps = np.array([step for _, step in curve.marks], dtype=np.int64)
+    coordinates: dict[str, Labelled] = {
+        _STEP: ((_STEP,), np.arange(len(curve.columns["roof_drift"])), {"long_name": "step"}),
+        **_marks([name for name, _ in curve.marks], steps, curve.columns["roof_drift"][steps]),
+    }
+    if sizes:
+        dims = {dim for item in variables.values() for dim in item[0]}
+        coordinates |= level_coordinates(case, sizes, dims)
+    facts: dict[str, Any] = {
+        "version": _library.version(),
+        "pattern": pattern,
+        "pattern_shares": curve.pattern.tolist(),
+        "ending": curve.ending,
+        "roof_height_m": curve.height,
+        "weight": "weight of wall and frame" if case.wall is not None else "weight of the frame",
+    }
+    if curve.weights[1] > 0:
+        facts["weight_N"] = curve.weights[1]
+    return dataset(variables, coordinates, facts, Response)
+
+
+def _marks(
+    names: list[str], steps: npt.NDArray[Any], drifts: npt.NDArray[np.float64]
+) -> dict[str, Labelled]:
+    return {
+        "mark": (("mark",), np.array(names, dtype=str), {"long_name": "event of the path"}),
+        "mark_step": (("mark",), steps, {"long_name": "step of the event"}),
+        "mark_roof_drift": (
+            ("mark",),
+            drifts,
+            {"units": "1", "long_name": "drift of the roof at the event"},
+        ),
+    }
+
+
+def _in_newtons(
+    columns: dict[str, npt.NDArray[np.float64]], weights: tuple[float, float], case: Case
+) -> dict[str, npt.NDArray[np.float64]]:
+    """Return the forces in N and moments in N m, where the case has masses."""
+    if not weights[0] > 0:
+        return {}
+    by_suffix = {"_over_m_w_g": weights[0], "_over_weight": weights[1]}
+    if case.storeys is None:
+        by_suffix["_over_m_s_g"] = weights[1] - (weights[0] if case.wall is not None else 0.0)
+    found = {}
+    for name, values in columns.items():
+        for suffix, weight in by_suffix.items():
+            for end, unit in ((suffix, "_N"), (f"{suffix}_m", "_N_m")):
+                if not name.endswith(end):
+                    continue
+                key = name.removesuffix(end) + unit
+                pattern = find_numbered(name)[0].key.removesuffix(end) + unit
+                if pattern in QUANTITIES:
+                    found[key] = weight * values
+    return found

@@ -1,0 +1,175 @@
+"""Figure of a static curve, with its marks and the hysteresis of a run."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from rwmf._arguments import checked, dataset_of
+from rwmf.errors import InputError
+from rwmf.plotting.style import (
+    COLOURS,
+    FAINT,
+    INK,
+    LEVEL,
+    MARKERS,
+    PAPER,
+    legend_beside,
+    make_panels,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["pushover", "words_of_mark"]
+
+_PLACES = {"fuse_left": "left fuse", "fuse_right": "right fuse"}
+_VERBS = {
+    "yield": "yields",
+    "slack": "goes slack",
+    "rupture": "ruptures",
+    "capping": "reaches its capping point",
+    "residual": "is at its residual force",
+    "failure": "has no strength left",
+}
+_WORDS = {
+    "decompression": "edge of the base decompresses",
+    "uplift": "wall lifts off",
+    "contact": "wall is back on its base",
+    "overturned": "wall overturns",
+    "collapsed": "drift limit of the case",
+    "no_equilibrium": "no static equilibrium beyond",
+    "no_contact": "no contact at the base",
+}
+_KILO = 1e-3
+
+
+def words_of_mark(name: str) -> str:
+    """Return a mark in plain words.
+
+    Parameters
+    ----------
+    name : str
+        Name of the mark, such as ``storey_2_yield``.
+
+    Returns
+    -------
+    str
+        The words, such as ``storey 2 yields``; an unknown name without its underscores.
+    """
+    place, _, verb = name.rpartition("_")
+    if name in _WORDS or verb not in _VERBS:
+        return _WORDS.get(name, name.replace("_", " "))
+    return f"{_PLACES.get(place, place.replace('_', ' '))} {_VERBS[verb]}"
+
+
+@checked
+def pushover(
+    curve: xr.Dataset, ax: Axes | None = None, *, history: xr.Dataset | None = None
+) -> Axes:
+    """Draw base shear over the drift of the roof, with the first mark of each kind.
+
+    Parameters
+    ----------
+    curve : xarray.Dataset
+        From `rwmf.pushover`.
+    ax : matplotlib axes, optional
+        Axes to draw in; otherwise a new figure.
+    history : xarray.Dataset, optional
+        From `rwmf.simulate` of the same case, with a history and `&output reactions`; its base
+        shear is drawn behind the curve.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes. Forces are in kN where masses are known, otherwise over the weight.
+
+    Raises
+    ------
+    InputError
+        When the history has no base shear or no drift.
+    """
+    curve = dataset_of(curve, "rwmf.pushover", "roof_drift", "base_shear_over_weight", "mark_step")
+    (ax,) = make_panels(ax, 1)
+    scale = _KILO * float(curve.attrs.get("weight_N", 0.0))
+    unit = scale or 1.0
+    drift = 100 * curve["roof_drift"].values
+    shear = unit * curve["base_shear_over_weight"].values
+    if history is not None:
+        moved, force = _hysteresis(history, curve)
+        ax.plot(100 * moved, unit * force, color=FAINT, lw=0.7, label="dynamic run", zorder=2)
+    ax.axhline(0.0, **LEVEL)
+    ax.plot(drift, shear, color=INK, lw=1.6, label="static curve", zorder=3)
+    for i, (words, step, at) in enumerate(_first_marks(curve)):
+        ax.plot(
+            100 * at,
+            np.interp(at, *_segment(curve, step)) * unit,
+            linestyle="none",
+            marker=MARKERS[i % len(MARKERS)],
+            color=COLOURS[i % len(COLOURS)],
+            markeredgecolor=PAPER,
+            markeredgewidth=0.5,
+            markersize=7,
+            label=f"{words}, {100 * at:.3g} %",
+            zorder=5,
+        )
+    ax.set_xlabel("roof drift (%)")
+    weight = str(curve.attrs["weight"])
+    ax.set_ylabel("base shear (kN)" if scale else f"base shear over {weight}")
+    legend_beside(ax)
+    return ax
+
+
+def _segment(
+    curve: xr.Dataset, step: int
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Return drifts, ascending, and shears of the step and the one before it."""
+    rows = [max(step - 1, 0), step]
+    drift, shear = (curve[name].values[rows] for name in ("roof_drift", "base_shear_over_weight"))
+    if drift[0] == drift[1]:
+        return drift[1:], shear[1:]
+    order = np.argsort(drift)
+    return drift[order], shear[order]
+
+
+def _first_marks(curve: xr.Dataset) -> list[tuple[str, int, float]]:
+    """Return words, step and drift of the first mark of each name; storeys share their marks."""
+    found: dict[str, tuple[str, int, float]] = {}
+    for name, step, drift in zip(
+        curve["mark"].values,
+        curve["mark_step"].values,
+        curve["mark_roof_drift"].values,
+        strict=True,
+    ):
+        storey = re.fullmatch(r"storey_(\d+)_(\w+)", str(name))
+        kind = f"storey_{storey[2]}" if storey else str(name)
+        words = words_of_mark(str(name))
+        if storey:
+            words = f"{words} first"
+        found.setdefault(kind, (words, int(step), float(drift)))
+    return list(found.values())
+
+
+def _hysteresis(
+    history: xr.Dataset, curve: xr.Dataset
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Return drift of the roof and base shear of a run."""
+    history = dataset_of(history, "rwmf.simulate")
+    if "time" not in history.dims or "base_shear_over_weight" not in history:
+        raise InputError(
+            "history: has no base shear: must be a run with a history and reactions: "
+            "simulate(case, dt=0.01) with &output reactions = .true."
+        )
+    shear = history["base_shear_over_weight"].values
+    for name, length in (
+        ("frame_drift", 1.0),
+        ("u_s", float(curve.attrs["roof_height_m"])),
+        ("wall_drift", 1.0),
+    ):
+        if name in history:
+            return history[name].values / length, shear
+    raise InputError("history: has no drift of the roof: frame_drift, u_s or wall_drift")

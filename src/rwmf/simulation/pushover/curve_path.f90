@@ -1,0 +1,597 @@
+!> Static path from one equilibrium to the next: steps of the roof, turns and ends of branches,
+!> contact of the wall, marks.
+!>
+!> The displacement of the roof is prescribed. While a rigid wall on its base holds the roof, the
+!> moment at its corner is prescribed instead. Where the strength falls so fast that the roof must
+!> turn back, the path follows it.
+module rwmf_simulation_pushover_curve_path
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_assembly, only: enter_side
+   use rwmf_model_effects_storeys_yielding_storeys, only: pass_storey_limit
+   use rwmf_model_equation, only: discrete_state_t, place_left, place_right
+   use rwmf_model_floor_motion, only: storey_motion
+   use rwmf_model_hysteresis_laws, only: branch_word, loading_direction, spring_limits
+   use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
+   use rwmf_simulation_pushover_curve, only: add_mark, curve_t
+   use rwmf_simulation_pushover_curve_row, only: record_row
+   use rwmf_simulation_pushover_path_events, only: at_collapse, at_decompression, at_landing, &
+      at_overturning, at_smooth_yield, at_storey, at_uplift, at_window, find_first_event, &
+      no_event, path_event_t
+   use rwmf_simulation_pushover_static_scene, only: control_t, control_value, find_equilibrium, &
+      find_tangent, follow_positions, loaded_displacements, of_load, of_roof, of_uplift, &
+      roof_can_move, static_forces, static_scene_t
+   use rwmf_simulation_static_rest, only: directions, turn_springs
+   use rwmf_text_strings, only: integer_to_text
+   implicit none
+   private
+
+   public :: path_t, begin_path, move_roof
+
+   integer, parameter :: most_halvings = 30
+
+   !> Path through equilibria.
+   type :: path_t
+      type(static_scene_t) :: scene
+      type(curve_t) :: curve
+      real(wp) :: overturning_angle = 0
+      !! [rad]
+      logical, allocatable :: has_yielded(:)
+      !! (smooth springs) the yield displacement was reached before
+      real(wp) :: work = 0
+      !! work of the load [J/kg]
+      integer :: direction = 1
+      !! direction of the present leg
+      integer :: sense = 1
+      !! direction in which the roof moves; opposite to `direction` where it turns back
+      real(wp), allocatable :: rates(:)
+      !! (positions) per displacement of the roof, or per load
+      real(wp) :: load_rate = 0
+      logical :: has_ended = .false.
+   end type path_t
+
+contains
+
+   !> Begin a path at rest.
+   subroutine begin_path(path)
+      type(path_t), intent(inout) :: path
+      !! with scene, curve and overturning angle
+
+      allocate (path%has_yielded(size(path%scene%z)), source=.false.)
+      allocate (path%rates(size(path%scene%q)))
+      call renew_window(path%scene%equation%model_t, path%scene%equation%state)
+      call record_row(path%scene, path%work, path%curve)
+   end subroutine begin_path
+
+   !> Move the roof to a displacement, with equal steps.
+   subroutine move_roof(path, u_end, spacing_of_rows, is_complete)
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: u_end
+      !! [m]
+      real(wp), intent(in) :: spacing_of_rows
+      !! largest distance between rows [m]
+      logical, intent(out) :: is_complete
+      !! false if the path is longer than the limit of its steps
+      integer, parameter :: most = 200
+      !! largest number of steps per row, for events
+      real(wp), parameter :: reached = 1.0e-13_wp
+      !! distance from the goal over the height [-]
+      real(wp) :: u_begin, u
+      integer :: n, i, k
+
+      u_begin = roof_of(path)
+      path%direction = merge(1, -1, u_end > u_begin)
+      n = max(1, ceiling(abs(u_end - u_begin)/spacing_of_rows*(1 - epsilon(u))))
+      is_complete = .true.
+      do i = 1, n
+         u = u_begin + (u_end - u_begin)*(real(i, wp)/n)
+         if (i == n) u = u_end
+         do k = 1, most
+            call advance(path, u)
+            if (path%has_ended) return
+            if (path%direction*(u - roof_of(path)) <= reached*path%curve%height) exit
+         end do
+         is_complete = k <= most
+         if (.not. is_complete) return
+      end do
+   end subroutine move_roof
+
+   !> Displacement of the roof [m].
+   real(wp) function roof_of(path)
+      type(path_t), intent(in) :: path
+      real(wp) :: u(size(path%scene%pattern))
+
+      u = loaded_displacements(path%scene, path%scene%y)
+      roof_of = u(size(u))
+   end function roof_of
+
+   !> Advance to the goal, or to the first event on the way.
+   subroutine advance(path, goal)
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: goal
+      !! displacement of the roof [m]
+      type(control_t) :: control
+      type(path_event_t) :: event
+      real(wp), allocatable :: y(:)
+      real(wp) :: load
+      logical :: is_found
+
+      call settle(path, is_found)
+      if (is_found) call choose_control(path, goal, control)
+      if (is_found) call take_step(path, control, y, load, is_found)
+      if (is_found) call stop_at_event(path, control, y, load, event, is_found)
+      if (.not. is_found) then
+         call end_path(path, 'no_equilibrium')
+         return
+      end if
+      call commit(path, y, load)
+      call apply_event(path, event)
+   end subroutine advance
+
+   !> End the path at its last row, with a mark.
+   subroutine end_path(path, ending)
+      type(path_t), intent(inout) :: path
+      character(*), intent(in) :: ending
+
+      path%has_ended = .true.
+      path%curve%ending = ending
+      call add_mark(path%curve, ending)
+   end subroutine end_path
+
+   !> Find the rates of the path, and turn the springs that they reverse. Without consistent rates
+   !> of the roof in the direction of the leg, it turns back.
+   subroutine settle(path, is_found)
+      type(path_t), intent(inout) :: path
+      logical, intent(out) :: is_found
+      type(discrete_state_t) :: kept
+      integer :: i
+
+      kept = path%scene%equation%state
+      path%sense = path%direction
+      do i = 1, 2
+         call turn_consistently(path, is_found)
+         if (is_found .or. i == 2) return
+         path%scene%equation%state = kept
+         path%sense = -path%direction
+      end do
+   end subroutine settle
+
+   !> Turn springs until their directions agree with the rates.
+   subroutine turn_consistently(path, is_found)
+      type(path_t), intent(inout) :: path
+      logical, intent(out) :: is_found
+      integer, allocatable :: before(:)
+      real(wp), allocatable :: y(:)
+      type(control_t) :: control
+      type(discrete_state_t) :: kept
+      integer :: i
+
+      kept = path%scene%equation%state
+      control = control_t(of_roof, target_value=real(path%sense, wp))
+      if (.not. roof_can_move(path%scene)) control%kind = of_load
+      associate (scene => path%scene, model => path%scene%equation%model_t, &
+                 state => path%scene%equation%state)
+         do i = 1, 2*(size(scene%q) + size(scene%z) + 2)
+            call find_tangent(scene, control, path%rates, path%load_rate, is_found)
+            if (.not. is_found) return
+            before = directions(model, state)
+            y = scene%y
+            y(scene%v) = path%rates
+            call turn_springs(model, state, y)
+            is_found = all(before == directions(model, state))
+            if (is_found) exit
+         end do
+         ! the rate of a smooth spring at its reversal vanishes, and its sign is round-off
+         if (size(scene%z) > 0) is_found = .true.
+         if (is_found .and. .not. scene%is_held .and. model%has_impacts) then
+            if (abs(scene%y(1)) <= 0) is_found = state%side*path%rates(1) > 0
+         end if
+         if (is_found) is_found = .not. rebounds(path, kept)
+         if (is_found .and. path%sense /= path%direction) is_found = continues(path)
+      end associate
+   end subroutine turn_consistently
+
+   !> True if a storey that has just begun to unload moves in its previous direction.
+   logical function rebounds(path, kept)
+      type(path_t), intent(in) :: path
+      type(discrete_state_t), intent(in) :: kept
+      !! state before the springs were turned
+      real(wp), dimension(path%scene%equation%floors%n) :: d, d_dot
+      integer :: before(path%scene%equation%floors%n)
+      real(wp) :: y(size(path%scene%y))
+
+      rebounds = .false.
+      associate (equation => path%scene%equation)
+         if (.not. allocated(equation%floors%springs)) return
+         y = path%scene%y
+         y(path%scene%v) = path%rates
+         call storey_motion(equation, equation%state%side, y, d, d_dot)
+         before = loading_direction(equation%floors%springs, kept%storeys)
+         rebounds = any(before*d_dot > 0 .and. before &
+            /= loading_direction(equation%floors%springs, equation%state%storeys))
+      end associate
+   end function rebounds
+
+   !> True if a storey on a falling branch still moves in its loading direction.
+   logical function continues(path)
+      type(path_t), intent(in) :: path
+      real(wp), dimension(path%scene%equation%floors%n) :: d, d_dot
+      real(wp) :: y(size(path%scene%y))
+
+      continues = .false.
+      associate (equation => path%scene%equation)
+         if (.not. allocated(equation%floors%springs)) return
+         y = path%scene%y
+         y(path%scene%v) = path%rates
+         call storey_motion(equation, equation%state%side, y, d, d_dot)
+         continues = any(equation%state%storeys%slope < 0 .and. &
+            loading_direction(equation%floors%springs, equation%state%storeys)*d_dot > 0)
+      end associate
+   end function continues
+
+   !> Choose the quantity that the next step prescribes.
+   subroutine choose_control(path, goal, control)
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: goal
+      !! [m]
+      type(control_t), intent(out) :: control
+      real(wp), parameter :: pieces = 16
+      !! steps for the moment of the wall's weight about its corner
+
+      if (.not. roof_can_move(path%scene)) then
+         control = control_t(of_uplift, path%direction)
+         if (size(path%scene%q) > 1) then
+            ! free floors move while the wall holds the roof
+            associate (p => path%scene%equation%p)
+               control%target_value = min(0.0_wp, control_value(path%scene, control, path%scene%y, &
+                  path%scene%load) + p%g*p%R*p%sin_alpha/pieces)
+            end associate
+         end if
+      else if (path%sense == path%direction) then
+         control = control_t(of_roof, target_value=goal)
+      else
+         control = control_t(of_roof, target_value=2*roof_of(path) - goal)
+      end if
+   end subroutine choose_control
+
+   !> Take a step to a prescribed quantity, or a part of it that has a solution.
+   subroutine take_step(path, control, y, load, is_found)
+      type(path_t), intent(inout) :: path
+      type(control_t), intent(inout) :: control
+      !! its level is reduced if the step is shortened
+      real(wp), allocatable, intent(out) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: load
+      !! [m/s2]
+      logical, intent(out) :: is_found
+      real(wp) :: from, slope, step
+      integer :: i
+
+      associate (scene => path%scene)
+         from = control_value(scene, control, scene%y, scene%load)
+         slope = slope_along(path, control)
+         step = control%target_value - from
+         do i = 1, most_halvings
+            control%target_value = from + step
+            y = scene%y
+            load = scene%load
+            if (abs(slope) > 0) then
+               y(scene%q) = y(scene%q) + path%rates*(step/slope)
+               load = load + path%load_rate*(step/slope)
+            end if
+            call find_equilibrium(scene, control, y, load, is_found)
+            if (is_found) return
+            step = step/2
+         end do
+      end associate
+   end subroutine take_step
+
+   !> Rate of a quantity along the path.
+   real(wp) function slope_along(path, control) result(slope)
+      type(path_t), intent(inout) :: path
+      type(control_t), intent(in) :: control
+      real(wp), parameter :: small = 1.0e-6_wp
+      real(wp), allocatable :: change(:)
+
+      associate (scene => path%scene)
+         allocate (change(size(scene%y)), source=0.0_wp)
+         change(scene%q) = small*path%rates
+         slope = (control_value(scene, control, scene%y + change, scene%load &
+            + small*path%load_rate) - control_value(scene, control, scene%y - change, scene%load &
+            - small*path%load_rate))/(2*small)
+      end associate
+   end function slope_along
+
+   !> Shorten a step to its first turn or event.
+   subroutine stop_at_event(path, control, y, load, event, is_found)
+      type(path_t), intent(inout) :: path
+      type(control_t), intent(in) :: control
+      !! quantity prescribed in the step
+      real(wp), allocatable, intent(inout) :: y(:)
+      !! (states) at the end of the step
+      real(wp), intent(inout) :: load
+      !! at the end of the step [m/s2]
+      type(path_event_t), intent(out) :: event
+      logical, intent(out) :: is_found
+      integer, parameter :: most = 50
+      type(path_event_t) :: other
+      integer :: i
+
+      is_found = .true.
+      call stop_at_turn(path, control, y, load)
+      if (control%kind == of_uplift .and. control%target_value >= 0) then
+         event = path_event_t(at_uplift, control, .true., 1.0_wp)
+      end if
+      do i = 1, most
+         call find_first_event(path%scene, path%overturning_angle, path%has_yielded, y, load, other)
+         if (other%kind == no_event .or. is_same(other, event)) return
+         event = other
+         y = path%scene%y + event%part*(y - path%scene%y)
+         load = path%scene%load + event%part*(load - path%scene%load)
+         call find_equilibrium(path%scene, event%control, y, load, is_found)
+         if (.not. is_found) return
+      end do
+   end subroutine stop_at_event
+
+   !> True if two events are the same.
+   pure logical function is_same(one, other)
+      type(path_event_t), intent(in) :: one, other
+
+      is_same = one%kind == other%kind .and. one%control%number == other%control%number .and. &
+         one%control%effect == other%control%effect .and. abs(one%control%target_value &
+         - other%control%target_value) <= 0
+   end function is_same
+
+   !> Shorten a step to the point at which a spring on a loading branch reverses.
+   subroutine stop_at_turn(path, control, y, load)
+      type(path_t), intent(inout) :: path
+      type(control_t), intent(in) :: control
+      real(wp), allocatable, intent(inout) :: y(:)
+      real(wp), intent(inout) :: load
+      real(wp), parameter :: resolution = 1.0e-13_wp, least = 1.0e-11_wp
+      !! of the fraction of the step [-]
+      type(control_t) :: part
+      real(wp), allocatable :: y_part(:)
+      real(wp) :: load_part, from, low, high, middle
+      logical :: is_found
+
+      if (.not. reverses(path, y, load)) return
+      from = control_value(path%scene, control, path%scene%y, path%scene%load)
+      low = 0
+      high = 1
+      part = control
+      do while (high - low > resolution)
+         middle = low + (high - low)/2
+         part%target_value = from + middle*(control%target_value - from)
+         y_part = path%scene%y + middle*(y - path%scene%y)
+         load_part = path%scene%load + middle*(load - path%scene%load)
+         call find_equilibrium(path%scene, part, y_part, load_part, is_found)
+         if (.not. is_found) return
+         if (reverses(path, y_part, load_part)) then
+            high = middle
+         else
+            low = middle
+         end if
+         ! springs at rest within round-off do not turn
+         if (high < least) return
+      end do
+      y = y_part
+      load = load_part
+   end subroutine stop_at_turn
+
+   !> True if the rates at a state reverse a spring on a loading branch.
+   logical function reverses(path, y, load)
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: load
+      type(control_t) :: control
+      type(discrete_state_t) :: kept
+      real(wp), allocatable :: rates(:), here(:), moving(:)
+      real(wp) :: load_rate, load_here
+      integer, allocatable :: before(:)
+      logical :: is_found
+
+      reverses = .false.
+      associate (scene => path%scene, model => path%scene%equation%model_t)
+         before = directions(model, scene%equation%state)
+         if (all(before == 0)) return
+         control = control_t(of_roof, target_value=real(path%sense, wp))
+         if (.not. roof_can_move(scene)) control%kind = of_load
+         here = scene%y
+         load_here = scene%load
+         scene%y = y
+         scene%load = load
+         allocate (rates(size(scene%q)))
+         call find_tangent(scene, control, rates, load_rate, is_found)
+         if (is_found) then
+            kept = scene%equation%state
+            moving = y
+            moving(scene%v) = rates
+            call turn_springs(model, scene%equation%state, moving)
+            reverses = any(before /= 0 .and. before /= directions(model, scene%equation%state))
+            scene%equation%state = kept
+         end if
+         scene%y = here
+         scene%load = load_here
+      end associate
+   end function reverses
+
+   !> Move the scene to the end of a step and record it.
+   subroutine commit(path, y, load)
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: load
+      !! [m/s2]
+      real(wp), dimension(size(path%scene%pattern)) :: before, after
+      real(wp) :: spent
+      real(wp), allocatable :: moved(:)
+
+      associate (scene => path%scene)
+         before = loaded_displacements(scene, scene%y)
+         after = loaded_displacements(scene, y)
+         path%work = path%work + (scene%load + load)/2*dot_product(scene%pattern, after - before)
+         moved = y
+         call follow_positions(scene, moved, spent)
+         scene%spent = scene%spent + spent
+         scene%y = moved
+         scene%load = load
+         call record_row(scene, path%work, path%curve)
+      end associate
+   end subroutine commit
+
+   !> Apply an event at the present state.
+   subroutine apply_event(path, event)
+      type(path_t), intent(inout) :: path
+      type(path_event_t), intent(in) :: event
+
+      associate (scene => path%scene, model => path%scene%equation%model_t, &
+                 state => path%scene%equation%state, number => event%control%number)
+         select case (event%kind)
+         case (at_window)
+            scene%y(1) = event%control%target_value
+            call pass_rotation(path, event%is_rising)
+         case (at_storey)
+            call pass_storey_limit(model, state, number, event%is_rising)
+            call mark_branch(path, 'storey_'//trim(integer_to_text(number)), &
+               branch_word(model%floors%springs(number), state%storeys(number)))
+            call rebalance(path)
+         case (at_landing)
+            scene%y(1) = 0
+            scene%is_held = .true.
+            call add_mark(path%curve, 'contact')
+         case (at_uplift)
+            scene%is_held = .false.
+            call enter_side(model, state, number)
+            call renew_window(model, state)
+            call add_mark(path%curve, 'uplift')
+            if (number /= path%sense) call end_path(path, 'no_contact')
+         case (at_decompression)
+            call add_mark(path%curve, 'decompression')
+         case (at_overturning)
+            call end_path(path, 'overturned')
+         case (at_collapse)
+            call end_path(path, 'collapsed')
+         case (at_smooth_yield)
+            path%has_yielded(number) = .true.
+            if (model%has_loading_direction) then
+               call add_mark(path%curve, 'frame_yield')
+            else
+               call add_mark(path%curve, 'storey_'//trim(integer_to_text(number))//'_yield')
+            end if
+         case default
+            ! the step has reached its goal
+         end select
+      end associate
+   end subroutine apply_event
+
+   !> Let the springs that follow the rotation pass the end of their window, and mark new branches.
+   subroutine pass_rotation(path, is_rising)
+      type(path_t), intent(inout) :: path
+      logical, intent(in) :: is_rising
+      type(discrete_state_t) :: before
+      character(:), allocatable :: name
+      integer :: i
+
+      associate (model => path%scene%equation%model_t, state => path%scene%equation%state)
+         before = state
+         call pass_window(model, state, is_rising)
+         if (state%tendon%kind /= before%tendon%kind) call mark_branch(path, 'tendon', &
+            branch_word(model%cable%tendon, state%tendon))
+         do i = 1, size(model%springs)
+            if (state%springs(i)%kind == before%springs(i)%kind) cycle
+            select case (model%springs(i)%place)
+            case (place_left)
+               name = 'fuse_left'
+            case (place_right)
+               name = 'fuse_right'
+            case default
+               name = 'frame'
+               if (count(model%springs%place == model%springs(i)%place) > 1) name = 'storey_' &
+                  //trim(integer_to_text(i))
+            end select
+            call mark_branch(path, name, branch_word(model%springs(i)%spring, state%springs(i)))
+         end do
+      end associate
+      call rebalance(path)
+   end subroutine pass_rotation
+
+   !> Mark the beginning of a branch that has a name.
+   subroutine mark_branch(path, name, word)
+      type(path_t), intent(inout) :: path
+      character(*), intent(in) :: name
+      character(*), intent(in) :: word
+      !! name of the branch, or ''
+
+      if (word /= '') call add_mark(path%curve, name//'_'//word)
+   end subroutine mark_branch
+
+   !> Find the equilibrium at the same displacement of the roof after a force has dropped.
+   subroutine rebalance(path)
+      type(path_t), intent(inout) :: path
+      real(wp), parameter :: round_off = 1.0e-10_wp
+      !! unbalanced force over g and a length of 1 m [-]
+      integer, parameter :: most = 50
+      type(control_t) :: control
+      real(wp), allocatable :: y(:)
+      real(wp) :: load, force(size(path%scene%q))
+      logical :: is_found, is_settled
+      integer :: i
+
+      force = static_forces(path%scene, path%scene%y, path%scene%load)
+      if (path%scene%is_held) force(1) = 0
+      if (all(abs(force) <= round_off*path%scene%equation%p%g*path%scene%unit)) return
+      control = control_t(of_roof, target_value=roof_of(path))
+      if (.not. roof_can_move(path%scene)) control = control_t(of_load, &
+         target_value=path%scene%load)
+      do i = 1, most
+         y = path%scene%y
+         load = path%scene%load
+         call find_equilibrium(path%scene, control, y, load, is_found)
+         if (.not. is_found) exit
+         call follow_jump(path, y, is_settled)
+         if (is_settled) exit
+      end do
+      if (is_found .and. is_settled) then
+         call commit(path, y, load)
+      else
+         call end_path(path, 'no_equilibrium')
+      end if
+   end subroutine rebalance
+
+   !> Turn springs and pass the limits that a jump reverses or exceeds.
+   subroutine follow_jump(path, y, is_settled)
+      type(path_t), intent(inout) :: path
+      real(wp), intent(in) :: y(:)
+      !! (states) after the jump
+      logical, intent(out) :: is_settled
+      !! no spring has changed its branch
+      real(wp), dimension(path%scene%equation%floors%n) :: d, d_dot
+      real(wp), allocatable :: moving(:)
+      integer, allocatable :: before(:)
+      real(wp) :: low, high
+      integer :: i
+
+      associate (scene => path%scene, model => path%scene%equation%model_t, &
+                 state => path%scene%equation%state)
+         before = directions(model, state)
+         moving = scene%y
+         moving(scene%v) = y(scene%q) - scene%y(scene%q)
+         call turn_springs(model, state, moving)
+         is_settled = all(before == directions(model, state))
+         if (.not. allocated(model%floors%springs)) return
+         call storey_motion(model, state%side, y, d, d_dot)
+         do i = 1, size(d)
+            call spring_limits(model%floors%springs(i), state%storeys(i), low, high)
+            if (d(i) <= high .and. d(i) >= low) cycle
+            ! a branch that has just begun ends within round-off of its beginning
+            if (max(low - d(i), d(i) - high) <= 1.0e-12_wp*abs(d(i))) cycle
+            call pass_storey_limit(model, state, i, d(i) > high)
+            call mark_branch(path, 'storey_'//trim(integer_to_text(i)), &
+               branch_word(model%floors%springs(i), state%storeys(i)))
+            is_settled = .false.
+         end do
+      end associate
+   end subroutine follow_jump
+
+end module rwmf_simulation_pushover_curve_path
