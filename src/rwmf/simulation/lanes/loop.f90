@@ -27,8 +27,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_events_drift_events, only: is_uncut
    use rwmf_simulation_events_lift_off_events, only: stays_down
    use rwmf_simulation_events_step_events, only: list_turns
-   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cross_window, cubic_of, &
-      first_event, no_event, place_event, quartic_of, quartic_t, quintic_of
+   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cross_window, &
+      cubic_of, first_event, no_event, place_event, quartic_of, quartic_t, quintic_of
    use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
    use rwmf_simulation_free_vibration, only: long_rest
    use rwmf_simulation_hybrid_loop, only: begin_step, check_work, end_step, &
