@@ -361,7 +361,7 @@ contains
             hybrid%t_pulled)
          ! outputs of peaks alone need no more than this estimate, without damping and rotation
          associate (ahead => pull((equation%state%side + 3)/2))
-            if (ahead > 0) hybrid%flight = flight_margin*v/ahead
+            if (ahead > 0 .and. .not. settles) hybrid%flight = flight_margin*v/ahead
          end associate
       end associate
    end function settles
