@@ -270,7 +270,9 @@ contains
       energy = 0
       if (recorder%keeps_energy .and. equation%beam%n > 0) energy = mechanical_energy(equation, &
          hybrid%y)
+      stays = .false.
       call land_effects(equation, hybrid%y, after, stays)
+      if (stays) after = 0
       call observe_impact(recorder, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
       hybrid%t_turn = -huge(hybrid%t)
@@ -298,20 +300,8 @@ contains
       !! (states) before the impact; on return, further states have their values after it
       real(wp), intent(inout) :: after
       !! angular velocity after the impact [rad/s]
-      logical, intent(out) :: stays
-      !! an effect keeps both corners on the base
-
-      stays = .false.
-      call land_on(equation, y, after, stays)
-      if (stays) after = 0
-   end subroutine land_effects
-
-   !> Ask each effect for its states after an impact.
-   subroutine land_on(equation, y, after, stays)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(inout) :: y(:)
-      real(wp), intent(inout) :: after
       logical, intent(inout) :: stays
+      !! an effect keeps both corners on the base
       integer :: i
 
       if (.not. allocated(equation%effects)) return
@@ -320,7 +310,7 @@ contains
             if (associated(effect%land)) call effect%land(effect, equation, y, after, stays)
          end associate
       end do
-   end subroutine land_on
+   end subroutine land_effects
 
    !> Let the effects take the momentum that the impacts left out would give to them.
    subroutine stop_effects(equation, y)
@@ -332,7 +322,7 @@ contains
 
       stays = .true.
       after = 0
-      call land_on(equation, y, after, stays)
+      call land_effects(equation, y, after, stays)
    end subroutine stop_effects
 
    !> Return whether the wall rests after an impact.
