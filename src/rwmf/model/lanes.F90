@@ -70,8 +70,6 @@ module rwmf_model_lanes
       !! du/dphi [-]
       real(wp) :: k(lane_count)
       !! dj/dphi [-]
-      logical :: is_bent = .false.
-      !! the wall bends, which moves its top by w
       real(wp) :: w_rate(lane_count)
       !! rate of u due to bending alone; set only for a bending wall [1/s]
       real(wp) :: w_bias(lane_count)
@@ -82,6 +80,8 @@ module rwmf_model_lanes
       !! [-]
       real(wp) :: moment(lane_count)
       !! moment away from the base [1/s2]
+      logical :: is_bent = .false.
+      !! the wall bends, which moves its top by w; behind the arrays, which thus stay aligned
    end type lane_motion_t
 
 contains

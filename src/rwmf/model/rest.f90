@@ -15,7 +15,8 @@ module rwmf_model_rest
    real(wp), parameter :: elastic_loss = 1.0_wp/640
    !! relative velocity loss at an impact up to which bouncing may never end [-]
 
-   public :: elastic_loss, hold_wall, release_wall, may_rest, will_settle, inverse_inertia
+   public :: elastic_loss, hold_wall, release_wall, decelerations, may_rest, will_settle
+   public :: inverse_inertia
 
 contains
 
@@ -57,6 +58,17 @@ contains
       end do
    end function pressing_acceleration
 
+   !> Angular decelerations of a wall that leaves its base slowly, on the negative and on the
+   !> positive side [rad/s2].
+   pure function decelerations(equation, t) result(pull)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! within the current interval [s]
+      real(wp) :: pull(2)
+
+      pull = -uplift_demands(equation, interval_of(equation), t)*inverse_inertia(equation)
+   end function decelerations
+
    pure real(wp) function pressing_at(equation, interval, t) result(press)
       type(equation_t), intent(in) :: equation
       integer, intent(in) :: interval
@@ -69,7 +81,7 @@ contains
    end function pressing_at
 
    !> True if the wall may be put to rest after an impact that leaves it the velocity v.
-   logical function may_rest(equation, t, y, v, e, small_angle, small_velocity)
+   logical function may_rest(equation, t, y, v, e, small_angle, small_velocity, pull)
       type(equation_t), intent(inout) :: equation
       !! unchanged on return
       real(wp), intent(in) :: t
@@ -84,11 +96,13 @@ contains
       !! negligible rotation [rad]
       real(wp), intent(in) :: small_velocity
       !! negligible angular velocity [rad/s]
+      real(wp), intent(in) :: pull(2)
+      !! `decelerations` [rad/s2]
 
       if (equation%moves_at_rest) then
          may_rest = may_rest_moving(equation, t, y, v, e, small_angle, small_velocity)
       else
-         may_rest = may_rest_still(equation, t, v, e, small_angle, small_velocity)
+         may_rest = may_rest_still(equation, t, v, e, small_angle, small_velocity, minval(pull))
       end if
    end function may_rest
 
@@ -99,7 +113,7 @@ contains
    !> it stays below v**2/(2a). If that is negligible, immediate rest changes nothing else. This
    !> also holds for any e after the ground has stopped permanently. In all other cases only a
    !> velocity that is itself negligible may be dropped.
-   pure logical function may_rest_still(equation, t, v, e, small_angle, small_velocity) &
+   pure logical function may_rest_still(equation, t, v, e, small_angle, small_velocity, pull) &
       result(may_rest)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -112,28 +126,26 @@ contains
       !! negligible rotation [rad]
       real(wp), intent(in) :: small_velocity
       !! negligible angular velocity [rad/s]
-      real(wp) :: gain
-      !! angular acceleration per ground acceleration [1/m]
+      real(wp), intent(in) :: pull
+      !! smaller deceleration of both sides [rad/s2]
       real(wp) :: press
       real(wp) :: chatter
 
       may_rest = .false.
-      press = pressing_at(equation, interval_of(equation), t)
-      if (press <= 0) return
+      if (pull <= 0) return
       ! Flights of a few spacings of the time cannot be resolved.
-      gain = inverse_inertia(equation)
       may_rest = v <= small_velocity
       ! a spacing is at most epsilon*t; the cheap test avoids most calls of `spacing`
-      if (v <= press*gain*64*epsilon(t)*t) may_rest = may_rest .or. v <= press*gain*64*spacing(t)
-      if (may_rest .or. v**2 > 2*press*gain*small_angle) return
+      if (v <= pull*64*epsilon(t)*t) may_rest = may_rest .or. v <= pull*64*spacing(t)
+      if (may_rest .or. v**2 > 2*pull*small_angle) return
       ! With e = 1 the chatter has no end, but it is harmless after the last knot.
       may_rest = interval_of(equation) >= interval_last(equation%motion)
       if (may_rest .or. e >= 1) return
       ! Twice the time under the present pressure allows for a smaller pressure later.
-      chatter = 4*v/(press*gain*(1 - e))
+      chatter = 4*v/(pull*(1 - e))
       if (.not. is_known_until(equation%motion, interval_of(equation), t + chatter)) return
       press = pressing_acceleration(equation, t, t + chatter)
-      may_rest = press > 0 .and. 2*v <= press*gain*(1 - e)*chatter
+      may_rest = press > 0 .and. 2*v <= press*inverse_inertia(equation)*(1 - e)*chatter
    end function may_rest_still
 
    !> Return true if the wall may rest while further states change.
@@ -232,7 +244,7 @@ contains
    !> of ln(p). The flights take at most 2 w/(p_min (1 - e)) together, and none rises above w**2/(2
    !> p_min). Below a small angle, rotation and velocity reduce p only slightly. The bound subtracts
    !> four times the largest reduction.
-   logical function will_settle(equation, t, v, e, angle, t_pulled) result(will)
+   logical function will_settle(equation, t, v, e, angle, pull, t_pulled) result(will)
       type(equation_t), intent(inout) :: equation
       !! equation with two states, without hysteresis; unchanged on return
       real(wp), intent(in) :: t
@@ -243,16 +255,16 @@ contains
       !! velocity factor [-]
       real(wp), intent(in) :: angle
       !! largest permitted rotation of a flight [rad]
+      real(wp), intent(in) :: pull(2)
+      !! `decelerations` [rad/s2]
       real(wp), intent(inout) :: t_pulled
       !! time at which a side is first pulled off the base, as far as known from an earlier call [s]
       real(wp), parameter :: patience = 3
       !! examined span over the duration of chatter under a steady pressure [-]
-      real(wp) :: drive(2), gain, pressure, least, variation, span, w
+      real(wp) :: pressure, least, variation, span, w
 
       will = .false.
-      drive = uplift_demands(equation, interval_of(equation), t)
-      gain = inverse_inertia(equation)
-      pressure = -gain*maxval(drive)
+      pressure = min(pull(1), pull(2))
       if (pressure <= 0 .or. e >= 1) return
       if (v**2 > 2*pressure*angle) return
       span = patience*2*v/(pressure*(1 - e))
@@ -261,8 +273,8 @@ contains
       call press_over(equation, t, t + span, least, variation, t_pulled)
       if (variation > most_varied*least) return
       w = v*exp(variation/(2*least))
-      least = gain*least
-      pressure = least - 4*lost_pressure(equation, t, w, w**2/(2*least), -gain*drive)
+      least = inverse_inertia(equation)*least
+      pressure = least - 4*lost_pressure(equation, t, w, w**2/(2*least), pull)
       if (pressure < least/2) return
       will = 2*w <= pressure*(1 - e)*span .and. w**2 <= 2*pressure*angle
    end function will_settle

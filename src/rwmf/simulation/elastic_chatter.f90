@@ -10,10 +10,9 @@ module rwmf_simulation_elastic_chatter
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
    use rwmf_model_energy, only: impact_loss
-   use rwmf_model_equation, only: uplift_demands
    use rwmf_model_lanes, only: of_input, of_viscous, power_count
    use rwmf_model_lift_off, only: demand_turns
-   use rwmf_model_rest, only: inverse_inertia
+   use rwmf_model_rest, only: decelerations
    use rwmf_model_restitution, only: factor_at
    use rwmf_simulation_hybrid_state, only: hybrid_t, mode_rocking
    use rwmf_simulation_recorder_energy_balance, only: add_work
@@ -123,16 +122,6 @@ contains
       hybrid%y(2) = hybrid%y(2)*exp(total/2)
       hybrid%flight = 0
    end subroutine note_jump
-
-   !> Angular decelerations on both sides of a wall that leaves its base [rad/s2].
-   function decelerations(equation, t) result(pull)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! within the current interval [s]
-      real(wp) :: pull(2)
-
-      pull = -uplift_demands(equation, interval_of(equation), t)*inverse_inertia(equation)
-   end function decelerations
 
    !> Equivalent deceleration for the total duration of the flights to both sides [rad/s2].
    pure real(wp) function harmonic(pull)

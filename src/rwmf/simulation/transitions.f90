@@ -11,7 +11,8 @@ module rwmf_simulation_transitions
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, tendon_is_broken, &
       turn_back
    use rwmf_model_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, pull_duration
-   use rwmf_model_rest, only: elastic_loss, hold_wall, may_rest, release_wall, will_settle
+   use rwmf_model_rest, only: decelerations, elastic_loss, hold_wall, may_rest, release_wall, &
+      will_settle
    use rwmf_model_restitution, only: factor_at, largest_factor
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_elastic_chatter, only: drop_chatter
@@ -30,6 +31,8 @@ module rwmf_simulation_transitions
 
    real(wp), parameter :: negligible = 0.01_wp
    !! fraction of the tolerance below which a motion may be set to rest
+   real(wp), parameter :: flight_margin = 2.2_wp
+   !! estimated duration of a flight over the ratio of velocity to deceleration, at least 2 [-]
 
 contains
 
@@ -157,7 +160,7 @@ contains
       if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0) return
       pull = -equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
       if (abs(hybrid%y(2)) < pull*sqrt(huge(time))) then
-         time = 2.2_wp*abs(hybrid%y(2))/max(pull, tiny(pull))
+         time = flight_margin*abs(hybrid%y(2))/max(pull, tiny(pull))
       else if (pull <= 0) then
          time = pull_duration(equation, hybrid%t)
          if (time < huge(time)/4) time = max(2*time, 256*spacing(hybrid%t))
@@ -237,9 +240,10 @@ contains
       hybrid%must_restart = .true.
       hybrid%is_stopped = hybrid%stops_at_impact
       do
+         hybrid%flight = 0
          call apply_one_impact(hybrid, equation, recorder)
          if (is_at_rest(hybrid) .or. abs(hybrid%y(2)) <= 0) return
-         hybrid%flight = flight_time(hybrid, equation)
+         if (.not. hybrid%flight > 0) hybrid%flight = flight_time(hybrid, equation)
          ! a spacing is at most epsilon*t; this test saves a call
          if (hybrid%flight > followable*epsilon(hybrid%t)*hybrid%t) return
          if (hybrid%flight > followable*spacing(hybrid%t)) return
@@ -267,7 +271,9 @@ contains
       energy = 0
       if (recorder%keeps_energy .and. equation%beam%n > 0) energy = mechanical_energy(equation, &
          hybrid%y)
+      stays = .false.
       call land_effects(equation, hybrid%y, after, stays)
+      if (stays) after = 0
       call observe_impact(recorder, equation, hybrid%y(2), after)
       hybrid%y(:2) = [0.0_wp, after]
       hybrid%t_turn = -huge(hybrid%t)
@@ -295,20 +301,8 @@ contains
       !! (states) before the impact; on return, further states have their values after it
       real(wp), intent(inout) :: after
       !! angular velocity after the impact [rad/s]
-      logical, intent(out) :: stays
-      !! an effect keeps both corners on the base
-
-      stays = .false.
-      call land_on(equation, y, after, stays)
-      if (stays) after = 0
-   end subroutine land_effects
-
-   !> Ask each effect for its states after an impact.
-   subroutine land_on(equation, y, after, stays)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(inout) :: y(:)
-      real(wp), intent(inout) :: after
       logical, intent(inout) :: stays
+      !! an effect keeps both corners on the base
       integer :: i
 
       if (.not. allocated(equation%effects)) return
@@ -317,7 +311,7 @@ contains
             if (associated(effect%land)) call effect%land(effect, equation, y, after, stays)
          end associate
       end do
-   end subroutine land_on
+   end subroutine land_effects
 
    !> Let the effects take the momentum that the impacts left out would give to them.
    subroutine stop_effects(equation, y)
@@ -329,7 +323,7 @@ contains
 
       stays = .true.
       after = 0
-      call land_on(equation, y, after, stays)
+      call land_effects(equation, y, after, stays)
    end subroutine stop_effects
 
    !> Return whether the wall rests after an impact.
@@ -341,18 +335,25 @@ contains
       type(recorder_t), intent(inout) :: recorder
       real(wp) :: v, e, small(2)
       !! velocity; largest velocity factor of further impacts; negligible rotation and velocity
+      real(wp) :: pull(2)
 
       v = abs(hybrid%y(2))
       e = largest_factor(hybrid%restitution, v)
       associate (largest => max(recorder%theta_max, -recorder%theta_min))
          small = negligible*hybrid%rtol*[largest, recorder%theta_dot_ends]
-         settles = may_rest(equation, hybrid%t, hybrid%y, v, e, small(1), small(2))
+         pull = decelerations(equation, hybrid%t)
+         settles = may_rest(equation, hybrid%t, hybrid%y, v, e, small(1), small(2), pull)
          if (settles .and. equation%moves_at_rest .and. 1 - e <= elastic_loss &
              .and. v > small(2)) then
             call drop_chatter(equation, recorder, hybrid%t, hybrid%y(2))
          end if
-         if (.not. settles .and. hybrid%settled_angle > 0) settles = will_settle(equation, &
-            hybrid%t, v, e, hybrid%settled_angle*largest, hybrid%t_pulled)
+         if (settles .or. hybrid%settled_angle <= 0) return
+         settles = will_settle(equation, hybrid%t, v, e, hybrid%settled_angle*largest, pull, &
+            hybrid%t_pulled)
+         ! outputs of peaks alone need no more than this estimate, without damping and rotation
+         associate (ahead => pull((equation%state%side + 3)/2))
+            if (ahead > 0 .and. .not. settles) hybrid%flight = flight_margin*v/ahead
+         end associate
       end associate
    end function settles
 

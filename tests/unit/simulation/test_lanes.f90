@@ -15,6 +15,7 @@ program test_lanes
    use rwmf_model_lanes, only: of_input, of_plastic, of_viscous, power_count
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_simulation_events_step_quartic, only: at_high, at_low, cross_window, no_event
    use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
@@ -61,9 +62,35 @@ program test_lanes
    call check_spectrum(storeys//cable//loss//pulses//'&yielding storey_u_y=0.01 /', &
       'yielding storeys')
    call check_spectrum('&frame T_s=1.0, xi_s=0.05 / '//pulses//yielding//' /', 'frame alone')
+   call check_crossing()
    call checks%finish()
 
 contains
+
+   !> The crossing of a level by a vibration: its position to the fourth order, in both directions,
+   !> and no event where the step ends inside the window.
+   subroutine check_crossing()
+      real(wp) :: error(2), x, way, rate(2), span
+      integer :: k, side, event
+
+      do side = -1, 1, 2
+         do k = 1, 2
+            ! sin(t) from t = 0.3 over the span; the level is passed at 0.37 of the span
+            span = 0.4_wp/2**(k - 1)
+            way = side*(sin(0.3_wp + span) - sin(0.3_wp))
+            rate = side*span*cos([0.3_wp, 0.3_wp + span])
+            associate (level => sin(0.3_wp + 0.37_wp*span) - sin(0.3_wp))
+               call cross_window(rate, way, [-level, level], event, x)
+            end associate
+            call checks%that(event == merge(at_high, at_low, side > 0), 'end of the window')
+            error(k) = abs(x - 0.37_wp)
+         end do
+         ! the error of the position over the span falls with the third power of the span
+         call checks%that(error(1) < 2.0e-3_wp .and. error(2) < error(1)/7, 'position of an event')
+         call cross_window(rate, way, 2*[-abs(way), abs(way)], event, x)
+         call checks%that(event == no_event, 'step inside the window')
+      end do
+   end subroutine check_crossing
 
    subroutine read_scene(text, case)
       character(*), intent(in) :: text

@@ -8,7 +8,8 @@ module rwmf_simulation_lanes_batch
       of_plain, of_time, of_trial, screen_t
    use rwmf_integrator_lane_kernels, only: lane_kernels_t
    use rwmf_integrator_pairs, only: most_stages, pair_t
-   use rwmf_math_sign_changes, only: changes_of, polygon_t, rate_polygon, roughness, unclear
+   use rwmf_math_sign_changes, only: changes_of, one_change, polygon_t, rate_polygon, &
+      roughness, unclear
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
       is_piecewise_linear, line_of, line_t, motion_t, step_parts, vertical_line_of
@@ -20,7 +21,7 @@ module rwmf_simulation_lanes_batch
    private
 
    public :: lane_state_t, batch_t, create_batch, leave_batch, tabulate_lines, line_row
-   public :: longest_step, find_steps_to_inspect, follow_curves, may_hide_turns
+   public :: longest_step, find_steps_to_inspect, follow_curves, turns_in_step
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
    !! phase angle of the vibration in a step that still shows its events; second value for a motion
@@ -336,8 +337,9 @@ contains
       end associate
    end function rate_in_step
 
-   !> Return whether theta' may change its sign in a step although the quartic shows no change.
-   pure logical function may_hide_turns(batch, i) result(may)
+   !> Sign changes of theta' in the last trial step of a lane, as one of the constants of
+   !> `rwmf_math_sign_changes`.
+   pure integer function turns_in_step(batch, i) result(turns)
       type(batch_t), intent(in) :: batch
       integer, intent(in) :: i
       !! number of the lane
@@ -347,21 +349,21 @@ contains
       associate (h => batch%table(i, of_trial), y => batch%y, y_new => batch%y_new)
          noise = 8*epsilon(h)*(max(abs(y(i, 2)), abs(y_new(i, 2))) &
             + max(abs(y(i, 1)), abs(y_new(i, 1)))/h)
-         may = .not. turns_plainly(batch, i, noise)
-         if (.not. may) return
+         turns = plain_turns(batch, i, noise)
+         if (turns /= unclear) return
          rate = rate_in_step(batch, i)
          ! after a turn, the motion follows its acceleration
          if (abs(y(i, 2)) <= 0) rate%c(0) = sign(2*noise, rate%c(1))
          rate%c = sign(1.0_wp, rate%c(0))*rate%c
-         may = changes_of(rate, noise) == unclear
+         turns = changes_of(rate, noise)
       end associate
-   end function may_hide_turns
+   end function turns_in_step
 
-   !> Return whether theta' certainly keeps its sign in a step or changes it once.
+   !> Sign changes of theta' in a step: none, one or unclear.
    !>
-   !> All coefficients of `rate_in_step` then exceed their margins. The same numbers are written out
-   !> here, because most steps need them.
-   pure logical function turns_plainly(batch, i, noise) result(is_plain)
+   !> The answer is clear if all coefficients of `rate_in_step` exceed their margins. The same
+   !> numbers are written out here, because most steps need them.
+   pure integer function plain_turns(batch, i, noise) result(turns)
       type(batch_t), intent(in) :: batch
       integer, intent(in) :: i
       real(wp), intent(in) :: noise
@@ -388,10 +390,12 @@ contains
          c(3) = 0.2_wp*(3*r(2) + 2*r(3))
          c(4) = 0.2_wp*(4*r(3) + r(4))
          c(5) = r(4)
-         is_plain = min(abs(c(0)), abs(c(1)), abs(c(2)) - margin, abs(c(3)) - margin, abs(c(4)), &
-            abs(c(5))) > 2*noise .and. count(c(1:)*c(:4) < 0) <= 1
+         turns = unclear
+         if (min(abs(c(0)), abs(c(1)), abs(c(2)) - margin, abs(c(3)) - margin, abs(c(4)), &
+            abs(c(5))) > 2*noise) turns = min(count(c(1:)*c(:4) < 0), unclear)
+         if (turns > one_change) turns = unclear
       end associate
-   end function turns_plainly
+   end function plain_turns
 
    !> Evaluate ground accelerations that are not on a straight line.
    subroutine follow_curves(lanes, batch)

@@ -19,6 +19,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_one_step, only: begin_at
    use rwmf_integrator_pairs, only: step_tolerance
+   use rwmf_math_sign_changes, only: no_change, unclear
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of, rates_at
    use rwmf_model_hysteresis_bouc_wen, only: stable_rate, will_pass_zero
    use rwmf_model_lanes, only: power_count
@@ -26,8 +27,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_events_drift_events, only: is_uncut
    use rwmf_simulation_events_lift_off_events, only: stays_down
    use rwmf_simulation_events_step_events, only: list_turns
-   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cubic_of, first_event, &
-      no_event, place_event, quartic_of, quartic_t, quintic_of
+   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cross_window, &
+      cubic_of, first_event, no_event, place_event, quartic_of, quartic_t, quintic_of
    use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
    use rwmf_simulation_free_vibration, only: long_rest
    use rwmf_simulation_hybrid_loop, only: begin_step, check_work, end_step, &
@@ -36,7 +37,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
    use rwmf_simulation_lanes_batch, only: create_batch, find_steps_to_inspect, &
-      follow_curves, lane_state_t, line_row, longest_step, may_hide_turns, batch_t
+      follow_curves, lane_state_t, line_row, longest_step, turns_in_step, batch_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
@@ -534,21 +535,27 @@ contains
       integer, intent(in) :: i
       type(batch_t), intent(inout) :: batch
       type(quartic_t) :: quartic
+      integer :: turns
       real(wp) :: x
       logical :: is_beyond
 
       associate (table => batch%table, y => batch%y, y_new => batch%y_new)
          quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
             batch%k(i, 2, 1))
-         call first_event(quartic, [table(i, of_low), table(i, of_high)], &
-            [table(i, of_bottom), table(i, of_top)], lane%target_event, x)
+         turns = turns_in_step(batch, i)
+         x = 0
+         if (turns == no_change) call cross_window(table(i, of_trial)*[y(i, 2), y_new(i, 2)], &
+            y_new(i, 1) - y(i, 1), [table(i, of_low), table(i, of_high)] - y(i, 1), &
+            lane%target_event, x)
+         if (.not. (x > 0 .and. x <= 1)) call first_event(quartic, [table(i, of_low), &
+            table(i, of_high)], [table(i, of_bottom), table(i, of_top)], lane%target_event, x)
          call compare_with_further(lane, i, batch, x)
          ! by round-off, a motion may turn beyond the limit of the branch that begins there
          is_beyond = (lane%target_event == at_high .and. y(i, 1) > table(i, of_high)) &
             .or. (lane%target_event == at_low .and. y(i, 1) < table(i, of_low))
          if (is_beyond) is_beyond = event_at_level(lane, table(i, merge(of_low, of_high, &
             lane%target_event == at_low))) == event_branch
-         if (is_beyond .or. is_against_loading(lane, i, batch) .or. may_hide_turns(batch, i)) then
+         if (is_beyond .or. is_against_loading(lane, i, batch) .or. turns == unclear) then
             lane%target_event = no_event
             call inspect_step(lane, i, batch)
             return
@@ -697,53 +704,91 @@ contains
       integer, parameter :: most_trials = 6
       real(wp) :: short
       !! fraction of the step for which a Taylor series is accurate [-]
-      real(wp) :: rates(lane%equation%n), t, rest
+      real(wp), dimension(lane%equation%n) :: y, rates
+      real(wp) :: t, rest
+      integer :: j
 
       call catch_up(lane, i, batch)
-      associate (table => batch%table, y_new => batch%y_new)
-         t = table(i, of_time) + table(i, of_trial)
-         call rates_at(lane%equation, t, y_new(i, :), rates)
-         if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, batch)
-         if (lane%target_event == at_turn) then
-            if (y_new(i, 1) < table(i, of_low) .or. y_new(i, 1) > table(i, of_high)) then
+      associate (table => batch%table, h => batch%table(i, of_trial))
+         t = table(i, of_time) + h
+         do j = 1, lane%equation%n
+            y(j) = batch%y_new(i, j)
+            rates(j) = batch%k(i, j, batch%pair%stages)
+         end do
+         if (.not. last_stage_suffices(lane, i, y, rates, batch)) then
+            call rates_at(lane%equation, t, y, rates)
+            if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, batch)
+            if (lane%target_event == at_turn &
+                .and. (y(1) < table(i, of_low) .or. y(1) > table(i, of_high))) then
                ! the turn lies beyond an end of the window, which is the earlier event
                call find_event(lane, i, batch)
                return
             end if
-            rest = -y_new(i, 2)/rates(2)
-         else if (lane%target_event == at_state) then
-            rest = -y_new(i, further_state(lane%equation))/rates(further_state(lane%equation))
-         else
-            rest = (table(i, merge(of_low, of_high, lane%target_event == at_low)) &
-               - y_new(i, 1))/y_new(i, 2)
          end if
+         rest = time_to_event(lane, i, y, rates, batch)
          short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-5_wp, &
             lane%equation%n == 2))
-         if (abs(rest) <= max(short*table(i, of_trial), 2*epsilon(t)*t)) then
+         if (abs(rest) <= max(short*h, 2*epsilon(t)*t)) then
             ! interpolate the rates by the cubic through both ends
-            associate (h => table(i, of_trial))
-               call happen(lane, i, t + rest, y_new(i, :) + rest*(rates + rest/h*(3*(batch%y(i, :) &
-                  - y_new(i, :))/h + batch%k(i, :, 1) + 2*rates)), batch)
-            end associate
+            do j = 1, lane%equation%n
+               y(j) = y(j) + rest*(rates(j) + rest/h*(3*(batch%y(i, j) - y(j))/h &
+                  + batch%k(i, j, 1) + 2*rates(j)))
+            end do
+            call happen(lane, i, t + rest, y, batch)
             return
          end if
          lane%trials = lane%trials + 1
-         if (rest > 0 .and. table(i, of_trial) >= table(i, of_limit) - table(i, of_time)) then
+         if (rest > 0 .and. h >= table(i, of_limit) - table(i, of_time)) then
             ! the event lies after the knot
             call accept_step(lane, i, batch)
-         else if (lane%trials > most_trials .or. .not. table(i, of_trial) + rest > 4*epsilon(t)*t &
-                  .or. .not. abs(rest) < table(i, of_length) &
-                  .or. table(i, of_trial) + rest > lane%seen_within) then
+         else if (lane%trials > most_trials .or. .not. h + rest > 4*epsilon(t)*t &
+                  .or. .not. abs(rest) < table(i, of_length) .or. h + rest > lane%seen_within) then
             ! If Newton returns to the start of the step, it has found the previous event: search
             ! the step. If it leaves the step that showed the event, the turn is round-off of a
             ! decayed motion.
             call inspect_step(lane, i, batch)
          else
-            table(i, of_target) = min(table(i, of_trial) + rest, table(i, of_limit) &
-               - table(i, of_time))
+            table(i, of_target) = min(h + rest, table(i, of_limit) - table(i, of_time))
          end if
       end associate
    end subroutine converge_to_event
+
+   !> Return whether the last stage of a step is accurate enough as its rates at an end of the
+   !> window.
+   !>
+   !> Only outputs of peaks use it. The velocity at the event then changes by at most a few times
+   !> the tolerance, and the error of the last stage is a small part of this change.
+   pure logical function last_stage_suffices(lane, i, y, rates, batch) result(suffices)
+      type(lane_state_t), intent(in) :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: y(:), rates(:)
+      !! (states) at the end of the step; rates of the last stage
+      type(batch_t), intent(in) :: batch
+      real(wp), parameter :: few = 10
+
+      suffices = lane%hybrid%settled_angle > 0 .and. abs(lane%target_event) == 1
+      if (suffices) suffices = abs(time_to_event(lane, i, y, rates, batch)*rates(2)) &
+         <= few*lane%integrator%tolerance%rtol*abs(y(2))
+   end function last_stage_suffices
+
+   !> Time from the end of the step to the target event, by one step of Newton's method [s].
+   pure real(wp) function time_to_event(lane, i, y, rates, batch) result(rest)
+      type(lane_state_t), intent(in) :: lane
+      integer, intent(in) :: i
+      real(wp), intent(in) :: y(:), rates(:)
+      !! (states) at the end of the step, and their rates
+      type(batch_t), intent(in) :: batch
+
+      if (lane%target_event == at_turn) then
+         rest = -y(2)/rates(2)
+      else if (lane%target_event == at_state) then
+         associate (further => further_state(lane%equation))
+            rest = -y(further)/rates(further)
+         end associate
+      else
+         rest = (batch%table(i, merge(of_low, of_high, lane%target_event == at_low)) - y(1))/y(2)
+      end if
+   end function time_to_event
 
    !> Select an earlier event if one precedes the target: an end of the rotation's window, or of the
    !> further state's window.
