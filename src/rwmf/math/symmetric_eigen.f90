@@ -9,7 +9,7 @@ module rwmf_math_symmetric_eigen
    implicit none
    private
 
-   public :: solve_modes
+   public :: diagonalise, solve_modes
 
    interface
       !> All eigenvalues and eigenvectors of A x = lambda B x, by LAPACK.
@@ -62,6 +62,54 @@ contains
          call improve(stiffness, mass, omega(i), shape(:, i))
       end do
    end subroutine solve_modes
+
+   !> Find all eigenvalues and eigenvectors of a small symmetric matrix by Jacobi's rotations.
+   pure subroutine diagonalise(matrix, values, vectors)
+      real(wp), intent(in) :: matrix(:, :)
+      !! (n, n) symmetric
+      real(wp), intent(out) :: values(:)
+      !! (n) in the unit of the matrix, not in order
+      real(wp), intent(out) :: vectors(:, :)
+      !! (n, n) one orthonormal vector in each column [-]
+      integer, parameter :: most_sweeps = 30
+      !! the convergence is quadratic: some 6 sweeps suffice
+      real(wp) :: a(size(values), size(values)), kept(size(values)), slope, c, s, negligible
+      integer :: i, j, sweep
+      logical :: is_done
+
+      a = matrix
+      vectors = 0
+      do i = 1, size(values)
+         vectors(i, i) = 1
+      end do
+      negligible = maxval(abs(matrix))*epsilon(slope)**2
+      do sweep = 1, most_sweeps
+         is_done = .true.
+         do j = 2, size(values)
+            do i = 1, j - 1
+               if (abs(a(i, j)) <= negligible) cycle
+               is_done = .false.
+               slope = (a(j, j) - a(i, i))/(2*a(i, j))
+               slope = sign(1.0_wp, slope)/(abs(slope) + hypot(slope, 1.0_wp))
+               c = 1/hypot(slope, 1.0_wp)
+               s = slope*c
+               kept = a(:, i)
+               a(:, i) = c*kept - s*a(:, j)
+               a(:, j) = s*kept + c*a(:, j)
+               kept = a(i, :)
+               a(i, :) = c*kept - s*a(j, :)
+               a(j, :) = s*kept + c*a(j, :)
+               a(i, j) = 0
+               a(j, i) = 0
+               kept = vectors(:, i)
+               vectors(:, i) = c*kept - s*vectors(:, j)
+               vectors(:, j) = s*kept + c*vectors(:, j)
+            end do
+         end do
+         if (is_done) exit
+      end do
+      values = [(a(i, i), i=1, size(values))]
+   end subroutine diagonalise
 
    !> Improve an eigenpair by Rayleigh quotient iteration; its convergence is cubic.
    pure subroutine improve(stiffness, mass, omega, mode)

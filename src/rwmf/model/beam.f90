@@ -4,10 +4,11 @@ module rwmf_model_beam
    use rwmf_core_kinds, only: wp
    use rwmf_math_cantilever, only: cantilever_mode_t, deflection, find_cantilever_mode, &
       force_above, moment_above
+   use rwmf_math_symmetric_eigen, only: diagonalise
    implicit none
    private
 
-   public :: beam_t, linked_floors_t, set_beam, set_floors, set_links
+   public :: beam_t, linked_floors_t, set_beam, set_floors, set_links, set_vectors
    public :: tip_deflection, tip_rate, link_deflections
 
    !> Floors that are linked to a bending wall one by one. All values are over m_w.
@@ -50,6 +51,11 @@ module rwmf_model_beam
       !! (modes) damping coefficient over modal mass [1/s]
       real(wp), allocatable :: linked_mass(:, :)
       !! (modes, modes) mass matrix of frame or floors at theta = 0 [-]
+      real(wp), allocatable :: vectors(:, :)
+      !! (modes, modes) columns V in which both mass matrices are diagonal: that of the modes is 1,
+      !! the linked one has the following values [-]
+      real(wp), allocatable :: linked_ratio(:)
+      !! (modes) linked mass over that of the wall in each vector [-]
       real(wp), allocatable :: link_phi(:, :)
       !! (floors, modes) deflections at link springs [-]; allocated only with them
       type(linked_floors_t), allocatable :: floors
@@ -107,6 +113,23 @@ contains
          end do
       end associate
    end subroutine set_floors
+
+   !> Compute the vectors in which the mass matrices of the modes and of the linked masses are
+   !> diagonal.
+   pure subroutine set_vectors(beam)
+      type(beam_t), intent(inout) :: beam
+      !! modes with linked masses
+      real(wp) :: root(beam%n)
+      integer :: i
+
+      root = sqrt(beam%mass)
+      allocate (beam%vectors(beam%n, beam%n), beam%linked_ratio(beam%n))
+      call diagonalise(reshape([(beam%linked_mass(:, i)/(root*root(i)), i=1, beam%n)], &
+         [beam%n, beam%n]), beam%linked_ratio, beam%vectors)
+      do i = 1, beam%n
+         beam%vectors(:, i) = beam%vectors(:, i)/root
+      end do
+   end subroutine set_vectors
 
    !> Compute the deflections of the modes at link springs.
    pure subroutine set_links(beam, share)

@@ -3,9 +3,10 @@
 module rwmf_model_effects_bending
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_beam, only: beam_t, set_beam, set_floors, set_links
+   use rwmf_model_beam, only: linked_floors_t, set_beam, set_floors, set_links, set_vectors
    use rwmf_model_bent_wall, only: landing
-   use rwmf_model_effects_bending_loop, only: bending_coefficients, fixed_columns, floor_columns
+   use rwmf_model_effects_bending_loop, only: bending_coefficients, fixed_columns, mode_columns, &
+      shape_columns, spring_columns
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
       model_t
    use rwmf_model_scene, only: elsewhere, frame_term, scene_t, through_link
@@ -174,6 +175,7 @@ contains
       else if (equation%has_frame) then
          equation%beam%linked_mass = equation%p%gamma
       end if
+      call set_vectors(equation%beam)
       equation%moves_at_rest = .true.
       equation%floors%max_frequency = max(equation%floors%max_frequency, &
          maxval(equation%beam%omega), equation%p%omega_s)
@@ -181,7 +183,8 @@ contains
       if (allocated(case%inerter)) bending%constants = [case%inerter%inertance_over_m_w]
       bending%law = equation%beam%n
       if (allocated(equation%beam%floors)) bending%n = size(equation%beam%floors%m)
-      bending%n_coef = bending_coefficients(bending%law, bending%n)
+      bending%n_coef = bending_coefficients(bending%law, bending%n, &
+         allocated(equation%beam%link_phi))
       bending%coefficients => coefficients_of_bending
       bending%states = 2*equation%beam%n
       bending%sizes => mode_sizes
@@ -194,28 +197,44 @@ contains
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
-      integer :: i, first
+      integer :: i, next
 
       associate (beam => model%beam, n => model%beam%n)
-         coef(:fixed_columns) = [model%p%R, beam%half_width, model%p%g_over_R, model%p%g, 0.0_wp]
-         coef(fixed_columns + 1:fixed_columns + 5*n) = [beam%area, beam%arm, beam%mass, &
-            beam%mass*beam%omega**2, beam%mass*beam%damping]
-         coef(fixed_columns + 5*n + 1:fixed_columns + (5 + n)*n) = reshape(beam%linked_mass, [n*n])
-         do i = 1, effect%n
-            first = fixed_columns + (5 + n)*n + (i - 1)*(floor_columns + n)
-            associate (own => coef(first + 1:first + floor_columns + n))
-               if (allocated(beam%link_phi)) then
-                  own = [model%floors%share(i), 1/model%floors%m(i), model%floors%k_link(i), &
-                     0.0_wp, beam%link_phi(i, :)]
-               else
-                  coef(fixed_columns) = beam%floors%viscous_time
-                  own = [beam%floors%share(i), beam%floors%m(i), beam%floors%k(i), &
-                     beam%floors%load(i), beam%floors%phi(i, :)]
-               end if
-            end associate
-         end do
+         coef(:fixed_columns) = [model%p%R, beam%half_width, model%p%g_over_R, model%p%g]
+         next = fixed_columns + (mode_columns + n)*n
+         coef(fixed_columns + 1:next) = [beam%area, beam%arm, beam%mass, beam%mass*beam%omega**2, &
+            beam%mass*beam%damping, beam%linked_ratio, beam%vectors]
+         if (allocated(beam%floors)) then
+            call put_shapes(beam%floors, n, coef(next + 1:))
+         else if (allocated(beam%link_phi)) then
+            coef(next + 1:) = [([1/model%floors%m(i), model%floors%k_link(i), &
+               model%floors%share(i), beam%link_phi(i, :)], i=1, effect%n)]
+         end if
       end associate
    end subroutine coefficients_of_bending
+
+   !> Fill in the matrices of linked floors in the shapes of the wall: the straight wall and the
+   !> modes.
+   pure subroutine put_shapes(floors, n, coef)
+      type(linked_floors_t), intent(in) :: floors
+      integer, intent(in) :: n
+      !! number of modes
+      real(wp), intent(out) :: coef(shape_columns + 3*(n + 1), 0:n)
+      real(wp), dimension(size(floors%m), 0:n) :: shape, bend
+      integer :: i, floor
+
+      shape(:, 0) = floors%share
+      shape(:, 1:) = floors%phi
+      do floor = 1, size(floors%m)
+         bend(floor, :) = shape(floor, :)
+         if (floor > 1) bend(floor, :) = shape(floor, :) - shape(floor - 1, :)
+      end do
+      do i = 0, n
+         coef(:, i) = [sum(floors%m*shape(:, i)), 0.0_wp, matmul(floors%m*shape(:, i), shape), &
+            matmul((floors%k - floors%load)*bend(:, i), bend), &
+            matmul(floors%viscous_time*floors%k*bend(:, i), bend)]
+      end do
+   end subroutine put_shapes
 
    !> Expected sizes of the modes: the modes move about as much as the top of the wall.
    subroutine mode_sizes(effect, equation, size_guess, sizes)

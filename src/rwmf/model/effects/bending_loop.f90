@@ -9,6 +9,12 @@
 !> and gravity has the potential g (b sin(phi) + h cos(phi) - sin(phi) W_0). Loops of the frame act
 !> through the link on the top, whose displacement is R u + cos(phi) w(2h). Their force follows from
 !> the moment that they have added.
+!>
+!> The mass matrix of the modes is M + cos(phi)**2 L, with the linked mass matrix L. Both are
+!> diagonal in the vectors V with V**T M V = 1 and V**T L V = diag(lambda).
+!>
+!> Floors move with n + 1 shapes: the straight wall, number 0, and the modes. Sums over floors become
+!> constant matrices of these shapes.
 module rwmf_model_effects_bending_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_bending, of_input, of_viscous, &
@@ -18,29 +24,52 @@ module rwmf_model_effects_bending_loop
    private
 
    public :: bend_wall, add_modes, release_modes, add_mode_power
-   public :: bending_coefficients, most_modes, fixed_columns, floor_columns
+   public :: bending_coefficients, fixed_columns, mode_columns, shape_columns, spring_columns
 
    integer, parameter :: most_modes = 12
    !! upper limit of the key `modes`
-   integer, parameter :: fixed_columns = 5
-   !! R [m], b [m], g/R [1/s2], g [m/s2], damping over stiffness of linked floors [s]
-   integer, parameter :: mode_columns = 5
-   !! of each mode: A_i [-], S_i [m], m_i [-], stiffness [1/s2], damping [1/s]
-   integer, parameter :: floor_columns = 4
-   !! of each linked floor: share of the height [-], mass [-], stiffness [1/s2] and P-Delta
-   !! stiffness [1/s2] of the storey below. The deflections of the modes follow. With link springs:
-   !! share [-], reciprocal mass [-], stiffness of the spring [1/s2], 0.
+   integer, parameter :: fixed_columns = 4
+   !! R [m], b [m], g/R [1/s2], g [m/s2]
+   integer, parameter :: mode_columns = 6
+   !! of each mode: A_i [-], S_i [m], m_i [-], stiffness [1/s2], damping [1/s], lambda_i [-]. The
+   !! columns of V follow [-].
+   integer, parameter :: shape_columns = 2
+   !! of each shape with linked floors: mass [-], force of yielded storeys [m/s2]. The rows of mass
+   !! [-], stiffness [1/s2] and damping matrix [1/s] follow.
+   integer, parameter :: spring_columns = 2
+   !! of each link spring: reciprocal mass of its floor [-], stiffness [1/s2]. The deflections of
+   !! the shapes follow.
+
+   !> Displacements of the shapes of all lanes, in the direction of the present side.
+   type :: shapes_t
+      real(wp) :: place(lane_count, 0:most_modes)
+      !! displacement [m]
+      real(wp) :: rate(lane_count, 0:most_modes)
+      !! velocity [m/s]
+      real(wp) :: slope(lane_count, 0:most_modes)
+      !! derivative of the displacement by phi [m]
+      real(wp) :: bias(lane_count, 0:most_modes)
+      !! acceleration for phi'' = 0 and q'' = 0 [m/s2]
+   end type shapes_t
 
 contains
 
    !> Number of coefficients of `add_modes`.
-   pure integer function bending_coefficients(n, floors) result(n_coef)
+   pure integer function bending_coefficients(n, floors, has_springs) result(n_coef)
       integer, intent(in) :: n
       !! number of modes
       integer, intent(in) :: floors
       !! number of floors that are linked one by one
+      logical, intent(in) :: has_springs
+      !! the links of these floors are springs
 
-      n_coef = fixed_columns + (mode_columns + n)*n + (floor_columns + n)*floors
+      n_coef = fixed_columns + (mode_columns + n)*n
+      if (floors == 0) return
+      if (has_springs) then
+         n_coef = n_coef + (spring_columns + n + 1)*floors
+      else
+         n_coef = n_coef + (shape_columns + 3*(n + 1))*(n + 1)
+      end if
    end function bending_coefficients
 
    !> Replace kinematics, inertia and weight of the rigid wall by those of the bending wall. This
@@ -96,15 +125,16 @@ contains
       type(term_t), intent(in) :: term
       !! its law is the number of modes n, its n the number of floors that are linked one by one
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      !! columns as above; after those of the modes, the linked mass matrix at phi = 0 by rows [-]
+      !! columns as above
       real(wp), intent(in) :: y(lane_count, last_state(term))
       !! states
       real(wp), intent(in) :: inertia(lane_count)
       !! inertia of the rigid wall over m_w R**2 [-]
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: y_dot(lane_count, last_state(term))
-      !! rates of the states, for the modes accelerations per phi'' [m] and for phi'' = 0 [m/s2]
-      real(wp) :: mass(lane_count, most_modes, most_modes), own(lane_count, most_modes, 2)
+      !! rates of the states, for the modes accelerations per phi'' [m] and for phi'' = 0 [m/s2], both
+      !! in the vectors V
+      real(wp) :: own(lane_count, most_modes, 2)
       real(wp), dimension(lane_count) :: sine, cosine, force, linked, drag, push
       integer :: i, j, n, q
 
@@ -143,23 +173,13 @@ contains
                   - cosine(i)*force(i)
             end do
          end do
-         if (term%floors > 0) then
-            call add_bent_springs(term, coef, y, sine, cosine, motion, own, y_dot)
-         else if (term%n > 0) then
-            call add_linked_floors(term, coef, y(1, q + 1), sine, cosine, motion, own)
-         end if
-         call put_masses(n, coef, cosine, mass)
-         call solve_for_modes(n, mass, own, y_dot(1, q + 1))
-         do j = 1, n
-            !$omp simd
-            do i = 1, lane_count
-               motion%inertia(i) = motion%inertia(i) - own(i, j, 1)*y_dot(i, q + j)/(coef(i, 1) &
-                  *coef(i, 1))
-               motion%moment(i) = motion%moment(i) - own(i, j, 1)*y_dot(i, q + n + j)/(coef(i, 1) &
-                  *coef(i, 1))
-            end do
-         end do
       end associate
+      if (term%floors > 0) then
+         call add_bent_springs(term, coef, y, motion, own, y_dot)
+      else if (term%n > 0) then
+         call add_linked_floors(term, coef, y(1, q + 1), motion, own)
+      end if
+      call eliminate_modes(n, coef, cosine, own, motion, y_dot(1, q + 1))
    end subroutine add_modes
 
    !> Mass over m_w that moves with the top, from the inertia that the loops so far have added.
@@ -188,90 +208,133 @@ contains
       end do
    end subroutine find_linked_mass
 
+   !> Compute the displacements of the shapes.
+   pure subroutine move_shapes(n, radius, y, motion, shapes)
+      integer, intent(in) :: n
+      !! number of modes
+      real(wp), intent(in) :: radius(lane_count)
+      !! R [m]
+      real(wp), intent(in) :: y(lane_count, 2*n)
+      !! q_i [m] and q_i' [m/s]
+      type(lane_motion_t), intent(in) :: motion
+      type(shapes_t), intent(out) :: shapes
+      real(wp), dimension(lane_count) :: sine, cosine, tip
+      integer :: i, j
+
+      !$omp simd
+      do i = 1, lane_count
+         sine(i) = 2*motion%half_sine(i)*motion%half_cosine(i)
+         cosine(i) = 1 - 2*motion%half_sine(i)*motion%half_sine(i)
+         tip(i) = 0
+      end do
+      do j = 1, n
+         !$omp simd
+         do i = 1, lane_count
+            shapes%place(i, j) = cosine(i)*motion%side(i)*y(i, j)
+            shapes%slope(i, j) = -sine(i)*motion%side(i)*y(i, j)
+            shapes%rate(i, j) = shapes%slope(i, j)*motion%rate(i) + cosine(i)*motion%side(i) &
+               *y(i, n + j)
+            shapes%bias(i, j) = -(shapes%place(i, j)*motion%rate(i) + 2*sine(i)*motion%side(i) &
+               *y(i, n + j))*motion%rate(i)
+            tip(i) = tip(i) + motion%side(i)*y(i, j)
+         end do
+      end do
+      ! the kinematics are those of the top of the bent wall
+      !$omp simd
+      do i = 1, lane_count
+         shapes%place(i, 0) = radius(i)*motion%u(i) - cosine(i)*tip(i)
+         shapes%slope(i, 0) = radius(i)*motion%j(i) + sine(i)*tip(i)
+         shapes%rate(i, 0) = shapes%slope(i, 0)*motion%rate(i)
+         shapes%bias(i, 0) = (radius(i)*motion%k(i) + cosine(i)*tip(i))*motion%rate(i) &
+            *motion%rate(i)
+      end do
+   end subroutine move_shapes
+
    !> Add masses, storeys and dampers of floors that are linked one by one.
-   pure subroutine add_linked_floors(term, coef, y, sine, cosine, motion, own)
+   pure subroutine add_linked_floors(term, coef, y, motion, own)
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
       real(wp), intent(in) :: y(lane_count, 2*term%law)
       !! q_i [m] and q_i' [m/s]
-      real(wp), intent(in) :: sine(lane_count), cosine(lane_count)
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: own(lane_count, most_modes, 2)
       !! coupling and force of each mode [m], [m/s2]
-      real(wp), dimension(lane_count) :: tip, tip_rate, w, w_rate, j_floor, below, rate_below, &
-         j_below, d, d_rate, shear, force, u, rate
-      real(wp) :: phi_below
-      integer :: i, j, floor, first
+      type(shapes_t) :: shapes
+      real(wp) :: force(lane_count, 0:most_modes), mass(lane_count, 0:most_modes), cosine
+      integer :: i, j, k, row
 
-      associate (n => term%law, R => coef(:, 1))
-         call deflect_top(n, y, motion%side, tip, tip_rate)
-         below = 0
-         rate_below = 0
-         j_below = 0
-         do floor = 1, term%n
-            first = first_of_floor(n, floor)
-            call deflect(n, coef(1, first + floor_columns + 1), y, motion%side, w, w_rate)
-            associate (share => coef(:, first + 1), mass => coef(:, first + 2), &
-                       k => coef(:, first + 3))
-               u = share*(R*motion%u - cosine*tip) + cosine*w
-               j_floor = share*(R*motion%j + sine*tip) - sine*w
-               rate = j_floor*motion%rate + cosine*w_rate
-               force = (share*(R*motion%k + cosine*tip) - cosine*w)*motion%rate**2 &
-                  - 2*sine*motion%rate*w_rate + R*motion%push
-               force = mass*force
-               d = u - below
-               d_rate = rate - rate_below
-               shear = (k - coef(:, first + 4))*d + coef(:, 5)*k*d_rate
-               motion%moment = motion%moment - (j_floor*force + (j_floor - j_below)*shear)/R**2
-               motion%inertia = motion%inertia + mass*j_floor**2/R**2
-            end associate
-            do j = 1, n
-               do i = 1, lane_count
-                  phi_below = 0
-                  if (floor > 1) phi_below = coef(i, first - n + j)
-                  own(i, j, 1) = own(i, j, 1) + cosine(i)*coef(i, first + 2)*j_floor(i) &
-                     *coef(i, first + floor_columns + j)
-                  own(i, j, 2) = own(i, j, 2) - cosine(i)*(coef(i, first + floor_columns + j) &
-                     *force(i) + (coef(i, first + floor_columns + j) - phi_below)*shear(i))
+      associate (n => term%law)
+         call move_shapes(n, coef(1, 1), y, motion, shapes)
+         do j = 0, n
+            row = first_of_shape(n, j) + shape_columns + 1
+            !$omp simd private(k)
+            do i = 1, lane_count
+               force(i, j) = coef(i, row - 2)*coef(i, 1)*motion%push(i) + motion%side(i) &
+                  *coef(i, row - 1)
+               mass(i, j) = 0
+               do k = 0, n
+                  force(i, j) = force(i, j) + coef(i, row + k)*shapes%bias(i, k) + coef(i, row + n &
+                     + 1 + k)*shapes%place(i, k) + coef(i, row + 2*(n + 1) + k)*shapes%rate(i, k)
+                  mass(i, j) = mass(i, j) + coef(i, row + k)*shapes%slope(i, k)
                end do
+               motion%moment(i) = motion%moment(i) - shapes%slope(i, j)*force(i, j)/(coef(i, 1) &
+                  *coef(i, 1))
+               motion%inertia(i) = motion%inertia(i) + shapes%slope(i, j)*mass(i, j)/(coef(i, 1) &
+                  *coef(i, 1))
             end do
-            below = u
-            rate_below = rate
-            j_below = j_floor
+         end do
+         do j = 1, n
+            !$omp simd private(cosine)
+            do i = 1, lane_count
+               cosine = 1 - 2*motion%half_sine(i)*motion%half_sine(i)
+               own(i, j, 1) = own(i, j, 1) + cosine*mass(i, j)
+               own(i, j, 2) = own(i, j, 2) - cosine*force(i, j)
+            end do
          end do
       end associate
    end subroutine add_linked_floors
 
    !> Add the forces of springs between wall and floors, on both.
-   pure subroutine add_bent_springs(term, coef, y, sine, cosine, motion, own, y_dot)
+   pure subroutine add_bent_springs(term, coef, y, motion, own, y_dot)
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
       real(wp), intent(in) :: y(lane_count, last_state(term))
       !! states
-      real(wp), intent(in) :: sine(lane_count), cosine(lane_count)
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: own(lane_count, most_modes, 2)
       !! coupling and force of each mode [m], [m/s2]
       real(wp), intent(inout) :: y_dot(lane_count, last_state(term))
       !! rates of the states; the springs add to those of the floors' velocities [m/s2]
-      real(wp), dimension(lane_count) :: tip, tip_rate, w, w_rate, pull
-      integer :: j, floor, first
+      type(shapes_t) :: shapes
+      real(wp) :: pull(lane_count)
+      integer :: i, k, floor, row, first
 
-      associate (n => term%law, R => coef(:, 1), last => term%floors + term%n - 1)
-         call deflect_top(n, y(1, term%state), motion%side, tip, tip_rate)
+      first = term%floors - 1
+      associate (n => term%law)
+         call move_shapes(n, coef(1, 1), y(1, term%state), motion, shapes)
          do floor = 1, term%n
-            first = first_of_floor(n, floor)
-            call deflect(n, coef(1, first + floor_columns + 1), y(1, term%state), motion%side, w, &
-               w_rate)
-            associate (share => coef(:, first + 1))
-               pull = coef(:, first + 3)*(share*(R*motion%u - cosine*tip) + cosine*w &
-                  - motion%side*y(:, term%floors - 1 + floor))
-               motion%moment = motion%moment - (share*(R*motion%j + sine*tip) - sine*w)*pull/R**2
-            end associate
-            do j = 1, n
-               own(:, j, 2) = own(:, j, 2) - cosine*coef(:, first + floor_columns + j)*pull
+            row = fixed_columns + (mode_columns + n)*n + (floor - 1)*(spring_columns + n + 1) + 3
+            !$omp simd private(k)
+            do i = 1, lane_count
+               pull(i) = -motion%side(i)*y(i, first + floor)
+               do k = 0, n
+                  pull(i) = pull(i) + coef(i, row + k)*shapes%place(i, k)
+               end do
+               pull(i) = coef(i, row - 1)*pull(i)
+               y_dot(i, first + term%n + floor) = y_dot(i, first + term%n + floor) + motion%side(i) &
+                  *pull(i)*coef(i, row - 2)
+               do k = 0, n
+                  motion%moment(i) = motion%moment(i) - coef(i, row + k)*shapes%slope(i, k)*pull(i) &
+                     /(coef(i, 1)*coef(i, 1))
+               end do
             end do
-            y_dot(:, last + floor) = y_dot(:, last + floor) + motion%side*pull*coef(:, first + 2)
+            do k = 1, n
+               !$omp simd
+               do i = 1, lane_count
+                  own(i, k, 2) = own(i, k, 2) - (1 - 2*motion%half_sine(i)*motion%half_sine(i)) &
+                     *coef(i, row + k)*pull(i)
+               end do
+            end do
          end do
       end associate
    end subroutine add_bent_springs
@@ -283,129 +346,57 @@ contains
       last_state = term%state + 2*term%law - 1
    end function last_state
 
-   !> Number of coefficients before those of a floor.
-   pure integer function first_of_floor(n, floor) result(first)
+   !> Number of coefficients before those of a shape with linked floors.
+   pure integer function first_of_shape(n, shape) result(first)
       integer, intent(in) :: n
       !! number of modes
-      integer, intent(in) :: floor
-      !! number of the floor
+      integer, intent(in) :: shape
+      !! number of the shape
 
-      first = fixed_columns + (mode_columns + n)*n + (floor - 1)*(floor_columns + n)
-   end function first_of_floor
+      first = fixed_columns + (mode_columns + n)*n + shape*(shape_columns + 3*(n + 1))
+   end function first_of_shape
 
-   !> Deflection and its rate at a place of the wall.
-   pure subroutine deflect(n, phi, y, side, w, w_rate)
+   !> Solve for the accelerations of the modes in the vectors V, per phi'' and for phi'' = 0, and
+   !> subtract their share from inertia and moment.
+   pure subroutine eliminate_modes(n, coef, cosine, own, motion, solution)
       integer, intent(in) :: n
       !! number of modes
-      real(wp), intent(in) :: phi(lane_count, n)
-      !! deflection of each mode at this place [-]
-      real(wp), intent(in) :: y(lane_count, 2*n)
-      !! q_i [m] and q_i' [m/s]
-      real(wp), intent(in) :: side(lane_count)
-      !! +1 or -1 [-]
-      real(wp), intent(out) :: w(lane_count)
-      !! [m]
-      real(wp), intent(out) :: w_rate(lane_count)
-      !! [m/s]
-      integer :: j
-
-      w = 0
-      w_rate = 0
-      do j = 1, n
-         w = w + phi(:, j)*side*y(:, j)
-         w_rate = w_rate + phi(:, j)*side*y(:, n + j)
-      end do
-   end subroutine deflect
-
-   !> Deflection and its rate at the top of the wall, where every mode is 1.
-   pure subroutine deflect_top(n, y, side, w, w_rate)
-      integer, intent(in) :: n
-      !! number of modes
-      real(wp), intent(in) :: y(lane_count, 2*n)
-      !! q_i [m] and q_i' [m/s]
-      real(wp), intent(in) :: side(lane_count)
-      !! +1 or -1 [-]
-      real(wp), intent(out) :: w(lane_count)
-      !! [m]
-      real(wp), intent(out) :: w_rate(lane_count)
-      !! [m/s]
-
-      w = side*sum(y(:, :n), dim=2)
-      w_rate = side*sum(y(:, n + 1:), dim=2)
-   end subroutine deflect_top
-
-   !> Compute the mass matrix of the modes with the linked masses.
-   pure subroutine put_masses(n, coef, cosine, mass)
-      integer, intent(in) :: n
       real(wp), intent(in) :: coef(lane_count, fixed_columns + (mode_columns + n)*n)
       real(wp), intent(in) :: cosine(lane_count)
-      real(wp), intent(out) :: mass(lane_count, most_modes, most_modes)
-      integer :: i, j, k
-
-      do j = 1, n
-         do k = 1, j
-            !$omp simd
-            do i = 1, lane_count
-               mass(i, k, j) = cosine(i)*cosine(i)*coef(i, fixed_columns &
-                  + (mode_columns + j - 1)*n + k)
-            end do
-         end do
-         !$omp simd
-         do i = 1, lane_count
-            mass(i, j, j) = mass(i, j, j) + coef(i, fixed_columns + 2*n + j)
-         end do
-      end do
-   end subroutine put_masses
-
-   !> Solve for the accelerations of the modes, per phi'' and for phi'' = 0, by Cholesky factors.
-   pure subroutine solve_for_modes(n, mass, right, solution)
-      integer, intent(in) :: n
-      real(wp), intent(inout) :: mass(lane_count, most_modes, most_modes)
-      !! upper triangle; on return its factor, with one over the diagonal
-      real(wp), intent(in) :: right(lane_count, most_modes, 2)
+      !! cos(phi) [-]
+      real(wp), intent(in) :: own(lane_count, most_modes, 2)
+      !! coupling and force of each mode [m], [m/s2]
+      type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: solution(lane_count, n, 2)
-      integer :: i, j, k, m
+      !! accelerations in the vectors V [m], [m/s2]
+      real(wp) :: coupling, force, share
+      integer :: i, j, k, row
 
       do j = 1, n
-         do k = 1, j
-            do m = 1, k - 1
-               !$omp simd
-               do i = 1, lane_count
-                  mass(i, k, j) = mass(i, k, j) - mass(i, m, k)*mass(i, m, j)
-               end do
+         row = fixed_columns + (mode_columns + j - 1)*n
+         !$omp simd private(coupling, force, share, k)
+         do i = 1, lane_count
+            coupling = 0
+            force = 0
+            do k = 1, n
+               coupling = coupling + coef(i, row + k)*own(i, k, 1)
+               force = force + coef(i, row + k)*own(i, k, 2)
             end do
-            if (k == j) exit
-            mass(:, k, j) = mass(:, k, j)*mass(:, k, k)
-         end do
-         mass(:, j, j) = 1/sqrt(mass(:, j, j))
-      end do
-      do m = 1, 2
-         do j = 1, n
-            solution(:, j, m) = right(:, j, m)
-            do k = 1, j - 1
-               !$omp simd
-               do i = 1, lane_count
-                  solution(i, j, m) = solution(i, j, m) - mass(i, k, j)*solution(i, k, m)
-               end do
-            end do
-            solution(:, j, m) = solution(:, j, m)*mass(:, j, j)
-         end do
-         do j = n, 1, -1
-            do k = j + 1, n
-               !$omp simd
-               do i = 1, lane_count
-                  solution(i, j, m) = solution(i, j, m) - mass(i, j, k)*solution(i, k, m)
-               end do
-            end do
-            solution(:, j, m) = solution(:, j, m)*mass(:, j, j)
+            share = coupling/(1 + cosine(i)*cosine(i)*coef(i, fixed_columns + 5*n + j))
+            solution(i, j, 1) = share
+            solution(i, j, 2) = force/(1 + cosine(i)*cosine(i)*coef(i, fixed_columns + 5*n + j))
+            motion%inertia(i) = motion%inertia(i) - coupling*share/(coef(i, 1)*coef(i, 1))
+            motion%moment(i) = motion%moment(i) - force*share/(coef(i, 1)*coef(i, 1))
          end do
       end do
-   end subroutine solve_for_modes
+   end subroutine eliminate_modes
 
    !> Compute the rates of the modes from phi''.
-   pure subroutine release_modes(n, y, side, theta_ddot, y_dot)
+   pure subroutine release_modes(n, coef, y, side, theta_ddot, y_dot)
       integer, intent(in) :: n
       !! number of modes
+      real(wp), intent(in) :: coef(lane_count, fixed_columns + (mode_columns + n)*n)
+      !! coefficients of `add_modes`
       real(wp), intent(in) :: y(lane_count, 2*n)
       !! q_i [m] and q_i' [m/s]
       real(wp), intent(in) :: side(lane_count)
@@ -414,12 +405,23 @@ contains
       !! [rad/s2]
       real(wp), intent(inout) :: y_dot(lane_count, 2*n)
       !! as set by `add_modes`; on return the rates [m/s], [m/s2]
-      integer :: i, j
+      real(wp) :: own(lane_count, most_modes), total
+      integer :: i, j, k
 
       do j = 1, n
          !$omp simd
          do i = 1, lane_count
-            y_dot(i, n + j) = side(i)*y_dot(i, n + j) - y_dot(i, j)*theta_ddot(i)
+            own(i, j) = side(i)*y_dot(i, n + j) - y_dot(i, j)*theta_ddot(i)
+         end do
+      end do
+      do j = 1, n
+         !$omp simd private(total, k)
+         do i = 1, lane_count
+            total = 0
+            do k = 1, n
+               total = total + coef(i, fixed_columns + (mode_columns + k - 1)*n + j)*own(i, k)
+            end do
+            y_dot(i, n + j) = total
             y_dot(i, j) = y(i, n + j)
          end do
       end do
@@ -453,7 +455,7 @@ contains
          total(:, of_input) = total(:, of_input) + weight*lean_rate*(motion%vertical*sine &
             - R*motion%push*cosine)/R**2
       end associate
-      if (term%floors == 0) call add_linked_floor_power(term, weight, coef, y, motion, total)
+      if (term%floors == 0 .and. term%n > 0) call add_linked_floor_power(term, weight, coef, y, motion, total)
    end subroutine add_mode_power
 
    !> Add the powers of the ground motion on linked floors and of their dampers.
@@ -467,24 +469,19 @@ contains
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
-      real(wp), dimension(lane_count) :: sine, cosine, tip, tip_rate, w, w_rate, rate, below
-      integer :: floor, first
+      type(shapes_t) :: shapes
+      integer :: j, k, row
 
-      sine = 2*motion%half_sine*motion%half_cosine
-      cosine = 1 - 2*motion%half_sine**2
       associate (n => term%law, R => coef(:, 1))
-         call deflect_top(n, y, motion%side, tip, tip_rate)
-         below = 0
-         do floor = 1, term%n
-            first = first_of_floor(n, floor)
-            call deflect(n, coef(1, first + floor_columns + 1), y, motion%side, w, w_rate)
-            rate = (coef(:, first + 1)*(R*motion%j + sine*tip) - sine*w)*motion%rate &
-               + cosine*w_rate
-            total(:, of_viscous) = total(:, of_viscous) + weight*coef(:, 5)*coef(:, first + 3) &
-               *(rate - below)**2/R**2
-            total(:, of_input) = total(:, of_input) - weight*coef(:, first + 2)*motion%push &
-               *rate/R
-            below = rate
+         call move_shapes(n, coef(1, 1), y, motion, shapes)
+         do j = 0, n
+            row = first_of_shape(n, j) + shape_columns + 1 + 2*(n + 1)
+            do k = 0, n
+               total(:, of_viscous) = total(:, of_viscous) + weight*coef(:, row + k) &
+                  *shapes%rate(:, j)*shapes%rate(:, k)/R**2
+            end do
+            total(:, of_input) = total(:, of_input) - weight*coef(:, first_of_shape(n, j) + 1) &
+               *motion%push*shapes%rate(:, j)/R
          end do
       end associate
    end subroutine add_linked_floor_power

@@ -89,8 +89,8 @@ contains
       end do
       if (scene%bent > 0) then
          associate (term => scene%terms(scene%bent))
-            call release_modes(term%law, y(1, term%state), motion%side, y_dot(1, 2), &
-               y_dot(1, term%state))
+            call release_modes(term%law, coef(1, term%coef), y(1, term%state), motion%side, &
+               y_dot(1, 2), y_dot(1, term%state))
          end associate
       end if
    end subroutine lane_rates
