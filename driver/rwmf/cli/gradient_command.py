@@ -11,7 +11,7 @@ from rwmf._gradient.gradient import gradient
 from rwmf.case import Case
 from rwmf.cli.output import print_json
 
-__all__ = ["run"]
+__all__ = ["print_gradient", "run"]
 
 _WIDTH = 14
 
@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     case = Case.from_namelist(options.case)
     found = gradient(
         case,
-        _words(options.parameters),
+        _words(options.parameters) or None,
         _words(options.quantities) or None,
         records=options.records,
         statistic=options.statistic,
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
             | {"runs": int(found.attrs["runs"])}
         )
     else:
-        _print(found)
+        print_gradient(found)
     return 0
 
 
@@ -62,7 +62,14 @@ def _words(items: list[str] | None) -> list[str]:
     return [word for item in items or [] for word in item.split(",") if word]
 
 
-def _print(found: xr.Dataset) -> None:
+def print_gradient(found: xr.Dataset) -> None:
+    """Print derivatives as tables, one for each record and quantity.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        From `rwmf.gradient`.
+    """
     if "record" in found.dims:
         for record in found["record"].values:
             print(f"{record}:")

@@ -48,6 +48,13 @@ def run(options: argparse.Namespace) -> int:
         As the computation and the writers of files.
     """
     case = Case.from_namelist(options.case)
+    slopes = None
+    if case.sensitivity is not None:
+        # imported here: a run without derivatives does not load xarray
+        from rwmf._gradient.summary import derivatives_of, gradient_of_run
+        from rwmf.cli.gradient_command import print_gradient
+
+        slopes = gradient_of_run(case, options.case)
     names = _library.result_names(options.case) if options.out else ()
     found = [Path(options.out, name) for name in names]
     outputs = [options.plot, options.loops, *found]
@@ -65,11 +72,15 @@ def run(options: argparse.Namespace) -> int:
         if options.loops:
             _plot_loops(case, result, options.loops)
     print_warnings(options.case, summary["warnings"])
+    if slopes is not None and options.json:
+        summary |= derivatives_of(slopes)
     if options.json:
         print_json(summary)
     else:
         digits = _digits(summary, _tolerance_of(case, summary))
         _print_table(case, summary, digits, is_all=options.all)
+        if slopes is not None:
+            print_gradient(slopes)
     # a written file replaces an older one
     new = [path for path in found if _place_of(path) not in (None, before[path])]
     print_written([*new, options.plot, options.loops], is_json=options.json)
