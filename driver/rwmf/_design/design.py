@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._arguments import case_of, checked
+from rwmf._design.request import DESIGNS, DesignRequest, request_of
 from rwmf._design.search import cheapest
 from rwmf._design.suite_runs import SuiteRuns
 from rwmf._design.targets import (
@@ -134,19 +135,21 @@ class Design:
 @checked
 def design(
     case: CaseLike,
-    bounds: Mapping[str, Sequence[float]],
-    targets: Sequence[Mapping[str, Any]],
-    cost: Cost,
-    records: Sequence[str | os.PathLike[str] | RecordFile | Motion] = (),
+    bounds: Mapping[str, Sequence[float]] | None = None,
+    targets: Sequence[Mapping[str, Any]] | None = None,
+    cost: Cost | None = None,
+    records: Sequence[str | os.PathLike[str] | RecordFile | Motion] | None = None,
     *,
     left_out: Sequence[str | os.PathLike[str] | RecordFile | Motion] | None = None,
     guess: Mapping[str, float] | None = None,
-    designs: int = 300,
+    designs: int | None = None,
     threads: int = 0,
     unit: str | None = None,
     dt: float | None = None,
 ) -> Design:
     """Find the cheapest design whose suite meets all targets.
+
+    Absent arguments are those of the case's `&design`.
 
     SciPy's differential evolution visits the bounds, with all designs of a generation in one sweep.
     Then sequential quadratic programming follows gradients of the counted percentiles from the best
@@ -156,13 +159,13 @@ def design(
     ----------
     case : Case or path
         Settings common to all designs.
-    bounds : mapping
+    bounds : mapping, optional
         Lower and upper bound by key; whole numbers for keys such as ``strands``.
-    targets : sequence of mapping
+    targets : sequence of mapping, optional
         Each has ``quantity`` and ``limit`` in its unit, with ``percentile`` [%] or ``probability``
         of exceedance. ``quantity='collapse'`` has a ``probability`` only, ``quantity='limits'``
         (every limit of the case's ``&limits``) no ``limit``. ``scale`` is a factor on the motions.
-    cost : mapping or callable
+    cost : mapping or callable, optional
         Weights by key, or a function of the values by key.
     records : sequence of str, path or Motion, optional
         The suite; otherwise the motion of the case.
@@ -170,8 +173,8 @@ def design(
         Records that judge the design; by default every fourth record of the suite is left out.
     guess : mapping, optional
         A design to begin with, such as that of `rwmf.studies.displacement_based_prestress`.
-    designs : int
-        Number of designs that the first stage may visit.
+    designs : int, optional
+        Number of designs that the first stage may visit; 300 without `&design`.
     threads, unit, dt
         As in `rwmf.sweep`.
 
@@ -186,6 +189,14 @@ def design(
         When an argument is not acceptable, or SciPy is not installed.
     """
     case = case_of(case)
+    request = request_of(case) or DesignRequest({}, (), {}, (), None, None, DESIGNS)
+    bounds = request.bounds if bounds is None else bounds
+    targets = request.targets if targets is None else targets
+    cost = request.cost if cost is None else cost
+    if records is None:
+        records, unit = request.records, unit or request.unit
+        left_out = request.left_out if left_out is None else left_out
+    designs = request.designs if designs is None else designs
     variables, limits = variables_of(bounds), targets_of(targets, case)
     price = cost_of(cost, variables)
     to_whole("designs", designs, 1)

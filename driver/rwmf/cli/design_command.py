@@ -38,9 +38,9 @@ def run(options: argparse.Namespace) -> int:
     design_page.check_format_of_page(options.report)
     found = design(
         case,
-        dict(options.vary),
+        dict(options.vary) if options.vary else None,
         options.target,
-        dict(options.cost),
+        dict(options.cost) if options.cost else None,
         options.records,
         left_out=options.left_out,
         designs=options.designs,
@@ -80,17 +80,19 @@ def _print(found: Design) -> None:
 def _commands(options: argparse.Namespace) -> list[str]:
     """Return the commands that repeat the design."""
     words = ["rwmf", "design", options.case]
-    words += ["--vary", *(f"{key}={low!r}:{high!r}" for key, (low, high) in options.vary)]
-    words.append("--target")
-    for item in options.target:
+    bounds = [f"{key}={low!r}:{high!r}" for key, (low, high) in options.vary or ()]
+    words += ["--vary", *bounds] if bounds else []
+    words += ["--target"] if options.target else []
+    for item in options.target or ():
         ends = f"@{item['percentile']!r}" if "percentile" in item else ""
         ends += f"x{item['scale']!r}" if "scale" in item else ""
         value = item.get("limit", item.get("probability"))
         words.append(f"{item['quantity']}{'' if value is None else f'={value!r}'}{ends}")
-    words += ["--cost", *(f"{key}={weight!r}" for key, weight in options.cost)]
+    weights = [f"{key}={weight!r}" for key, weight in options.cost or ()]
+    words += ["--cost", *weights] if weights else []
     for name in ("records", "left_out"):
         given = getattr(options, name)
         words += [f"--{name.replace('_', '-')}", *given] if given else []
     words += ["--unit", options.unit] if options.unit else []
-    words += ["--designs", str(options.designs)]
+    words += ["--designs", str(options.designs)] if options.designs else []
     return [shlex.join([*words, "--out", options.out or "design.nml"])]

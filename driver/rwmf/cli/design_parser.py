@@ -25,34 +25,30 @@ def add_design(commands: Subcommands) -> None:
     """
     parser = commands.add(
         "design",
-        "Find the cheapest design whose suite meets all targets; records left out judge it.",
+        "Find the cheapest design whose suite meets all targets; records left out judge it. Options"
+        " replace the keys of &design.",
         "inputs/study_elcentro.nml --vary eta_0=0:3 --target u_s_max=0.1@84 --cost eta_0=1"
         " --records suite/*.csv",
         "design_command.run",
     )
     add_case(parser)
-    parser.add_argument(
-        "--vary", metavar="KEY=LOW:HIGH", type=_bounds, nargs="+", required=True, help="bounds"
-    )
+    parser.add_argument("--vary", metavar="KEY=LOW:HIGH", type=_bounds, nargs="+", help="bounds")
     parser.add_argument(
         "--target",
         metavar="KEY=LIMIT@PERCENTILE",
         type=_target,
         nargs="+",
-        required=True,
         help="limits of percentiles, limits@PERCENTILE for those of &limits, collapse=PROBABILITY; "
         "xFACTOR at the end scales the motions",
     )
-    parser.add_argument(
-        "--cost", metavar="KEY=WEIGHT", type=_weight, nargs="+", required=True, help="weights"
-    )
-    parser.add_argument("--records", metavar="FILE", nargs="+", default=[], help="the suite")
+    parser.add_argument("--cost", metavar="KEY=WEIGHT", type=_weight, nargs="+", help="weights")
+    parser.add_argument("--records", metavar="FILE", nargs="+", help="the suite")
     parser.add_argument(
         "--left-out", metavar="FILE", nargs="+", help="records that judge (every fourth)"
     )
     parser.add_argument("--unit", metavar="UNIT", help="unit of records: g, m/s2 or cm/s2")
     parser.add_argument(
-        "--designs", metavar="N", type=whole(1, 10**6), default=300, help="of the first stage (300)"
+        "--designs", metavar="N", type=whole(1, 10**6), help="of the first stage (300)"
     )
     parser.add_argument(
         "--out", metavar="FILE.nml", type=written_file, help="write the namelist of the design"

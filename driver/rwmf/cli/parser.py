@@ -169,7 +169,7 @@ def _add_gradient(commands: Subcommands) -> None:
     )
     add_case(parser)
     parser.add_argument(
-        "--parameters", metavar="KEY", nargs="+", required=True, help="keys with real numbers"
+        "--parameters", metavar="KEY", nargs="+", help="keys with real numbers (&sensitivity)"
     )
     parser.add_argument(
         "--quantities", metavar="KEY", nargs="+", help="results (reference/outputs.md); u_s_max"

@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,9 +16,14 @@ from rwmf._files import files
 from rwmf._headline import grouped, headline_of_case, value_text
 from rwmf.case import Case
 from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
+from rwmf.cli.gradient_output import derivatives_by_name, print_gradient
 from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
 from rwmf.quantities import SENSITIVITY, find
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["run"]
 
@@ -69,17 +74,35 @@ def run(options: argparse.Namespace) -> int:
     print_warnings(options.case, summary["warnings"])
     checks = checks_if_limited(case, summary)
     write_checks(checks, options.checks)
+    slopes = _derivatives(case, options.case)
     if options.json:
+        if slopes is not None:
+            summary |= derivatives_by_name(slopes)
         print_json(summary if checks is None else summary | {"checks": checks.to_dict()})
     else:
         digits = _digits(summary, _tolerance_of(case, summary))
         _print_table(case, summary, digits, is_all=options.all)
         print_checks(checks, is_all=options.all)
+        if slopes is not None:
+            print_gradient(slopes)
     # a written file replaces an older one
     new = [path for path in found if _place_of(path) not in (None, before[path])]
     written = [*new, options.plot, options.loops, *(options.checks or ())]
     print_written(written, is_json=options.json)
     return 0
+
+
+def _derivatives(case: Case, source: str) -> xr.Dataset | None:
+    """Compute the derivatives of `&sensitivity`; None without the group."""
+    if case.sensitivity is None:
+        return None
+    # imported here: a run without derivatives does not load xarray
+    from rwmf._gradient.gradient import gradient
+
+    try:
+        return gradient(case)
+    except InputError as error:
+        raise InputError(f"{source}, &sensitivity: {error}") from None
 
 
 def _place_of(path: Path) -> tuple[int, int] | None:

@@ -160,6 +160,7 @@ contains
          if (.not. has_group(case%values, groups(i)%name)) then
             if (.not. any(groups(i)%name == ['model ', 'solver'])) cycle
          end if
+         if (.not. associated(groups(i)%fill)) cycle
          call groups(i)%fill(case, error)
          if (allocated(error)) return
       end do

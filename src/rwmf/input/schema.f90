@@ -5,8 +5,10 @@
 module rwmf_input_schema
    use rwmf_input_groups_analysis, only: model_group, output_group, solver_group
    use rwmf_input_groups_base_section, only: base_section_group
+   use rwmf_input_groups_design, only: design_group
    use rwmf_input_groups_excitation, only: motion_group
    use rwmf_input_groups_limits, only: limits_group
+   use rwmf_input_groups_sensitivity, only: sensitivity_group
    use rwmf_input_groups_spectrum, only: spectrum_group
    use rwmf_input_groups_structure, only: cable_group, frame_group, impact_group, initial_group, &
       wall_group
@@ -32,7 +34,7 @@ contains
       integer :: j
 
       ! assigned one by one: gfortran 12 loses the keys of elements of an array constructor
-      allocate (basic(12))
+      allocate (basic(14))
       basic(1) = wall_group()
       basic(2) = frame_group()
       basic(3) = cable_group()
@@ -44,7 +46,9 @@ contains
       basic(9) = output_group()
       basic(10) = base_section_group()
       basic(11) = limits_group()
-      basic(12) = spectrum_group()
+      basic(12) = sensitivity_group()
+      basic(13) = design_group()
+      basic(14) = spectrum_group()
       effects = all_effects()
       allocate (groups(size(basic) + size(effects)))
       n = 0
