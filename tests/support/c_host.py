@@ -66,7 +66,7 @@ class MemberInfo(ctypes.Structure):
     """`rwmf_member_info`."""
 
     _fields_ = (
-        *((name, c_int32) for name in "dofs modes floors links side broken".split()),
+        *((name, c_int32) for name in ["dofs", "modes", "floors", "links", "side", "broken"]),
         ("u", c_double),
     )
 

@@ -59,8 +59,8 @@ For users who combine an effect with a command or an interface: the table shows 
 works. Each row is a small case with a wall, without a frame ("block") or without a wall ("frame
 alone"); [effects.md](effects.md) lists the pairs of effects. `+` means that the results equal those
 of the plain run: bitwise with the same method (`dop853`, rtol = 1e-8), else to 100 rtol, and to
-1e-9 of the weight for the forces of an element or a member. A letter means that the program refuses the case
-with the message below. `tests/support/matrix.py` makes this page; a test computes every cell.
+1e-9 of the weight for the forces of an element or a member. A letter means that the program
+refuses the case with the message below. `tests/support/matrix.py` makes this page; a test computes every cell.
 """
 
 
@@ -488,7 +488,7 @@ def run_element(scene: Scene, _: Path) -> None:
 
 
 def run_member(scene: Scene, _: Path) -> None:
-    """Forces of the member and of the links of a stepping wall."""
+    """Compare the forces of a member with those of the links of a stepping wall."""
     text = scene.case.to_namelist()
     changes: dict[str, Any] = {"initial": {"theta_over_alpha": 0.2}}
     if not scene.has_frame:
