@@ -60,7 +60,8 @@ works. Each row is a small case with a wall, without a frame ("block") or withou
 alone"); [effects.md](effects.md) lists the pairs of effects. `+` means that the results equal those
 of the plain run: bitwise with the same method (`dop853`, rtol = 1e-8), else to 100 rtol, and to
 1e-9 of the weight for the forces of an element or a member. A letter means that the program
-refuses the case with the message below. `tests/support/matrix.py` makes this page; a test computes every cell.
+refuses the case with the message below. `tests/support/matrix.py` makes this page; a test computes
+every cell.
 """
 
 
