@@ -686,7 +686,6 @@ contains
 
    !> An element and a member need only the keys that they use; a run needs all.
    subroutine test_unused_keys()
-      character(*), parameter :: nl = new_line('a')
       character(*), parameter :: texts(4) = [character(120) :: '&wall h = 2.0, b = 0.5 /', &
          '&wall h = 2.0, b = 0.5 / &frame gamma = 5.0 / &impact /', &
          '&wall h = 2.0, b = 0.5 / &frame gamma = 5.0, xi_s = 0.05 / &solver rtol = 1e-9 /', &
