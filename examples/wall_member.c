@@ -34,7 +34,8 @@ static double ground(double t) {
 
 /* Acceleration of the mass at given displacement and velocity, or at the end of a step of average
  * acceleration from `x` of length h: Newton's method with the tangents of the member. */
-static void solve(rwmf_member *wall, int side, double t, double h, const double x[3], double end[3]) {
+static void solve(rwmf_member *wall, int side, double t, double h, const double x[3],
+                  double end[3]) {
    for (int i = 0; i < 50; i++) {
       const double a[2] = {ground(t + h), 0};
       double f, tangents[3];

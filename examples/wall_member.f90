@@ -18,12 +18,12 @@ program wall_member
    if (.not. allocated(error)) call create_member(wall, case, error)
    ! a lift-off to the right, then a trial that the host rejects: u = 0.2 m, u' = 0.5 m/s
    if (.not. allocated(error)) call place_member(wall, 1, error)
-   if (.not. allocated(error)) call respond_member(wall, reshape([0.2_wp, 0.5_wp, 2.0_wp], [1, 3]), &
-      ground, r, error)
+   if (.not. allocated(error)) call respond_member(wall, &
+      reshape([0.2_wp, 0.5_wp, 2.0_wp], [1, 3]), ground, r, error)
    if (.not. allocated(error)) call revert_member(wall, error)
    ! the step that it keeps; the fuse has yielded, so the tangent is that of the yielding fuse
-   if (.not. allocated(error)) call respond_member(wall, reshape([0.1_wp, 0.5_wp, 2.0_wp], [1, 3]), &
-      ground, r, error)
+   if (.not. allocated(error)) call respond_member(wall, &
+      reshape([0.1_wp, 0.5_wp, 2.0_wp], [1, 3]), ground, r, error)
    if (.not. allocated(error)) call commit_member(wall, error)
    if (allocated(error)) error stop 1
    print '(3(a, es10.3))', 'force', r%force, '  stiffness', r%stiffness, '  fuse', r%fuses(1)

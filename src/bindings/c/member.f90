@@ -1,7 +1,7 @@
 !> C binding of the wall as a member (include/rwmf.h).
 !>
-!> Matrices of C hold row after row. Numbers of the host are addresses of arrays whose length follows
-!> from the member.
+!> Matrices of C hold row after row. Numbers of the host are addresses of arrays, whose length
+!> follows from the member.
 module rwmf_bindings_c_member
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int32_t, &
       c_loc, c_ptr, c_size_t
@@ -329,8 +329,8 @@ contains
       call numbers_of(ground, 4, 'ground', a, error)
       call numbers_of(push, 2, 'push', p, error)
       call require_argument(present(event), 'event', error)
-      if (.not. allocated(error)) call next_member_event(member, dt, reshape(x, [info%dofs, 3, 2]), &
-         reshape(a, [2, 2]), p, found, error, has_branches=branches /= 0)
+      if (.not. allocated(error)) call next_member_event(member, dt, reshape(x, [info%dofs, 3, &
+         2]), reshape(a, [2, 2]), p, found, error, has_branches=branches /= 0)
       if (.not. allocated(error)) event = c_member_event_t(found%tau, int(found%kind, c_int32_t), &
          int(found%side, c_int32_t))
       c_next_member_event = put_message(error, message, size)

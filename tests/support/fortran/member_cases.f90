@@ -43,8 +43,9 @@ contains
       character(*), intent(in) :: more
       character(:), allocatable :: text
 
-      text = groups_of(trim(names(i)))//"&motion kind = 'one_sine', a_max_g = 0.7, omega_p = 8.0 /" &
-         //nl//more//nl//"&solver method = 'dop853', rtol = 1e-10, t_end = 2.0 /"//nl
+      text = groups_of(trim(names(i)))//"&motion kind = 'one_sine', a_max_g = 0.7, " &
+         //'omega_p = 8.0 /'//nl//more//nl//"&solver method = 'dop853', rtol = 1e-10, " &
+         //'t_end = 2.0 /'//nl
    end function member_case
 
    !> Wall, frame and effects of a case.
@@ -103,6 +104,8 @@ contains
          text = text//yields//devices//'&fuse eta_y = 0.3, stroke_y = 0.01 /'//nl &
             //storeys//"'springs'"//links('springs')//' /'//nl
          if (name == 'all, bending') text = text//bends//'2 /'//nl
+      case default
+         ! the plain wall
       end select
       text = wall//frame//text//model
    end function groups_of

@@ -40,8 +40,8 @@ program test_member
 
 contains
 
-   !> Follow a run of the kernel with a member: on every motion of the wall, its forces balance those
-   !> of the kernel's links, to 1e-9 of the weight.
+   !> Follow a run of the kernel with a member: on every motion of the wall, its forces balance
+   !> those of the kernel's links, to 1e-9 of the weight.
    subroutine test_forces(number)
       integer, intent(in) :: number
       type(case_t) :: case
@@ -166,13 +166,13 @@ contains
                R*(s*kin%k*y(2)**2 + kin%j*y_dot(2))]
          end associate
          associate (first => equation%beam%first)
-            if (n > 0) motion(2:n + 1, :) = reshape([y(first:first + n - 1), y(first + n:first + 2*n &
-               - 1), y_dot(first + n:first + 2*n - 1)], [n, 3])
+            if (n > 0) motion(2:n + 1, :) = reshape([y(first:first + n - 1), &
+               y(first + n:first + 2*n - 1), y_dot(first + n:first + 2*n - 1)], [n, 3])
          end associate
          associate (first => equation%floors%first, floors => size(motion, 1) - n - 1)
             if (floors > 0) motion(n + 2:, :) = reshape([y(first:first + floors - 1), &
-               y(first + floors:first + 2*floors - 1), y_dot(first + floors:first + 2*floors - 1)], &
-               [floors, 3])
+               y(first + floors:first + 2*floors - 1), &
+               y_dot(first + floors:first + 2*floors - 1)], [floors, 3])
          end associate
          call respond_member(member, motion, [ground(equation, t), 0.0_wp], response, error)
          call checks%no_error(error, 'response')
@@ -285,11 +285,11 @@ contains
       type(error_t), allocatable :: error
       real(wp) :: motion(1, 3), found(4), expected(4), yield
       real(wp), parameter :: step = 1.0e-7_wp, still(2) = 0
+      character(13), parameter :: springs(3) = [character(13) :: 'fuse', 'flag', 'tendon yields']
       integer :: number, k
 
       do number = 1, member_case_count
-         if (all(member_case_name(number) /= [character(13) :: 'fuse', 'flag', 'tendon yields'])) &
-            cycle
+         if (all(member_case_name(number) /= springs)) cycle
          member = member_of(number)
          call place(member, 1)
          motion = 0
@@ -426,7 +426,8 @@ contains
       character(*), parameter :: nl = new_line('a')
       character(*), parameter :: wall = '&wall h = 2.0, b = 0.5, m_w = 2.0e4 /'//nl &
          //'&frame gamma = 5.0 /'//nl//"&model formulation = 'exact' /"//nl
-      character(*), parameter :: rules(5) = [character(90) :: '&inerter inertance_over_m_w = 1.0 /', &
+      character(*), parameter :: rules(5) = [character(90) :: &
+         '&inerter inertance_over_m_w = 1.0 /', &
          "&impact rule = 'constant', e = 0.8 /", "&impact rule = 'housner' /", &
          "&impact rule = 'coupled' /", &
          "&impact rule = 'coupled' / &inerter inertance_over_m_w = 1.0 /"]
@@ -661,7 +662,8 @@ contains
       motion(1, 1) = 50
       call respond_member(member, motion, still, response, error)
       call checks%has_error(error, err_input, 'more than the wall', 'beyond overturning')
-      call next_member_event(member, -1.0_wp, spread(motion, 3, 2), 0*two(:, :2), still, event, error)
+      call next_member_event(member, -1.0_wp, spread(motion, 3, 2), 0*two(:, :2), still, &
+         event, error)
       call checks%has_error(error, err_input, 'dt = ', 'step backwards')
       call move(member, 0.1_wp)
       call place_member(member, 0, error)
@@ -684,7 +686,6 @@ contains
 
    !> An element and a member need only the keys that they use; a run needs all.
    subroutine test_unused_keys()
-      character(*), parameter :: nl = new_line('a')
       character(*), parameter :: texts(4) = [character(120) :: '&wall h = 2.0, b = 0.5 /', &
          '&wall h = 2.0, b = 0.5 / &frame gamma = 5.0 / &impact /', &
          '&wall h = 2.0, b = 0.5 / &frame gamma = 5.0, xi_s = 0.05 / &solver rtol = 1e-9 /', &

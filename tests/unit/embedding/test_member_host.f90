@@ -14,13 +14,13 @@ program test_member_host
    implicit none
 
    interface
-      !> Solve a linear system (LAPACK).
+      !> Solve a linear system with one right-hand side (LAPACK).
       subroutine dgesv(n, nrhs, a, lda, pivots, b, ldb, info)
          import :: wp
          implicit none
          integer, intent(in) :: n, nrhs, lda, ldb
-         real(wp), intent(inout) :: a(lda, *), b(ldb, *)
-         integer, intent(out) :: pivots(*), info
+         real(wp), intent(inout) :: a(lda, n), b(ldb, nrhs)
+         integer, intent(out) :: pivots(n), info
       end subroutine dgesv
    end interface
 
@@ -79,8 +79,8 @@ contains
          dt = dt/2
       end do
       write (found, '(3es12.3, a, i0, a)') difference, ' m, ', impacts, ' impacts'
-      call checks%that(all(difference(2:) < 0.35_wp*difference(:2)) .and. difference(3) < 1.0e-5_wp &
-         .and. impacts > 2, 'host of '//member_case_name(number), trim(found))
+      call checks%that(all(difference(2:) < 0.35_wp*difference(:2)) .and. difference(3) &
+         < 1.0e-5_wp .and. impacts > 2, 'host of '//member_case_name(number), trim(found))
    end subroutine test_host
 
    !> Integrate host and kernel side by side.
