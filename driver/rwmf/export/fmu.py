@@ -77,19 +77,16 @@ def _resources(case: Case) -> dict[str, bytes]:
     """Return the namelist of the unit and its records, which lie beside it."""
     groups = {name: dict(group.as_given()) for name, group in case.groups.items()}
     found: dict[str, bytes] = {}
+    # in the order of the groups, after the namelist
+    records = iter(case.inputs[case.source is not None :])
     with tempfile.TemporaryDirectory() as folder:
-        for name in ("motion", "vertical"):
-            record = groups.get(name, {}).get("file")
-            if record is None:
-                continue
+        for name in [group for group, values in groups.items() if values.get("file") is not None]:
             motion = case.motions.get(name)
-            file = f"{name}{Path(str(record)).suffix if motion is None else '.txt'}"
-            if motion is None:
-                source = next(x for x in case.inputs if x.name == Path(str(record)).name)
-                found[file] = source.read_bytes()
-            else:
-                motion.write(Path(folder, file))
-                found[file] = Path(folder, file).read_bytes()
+            source = next(records) if motion is None else Path(folder, f"{name}.txt")
+            if motion is not None:
+                motion.write(source)
+            file = f"{name}{source.suffix}"
+            found[file] = source.read_bytes()
             groups[name]["file"] = file
     # neither sweeps nor files belong to a unit; its demands need the requests of `reactions`
     for name in ("spectrum", "sensitivity", "design"):
