@@ -51,11 +51,13 @@ def export_fmu(case: Case, path: Path, link: bool = False) -> list[Variable]:
     OutputError
         When the file cannot be written.
     """
+    if link and case.wall is None:
+        raise InputError("no FMU of this case: an element needs the group &wall")
+    kind = "ground"
+    if link:
+        kind = "hinge" if case.wall.base == "pinned" else "link"
     variables = variables_of(case, link)
     resources = _resources(case)
-    kind = "ground"
-    if link and case.wall is not None:
-        kind = "hinge" if case.wall.base == "pinned" else "link"
     table = "".join(variable.line() for variable in variables)
     token = hashlib.sha256(repr((kind, table, sorted(resources.items()))).encode()).hexdigest()[:32]
     resources["variables.txt"] = f"{token} {kind} {len(variables)}\n{table}".encode()
