@@ -62,8 +62,7 @@ def export_fmu(case: Case, path: Path, link: bool = False) -> list[Variable]:
     token = hashlib.sha256(repr((kind, table, sorted(resources.items()))).encode()).hexdigest()[:32]
     resources["variables.txt"] = f"{token} {kind} {len(variables)}\n{table}".encode()
     _try_out(resources, token)
-    common = files("rwmf.export").joinpath(_COMMON).read_bytes()
-    whole = io.BytesIO(common)
+    whole = io.BytesIO(_common())
     with zipfile.ZipFile(whole, "a", zipfile.ZIP_DEFLATED) as archive:
         entries = {f"resources/{name}": content for name, content in resources.items()}
         entries["modelDescription.xml"] = model_description(case, variables, token)
@@ -127,13 +126,19 @@ def _try_out(resources: dict[str, bytes], token: str) -> None:
 _LOG = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
 
 
+def _common() -> bytes:
+    """Return the part of every unit."""
+    path = files("rwmf.export").joinpath(_COMMON)
+    if not path.is_file():
+        raise InputError("no FMU: this build of rwmf had no static SUNDIALS to put into it")
+    return path.read_bytes()
+
+
 @functools.cache
 def _library() -> ctypes.CDLL:
     """Load the library of the units, once."""
     with tempfile.TemporaryDirectory() as folder:
-        with zipfile.ZipFile(
-            io.BytesIO(files("rwmf.export").joinpath(_COMMON).read_bytes())
-        ) as zipped:
+        with zipfile.ZipFile(io.BytesIO(_common())) as zipped:
             zipped.extractall(folder)
         library = ctypes.CDLL(str(next(Path(folder).glob(f"binaries/*/{IDENTIFIER}.so"))))
     text, flag, real, address = ctypes.c_char_p, ctypes.c_bool, ctypes.c_double, ctypes.c_void_p
