@@ -26,7 +26,7 @@ def link(library: Path, parts: list[str], linker: list[str]) -> None:
     static = [found for name in ("lapack", "blas") if (found := static_library(name, linker))]
     shared = [] if len(static) == 2 else ["-llapack", "-lblas"]
     command = [*linker, "-shared", "-s", "-o", str(library), f"-Wl,--version-script={symbols}"]
-    command += ["-Wl,--as-needed", "-Wl,--gc-sections", "-Wl,-rpath,$ORIGIN"]
+    command += ["-Wl,--as-needed", "-Wl,--gc-sections", "-Wl,-z,defs", "-Wl,-rpath,$ORIGIN"]
     # an rpath that also holds for the libraries of the library
     command += ["-Wl,--disable-new-dtags", "-Wl,--whole-archive", fmi, "-Wl,--no-whole-archive"]
     command += ["-Wl,--start-group", *archives, *static, *shared, "-Wl,--end-group", "-fopenmp"]

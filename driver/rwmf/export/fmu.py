@@ -51,17 +51,18 @@ def export_fmu(case: Case, path: Path, link: bool = False) -> list[Variable]:
     OutputError
         When the file cannot be written.
     """
+    if link and case.wall is None:
+        raise InputError("no FMU of this case: an element needs the group &wall")
+    kind = "ground"
+    if link:
+        kind = "hinge" if case.wall.base == "pinned" else "link"
     variables = variables_of(case, link)
     resources = _resources(case)
-    kind = "ground"
-    if link and case.wall is not None:
-        kind = "hinge" if case.wall.base == "pinned" else "link"
     table = "".join(variable.line() for variable in variables)
     token = hashlib.sha256(repr((kind, table, sorted(resources.items()))).encode()).hexdigest()[:32]
     resources["variables.txt"] = f"{token} {kind} {len(variables)}\n{table}".encode()
     _try_out(resources, token)
-    common = files("rwmf.export").joinpath(_COMMON).read_bytes()
-    whole = io.BytesIO(common)
+    whole = io.BytesIO(_common())
     with zipfile.ZipFile(whole, "a", zipfile.ZIP_DEFLATED) as archive:
         entries = {f"resources/{name}": content for name, content in resources.items()}
         entries["modelDescription.xml"] = model_description(case, variables, token)
@@ -77,19 +78,16 @@ def _resources(case: Case) -> dict[str, bytes]:
     """Return the namelist of the unit and its records, which lie beside it."""
     groups = {name: dict(group.as_given()) for name, group in case.groups.items()}
     found: dict[str, bytes] = {}
+    # in the order of the groups, after the namelist
+    records = iter(case.inputs[case.source is not None :])
     with tempfile.TemporaryDirectory() as folder:
-        for name in ("motion", "vertical"):
-            record = groups.get(name, {}).get("file")
-            if record is None:
-                continue
+        for name in [group for group, values in groups.items() if values.get("file") is not None]:
             motion = case.motions.get(name)
-            file = f"{name}{Path(str(record)).suffix if motion is None else '.txt'}"
-            if motion is None:
-                source = next(x for x in case.inputs if x.name == Path(str(record)).name)
-                found[file] = source.read_bytes()
-            else:
-                motion.write(Path(folder, file))
-                found[file] = Path(folder, file).read_bytes()
+            source = next(records) if motion is None else Path(folder, f"{name}.txt")
+            if motion is not None:
+                motion.write(source)
+            file = f"{name}{source.suffix}"
+            found[file] = source.read_bytes()
             groups[name]["file"] = file
     # neither sweeps nor files belong to a unit; its demands need the requests of `reactions`
     for name in ("spectrum", "sensitivity", "design"):
@@ -128,13 +126,19 @@ def _try_out(resources: dict[str, bytes], token: str) -> None:
 _LOG = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
 
 
+def _common() -> bytes:
+    """Return the part of every unit."""
+    path = files("rwmf.export").joinpath(_COMMON)
+    if not path.is_file():
+        raise InputError("no FMU: this build of rwmf had no static SUNDIALS to put into it")
+    return path.read_bytes()
+
+
 @functools.cache
 def _library() -> ctypes.CDLL:
     """Load the library of the units, once."""
     with tempfile.TemporaryDirectory() as folder:
-        with zipfile.ZipFile(
-            io.BytesIO(files("rwmf.export").joinpath(_COMMON).read_bytes())
-        ) as zipped:
+        with zipfile.ZipFile(io.BytesIO(_common())) as zipped:
             zipped.extractall(folder)
         library = ctypes.CDLL(str(next(Path(folder).glob(f"binaries/*/{IDENTIFIER}.so"))))
     text, flag, real, address = ctypes.c_char_p, ctypes.c_bool, ctypes.c_double, ctypes.c_void_p

@@ -19,8 +19,8 @@ module rwmf_embedding_outputs
 
    public :: find_output, query_outputs
 
-   integer, parameter :: storeys = 10000
-   !! storeys that the number of an output tells apart
+   integer, parameter :: per_row = 10000
+   !! numbers of outputs per row of the table, for the number of a storey or floor
 
 contains
 
@@ -34,12 +34,12 @@ contains
       integer :: place, storey
 
       call look_up(key, place, storey)
-      number = storeys*place + storey
+      number = per_row*place + storey
       if (place > 0) then
          if (is_column(place) .or. index(all_quantities(place)%outputs, 'run') > 0) return
       end if
-      call fail(error, err_input, shown(key)//': must be a column of the history or a number of a ' &
-         //'run (reference/outputs.md)')
+      call fail(error, err_input, shown(key)//': must be a column of the history or a number of ' &
+         //'a run (reference/outputs.md)')
    end subroutine find_output
 
    !> True for a column of the history.
@@ -70,14 +70,14 @@ contains
       values = ieee_value(1.0_wp, ieee_quiet_nan)
       call require(stepping, error)
       if (allocated(error)) return
-      if (any(numbers < storeys .or. numbers >= storeys*(size(all_quantities) + 1))) then
+      if (any(numbers < per_row .or. numbers >= per_row*(size(all_quantities) + 1))) then
          call fail(error, err_input, 'a number of no output: ask for it by its key')
          return
       end if
       has_columns = .false.
       has_scalars = .false.
       do i = 1, size(numbers)
-         associate (place => numbers(i)/storeys, storey => modulo(numbers(i), storeys))
+         associate (place => numbers(i)/per_row, storey => modulo(numbers(i), per_row))
             if (is_column(place)) then
                if (.not. has_columns) call compute_columns(stepping%instance, columns)
                has_columns = .true.

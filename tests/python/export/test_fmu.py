@@ -398,16 +398,19 @@ def test_wrong_parameters_and_modes(record: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "link", "message"),
     [
+        ("", True, "an element needs the group &wall"),
         ("&solver accuracy = 1e-6, t_end = 3.0 /", False, "accuracy needs the whole motion"),
         ("&fuse F_y = 40e3, k = 2e7 /", True, "fuse"),
         ("&storeys n = 2, m = 25e3, k = 25e6, height = 5.0, coupling = 'full' /", True, "storeys"),
     ],
 )
 def test_export_refuses(text: str, link: bool, message: str, tmp_path: Path) -> None:
-    frame = "&frame xi_s = 0.04 /" if "storeys" in text else FRAME
+    scene = WALL + ("&frame xi_s = 0.04 /" if "storeys" in text else FRAME) + text
+    if not text:
+        scene = "&frame T_s = 0.8, xi_s = 0.04 /"
     rest = PULSE if "solver" not in text else PULSE[: PULSE.index("&solver")]
     with pytest.raises(InputError, match=message):
-        export_fmu(rwmf.Case.from_text(WALL + frame + text + rest), tmp_path / "x.fmu", link=link)
+        export_fmu(rwmf.Case.from_text(scene + rest), tmp_path / "x.fmu", link=link)
     assert not (tmp_path / "x.fmu").exists()
 
 
