@@ -44,8 +44,8 @@ def base_section(
     Returns
     -------
     xarray.Dataset
-        ``contact_length`` [m], ``toe_stress`` [Pa], ``moment`` of the stresses about the middle of
-        the base [N m] and, with E, ``toe_strain`` [-]: over ``state`` if a list is given.
+        ``contact_length`` [m], ``toe_stress`` [Pa] and ``moment`` of the stresses about the middle
+        of the base [N m]; with E also ``toe_strain`` [-]. A list gives arrays over ``state``.
 
     Raises
     ------

@@ -202,8 +202,8 @@ def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
     -------
     Checks
         Demand, limit and ratio of every limit. A suite (dimension ``record``, ``point`` or ``row``)
-        has counted percentiles and the share of its runs above the limit; runs that overturn or
-        collapse count as above. Other dimensions of a grid have checks of their own.
+        has counted percentiles, and the share of its runs above the limit. Runs that overturn or
+        collapse count as above. Each point of the other dimensions has separate checks.
 
     Raises
     ------

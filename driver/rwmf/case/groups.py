@@ -624,17 +624,17 @@ class Limits(Group):
     cable_force_increment_max_over_m_w_g : float
         Largest increment of the cable force over weight of wall.
     cable_prestress_loss_over_m_w_g : float
-        Cable force at theta = 0 that is lost in the end, over weight of wall.
+        Cable force at theta = 0 that is lost at the end, over weight of wall.
     ductility : float
         Largest displacement over that at first yield.
     residual_displacement_m : float
-        Displacement at which the frame alone would be without force in the end [m].
+        Displacement at which the frame alone would be without force at the end [m].
     theta_end_over_alpha : float
-        Rotation in the end over alpha, at which fuses may hold the wall up.
+        Rotation at the end over alpha, at which fuses may hold the wall up.
     storeys_ductility : tuple[float, ...]
         Largest displacement of storey over that at first yield: one for all, or one each.
     storeys_residual_drift : tuple[float, ...]
-        Drift of storey that unloading would leave in the end: one for all, or one each.
+        Drift of storey that unloading would leave at the end: one for all, or one each.
     storeys_residual_drift_at_rest : tuple[float, ...]
         Drift of storey in static equilibrium after the motion: one for all, or one each.
     base_shear_max_over_weight : float
@@ -650,7 +650,7 @@ class Limits(Group):
     cable_force_increment_max_N : float
         Largest increment of the cable force [N].
     cable_prestress_loss_N : float
-        Cable force at theta = 0 that is lost in the end [N].
+        Cable force at theta = 0 that is lost at the end [N].
     base_shear_max_N : float
         Largest base shear [N].
     shear_key_force_max_N : float
@@ -668,7 +668,7 @@ class Limits(Group):
     roof_drift_max : float
         Largest displacement of the roof over its height.
     storey_residual_drift_max : float
-        Largest drift of a storey that unloading would leave in the end.
+        Largest drift of a storey that unloading would leave at the end.
     roof_residual_drift : float
         Displacement of the roof that unloading would leave over its height.
     roof_residual_drift_at_rest : float

@@ -42,8 +42,8 @@ def checks(found: Checks, axes: Axes | Sequence[Axes] | np.ndarray | None = None
     Returns
     -------
     numpy.ndarray, shape (panels,)
-        The axes. A bar is the ratio of a run, or the median of a suite with a line from the 16 to
-        the 84 % percentile and a dot at the largest ratio.
+        The axes. A bar is the ratio of a run or the median of a suite. The line of a suite covers
+        16 to 84 %, and its dot is the largest ratio.
 
     Raises
     ------

@@ -1,10 +1,11 @@
 !> Section at the base of a rocking wall on a strip of springs without tension (`&base_section`).
 !>
 !> The normal force N presses the strip of stiffness k per area [N/m3], width B and thickness t. The
-!> base is rotated by phi. While the far corner lifts, the stress grows linearly over the contact
-!> length c = sqrt(2 N/(k t phi)) up to k phi c at the toe; the moment of N about the middle of the
-!> base is N (B/2 - c/3). With c >= B the whole base is in contact: N/(B t) +- k phi B/2 at its ends
-!> and the moment k phi t B**3/12. The strip is a demand: it has no effect on the motion.
+!> base is rotated by phi. While the far corner lifts, the contact length is
+!> c = sqrt(2 N/(k t phi)). The stress grows linearly over it up to k phi c at the toe. The moment
+!> of the stresses about the middle of the base is N (B/2 - c/3). With c >= B the whole base is in
+!> contact: the stresses at its ends are N/(B t) +- k phi B/2, the moment is k phi t B**3/12. The
+!> strip does not affect the motion.
 module rwmf_model_base_section
    use rwmf_core_kinds, only: wp
    implicit none

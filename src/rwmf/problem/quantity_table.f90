@@ -293,7 +293,7 @@ module rwmf_problem_quantity_table
       quantity_t(id%cable_prestress_loss_over_m_w_g, 'cable_prestress_loss_over_m_w_g', &
       'cable_prestress_loss_over_m_w_g', '1', 'real', 'end', 'run ordinate', 'cable', of_events, &
       '`eta_y` or `rupture_strain`', &
-      'cable force at theta = 0 that is lost in the end, over weight of wall'), &
+      'cable force at theta = 0 that is lost at the end, over weight of wall'), &
       quantity_t(id%cable_ruptured, 'cable_ruptured', 'cable_ruptured', '1', 'logical', 'whether', &
       'run ordinate', 'cable', of_events, '`eta_y` or `rupture_strain`', &
       'whether the cable broke'), &
@@ -301,16 +301,16 @@ module rwmf_problem_quantity_table
       'yielding', of_storeys, '', 'largest displacement over that at first yield'), &
       quantity_t(id%residual_displacement_m, 'residual_displacement_m', 'residual_displacement', &
       'm', 'real', 'end', 'run ordinate', 'yielding', of_events, '', &
-      'displacement at which the frame alone would be without force in the end'), &
+      'displacement at which the frame alone would be without force at the end'), &
       quantity_t(id%theta_end_over_alpha, 'theta_end_over_alpha', 'theta_end_over_alpha', '1', &
       'real', 'end', 'run ordinate', 'fuse', of_events, '', &
-      'rotation in the end over alpha, at which fuses may hold the wall up'), &
+      'rotation at the end over alpha, at which fuses may hold the wall up'), &
       quantity_t(id%storey_i_ductility, 'storey_{i}_ductility', 'storey_{i}_ductility', '1', &
       'real', 'peak', 'run ordinate', 'yielding', of_storeys, '`storey_u_y`', &
       'largest displacement of storey {i} over that at first yield'), &
       quantity_t(id%storey_i_residual_drift, 'storey_{i}_residual_drift', &
       'storey_{i}_residual_drift', '1', 'real', 'end', 'run ordinate', 'yielding', of_events, &
-      '`storey_u_y`', 'drift of storey {i} that unloading would leave in the end'), &
+      '`storey_u_y`', 'drift of storey {i} that unloading would leave at the end'), &
       quantity_t(id%storey_i_residual_drift_at_rest, 'storey_{i}_residual_drift_at_rest', &
       'storey_{i}_residual_drift_at_rest', '1', 'real', 'end', 'run ordinate', 'yielding', &
       of_events, '`storey_u_y`; an equilibrium', &
@@ -389,7 +389,7 @@ module rwmf_problem_quantity_table
       id%cable_force_increment_max_over_m_w_g), &
       quantity_t(id%cable_prestress_loss_N, 'cable_prestress_loss_N', 'cable_prestress_loss', 'N', &
       'real', 'end', 'run ordinate', 'cable', of_events, 'a mass; `eta_y` or `rupture_strain`', &
-      'cable force at theta = 0 that is lost in the end', id%cable_prestress_loss_over_m_w_g), &
+      'cable force at theta = 0 that is lost at the end', id%cable_prestress_loss_over_m_w_g), &
       quantity_t(id%base_shear_max_N, 'base_shear_max_N', 'base_shear_max', 'N', 'real', 'peak', &
       'run ordinate', '', of_reactions, 'a mass', 'largest base shear', &
       id%base_shear_max_over_weight), &
@@ -452,7 +452,7 @@ module rwmf_problem_quantity_table
       'time of the largest drift of the roof'), &
       quantity_t(id%storey_residual_drift_max, 'storey_residual_drift_max', &
       'storey_residual_drift_max', '1', 'real', 'end', 'run ordinate', 'yielding', of_demands, &
-      '`&storeys`', 'largest drift of a storey that unloading would leave in the end'), &
+      '`&storeys`', 'largest drift of a storey that unloading would leave at the end'), &
       quantity_t(id%roof_residual_drift, 'roof_residual_drift', 'roof_residual_drift', '1', &
       'real', 'end', 'run ordinate', 'yielding', of_demands, &
       'a height: `&wall`, `&storeys` or `h_f`', &
@@ -643,9 +643,9 @@ module rwmf_problem_quantity_table
       quantity_t(id%theta_max_rad, 'theta_max_rad', '', 'rad', 'real', 'peak', 'cost', 'wall', &
       of_nothing, '', 'largest rotation of the wall'), &
       quantity_t(id%theta_end_rad, 'theta_end_rad', '', 'rad', 'real', 'end', 'cost', 'wall', &
-      of_nothing, '', 'rotation of the wall in the end'), &
+      of_nothing, '', 'rotation of the wall at the end'), &
       quantity_t(id%theta_dot_end_rad_s, 'theta_dot_end_rad_s', '', 'rad/s', 'real', 'end', &
-      'cost', 'wall', of_nothing, '', 'angular velocity of the wall in the end'), &
+      'cost', 'wall', of_nothing, '', 'angular velocity of the wall at the end'), &
       quantity_t(id%t_end_s, 't_end_s', '', 's', 'real', 'end', 'cost', '', of_nothing, '', &
       'end of the simulation'), &
       quantity_t(id%relative_error, 'relative_error', '', '1', 'real', 'error', 'cost', '', &
@@ -658,7 +658,7 @@ module rwmf_problem_quantity_table
       'largest distance of an impact from that of the reference, chatter left out'), &
       quantity_t(id%end_state_relative_error, 'end_state_relative_error', '', '1', 'real', &
       'error', 'cost', '', of_nothing, '', &
-      'of the state in the end, over the largest rotation and angular velocity'), &
+      'of the state at the end, over the largest rotation and angular velocity'), &
       quantity_t(id%error_estimate, 'error_estimate', '', '', 'text', 'before', 'cost', '', &
       of_nothing, '', 'how the error of the reference is estimated'), &
       quantity_t(id%peak, 'peak', '', '', 'text', 'before', 'cost', '', of_nothing, '', &
