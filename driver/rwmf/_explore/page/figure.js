@@ -48,8 +48,8 @@ function extent(curves, axis, log) {
   return [low - pad, high + pad];
 }
 
-// One panel. curves: {x, y, colour, dash, label, dots, rings}; options: title, xLabel, yLabel, logX,
-// logY, width, height, print (own colours instead of the page's).
+// One panel. curves: {x, y, colour, dash, label, dots, rings}; options: title, xLabel, yLabel,
+// logX, logY, width, height, print (own colours instead of the page's).
 export function panel(curves, options) {
   const { width = 360, height = 240, print = false, logX = false, logY = false } = options;
   const tone = (name) => (print ? PRINT[name] : `var(--${name})`);
