@@ -20,6 +20,8 @@ _DISSIPATED = {
     "hysteretic": "yielding",
     "bending_damping": "damping of the wall's modes",
 }
+# largest storey drift over that of the roof [-] for drifts that hardly differ
+_EVEN = 1.05
 # a part of the input below this is not mentioned
 _LEAST_PART = 0.005
 
@@ -52,6 +54,7 @@ def captions_of(
         _tendon(summary),
         _concentration(summary),
         _yielding(summary, yields),
+        _collapse(summary),
         _energy(summary),
     ]
     return [text for text in found if text]
@@ -132,10 +135,8 @@ def _concentration(summary: Mapping[str, Any]) -> str:
     storey = next(
         i for i in range(1, 1000) if summary.get(f"storey_{i}_drift_max", largest) == largest
     )
-    return (
-        f"Storey {storey} has the largest IDR, {100 * largest:.3g} %: "
-        f"{largest / roof:.2g} times the drift of the roof."
-    )
+    ratio = f"{largest / roof:.2g} times" if largest > _EVEN * roof else "nearly"
+    return f"Storey {storey} has the largest IDR, {100 * largest:.3g} %: {ratio} that of the roof."
 
 
 def _yielding(summary: Mapping[str, Any], yields: Sequence[bool]) -> str:
@@ -155,6 +156,12 @@ def _yielding(summary: Mapping[str, Any], yields: Sequence[bool]) -> str:
     return f"Storeys {', '.join(storeys[:-1])} and {storeys[-1]} yield: largest {size}."
 
 
+def _collapse(summary: Mapping[str, Any]) -> str:
+    if not summary.get("collapsed"):
+        return ""
+    return f"It collapses at {summary['t_collapse_s']:.2f} s, at a limit of its drift."
+
+
 def _energy(summary: Mapping[str, Any]) -> str:
     total = summary.get("energy_input_J_per_kg", 0.0)
     if not total > 0.0:
@@ -163,9 +170,12 @@ def _energy(summary: Mapping[str, Any]) -> str:
         name: summary.get(f"energy_{key}_J_per_kg", 0.0) / total
         for key, name in _DISSIPATED.items()
     }
+    if sum(parts.values()) > 1.0 + _LEAST_PART:
+        # the weight of a leaning or falling structure adds energy
+        return ""
     ordered = sorted(parts.items(), key=lambda part: -part[1])
     texts = [f"{name} {_percent(part)}" for name, part in ordered if part >= _LEAST_PART]
-    return f"Of the energy put in, {', '.join(texts)} at the end." if texts else ""
+    return f"Of the energy put in by the ground, {', '.join(texts)} at the end." if texts else ""
 
 
 def _percent(part: float) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import rwmf
 from browser import launch
+from checkout import ROOT
 from explorer_page import DESK, PHONE, Open, Opened
 from page_client import served
 from rwmf import Case
@@ -300,6 +301,16 @@ def test_the_profile_is_that_of_the_run(show: Open) -> None:
         if ratio > 1.0:
             first = run.time.values[np.argmax(drifts[:, i] > profile["yield"][i])]
             assert float(text) == pytest.approx(first, abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["p_delta_collapse", "storeys_springs", "fig12_one_sine"])
+def test_the_profile_has_the_height_of_the_picture(show: Open, name: str) -> None:
+    with served(Case.from_namelist(ROOT / "inputs" / f"{name}.nml")) as (server, _):
+        opened = show(server.address)
+        drawn, heights = opened.page.evaluate(
+            "[explorer.stage.motion.height, explorer.stage.motion.profile.heights]"
+        )
+        assert drawn == pytest.approx(sum(heights))
 
 
 def test_warnings_are_one_line_with_links(show: Open) -> None:

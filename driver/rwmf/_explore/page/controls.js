@@ -26,8 +26,9 @@ export class Controls {
     const box = byId(`group-${name}`);
     if (box) box.open = true;
     const target = box?.querySelector("summary") ?? byId(`add-${name}`);
-    target?.scrollIntoView({ block: "nearest" });
     target?.focus();
+    const isPhone = matchMedia("(max-width: 760px)").matches;
+    target?.scrollIntoView({ block: isPhone ? "start" : "nearest" });
   }
 
   // Build the panel again, with the focus on the same control.

@@ -60,7 +60,7 @@ export class CostPanel {
       curves.push(curve(practices, { label: "usual today", colour: "ink", dots: 4, width: 0 }));
     }
     if (found.recommended) {
-      curves.push(curve([found.recommended], { label: "cheapest for 1e-6", colour: "bad",
+      curves.push(curve([found.recommended], { label: "cheapest: 1e-6", colour: "bad",
         rings: 7, width: 0 }));
     }
     const { reference, recommended } = found;

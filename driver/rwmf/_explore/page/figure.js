@@ -48,8 +48,8 @@ function extent(curves, axis, log) {
   return [low - pad, high + pad];
 }
 
-// One panel. curves: {x, y, colour, dash, label, dots, rings}; options: title, xLabel, yLabel, logX,
-// logY, width, height, print (own colours instead of the page's).
+// One panel. curves: {x, y, colour, dash, label, dots, rings}; options: title, xLabel, yLabel,
+// logX, logY, width, height, print (own colours instead of the page's).
 export function panel(curves, options) {
   const { width = 360, height = 240, print = false, logX = false, logY = false } = options;
   const tone = (name) => (print ? PRINT[name] : `var(--${name})`);
@@ -120,8 +120,8 @@ function key(curves, right, tone) {
     const colour = tone(curve.colour ?? `c${curves.indexOf(curve) % 6}`);
     const words = node("text", { x, y: 15, "text-anchor": "end", "font-size": 11,
       fill: tone("ink") }, curve.label);
-    // letters of this size are about 6 wide
-    x -= 6 * curve.label.length + 6;
+    // letters of this size are at most 6.4 wide on average
+    x -= 6.4 * curve.label.length + 5;
     const mark = node("path", { d: `M${x - 12} 11H${x}`, stroke: colour, "stroke-width": 2,
       fill: "none", ...(curve.dash ? { "stroke-dasharray": curve.dash } : {}) });
     x -= 20;

@@ -264,12 +264,12 @@ class Explorer {
       this.shown.spectrum = version;
       return;
     }
-    const other = this.other && await this.rival.spectrum({ ...more, quantity: answer.quantity.key },
+    const { key } = answer.quantity;
+    const other = this.other && await this.rival.spectrum({ ...more, quantity: key },
       points === FULL, (body) => this.question("spectrum", body, version));
     byId("spectrum").parentElement.classList.remove("stale");
     this.perPeriod = answer.kernel_seconds / points;
     this.coarse = version;
-    const { key } = answer.quantity;
     const own = this.answer.numbers.find((row) => row[0] === key);
     this.pictures.drawSpectrum(answer, other,
       { T: this.answer.scene.T, value: own ? Number(own[1]) : NaN });

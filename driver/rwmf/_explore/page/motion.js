@@ -19,7 +19,8 @@ export class Motion {
   constructor(answer, columns, ground, impacts) {
     const { scene, profile } = answer;
     Object.assign(this, { scene, profile, columns, ground, impacts });
-    this.height = scene.h ? 2 * scene.h : scene.heights ? sum(scene.heights) : 4;
+    // a frame without height is drawn 4 m tall
+    this.height = scene.h ? 2 * scene.h : sum(profile.heights) || 4;
     this.rotation = columns.theta ? peak(columns.theta) : peak(columns.u_s) / this.height;
     // the modes of a wall that bends; each is 1 at the top
     this.modes = (scene.shapes ?? []).map((_, i) => columns[`q_${i + 1}`]);

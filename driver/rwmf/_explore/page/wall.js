@@ -69,12 +69,13 @@ export class Stage {
     const ctx = this.ctx = canvas.getContext("2d");
     ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
     ctx.clearRect(0, 0, width, height);
-    const hasProfile = motion.profile.heights.length > 0;
-    const beside = hasProfile ? Math.min(210, 0.42 * width) : 0;
+    const { heights } = motion.profile;
+    // one storey needs less room
+    const beside = heights.length ? Math.min(heights.length > 1 ? 210 : 150, 0.42 * width) : 0;
     const H = this.height;
     const scale = Math.min((width - beside) / (this.left + this.right), height / (1.25 * H));
     const base = height - 0.08 * H * scale - 4;
-    if (hasProfile) {
+    if (beside) {
       drawProfile(ctx, motion, this.ghost, t, width - beside + 6, beside - 10,
         (y) => base - y * scale);
     }
