@@ -544,9 +544,10 @@ contains
             batch%k(i, 2, 1))
          turns = turns_in_step(batch, i)
          x = 0
-         if (turns == no_change) call cross_window(table(i, of_trial)*[y(i, 2), y_new(i, 2)], &
-            y_new(i, 1) - y(i, 1), [table(i, of_low), table(i, of_high)] - y(i, 1), &
-            lane%target_event, x)
+         ! outputs of more than peaks keep the bits of the bracketed search
+         if (turns == no_change .and. lane%hybrid%settled_angle > 0) call cross_window( &
+            table(i, of_trial)*[y(i, 2), y_new(i, 2)], y_new(i, 1) - y(i, 1), &
+            [table(i, of_low), table(i, of_high)] - y(i, 1), lane%target_event, x)
          if (.not. (x > 0 .and. x <= 1)) call first_event(quartic, [table(i, of_low), &
             table(i, of_high)], [table(i, of_bottom), table(i, of_top)], lane%target_event, x)
          call compare_with_further(lane, i, batch, x)
