@@ -5,12 +5,12 @@ module rwmf_simulation_lanes_batch
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: column_count, line_columns, of_calm, of_fastest, &
-      of_plain, of_time, of_trial, screen_t
+      of_interval, of_plain, of_time, of_trial, screen_t
    use rwmf_integrator_lane_kernels, only: lane_kernels_t
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_math_sign_changes, only: changes_of, one_change, polygon_t, rate_polygon, &
       roughness, unclear
-   use rwmf_model_equation, only: equation_t, ground, vertical_ground
+   use rwmf_model_equation, only: enter_interval, equation_t, ground, interval_of, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
       is_piecewise_linear, line_of, line_t, motion_t, step_parts, vertical_line_of
    use rwmf_simulation_events_step_quartic, only: no_event
@@ -21,7 +21,8 @@ module rwmf_simulation_lanes_batch
    private
 
    public :: lane_state_t, batch_t, create_batch, leave_batch, tabulate_lines, line_row
-   public :: longest_step, find_steps_to_inspect, follow_curves, turns_in_step
+   public :: longest_step, find_steps_to_inspect, follow_curves, follow_interval
+   public :: turns_in_step
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
    !! phase angle of the vibration in a step that still shows its events; second value for a motion
@@ -396,6 +397,18 @@ contains
          if (turns > one_change) turns = unclear
       end associate
    end function plain_turns
+
+   !> Update the run's interval of the motion.
+   subroutine follow_interval(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      type(batch_t), intent(in) :: batch
+
+      associate (interval => int(batch%table(i, of_interval)))
+         if (interval_of(lane%equation) /= interval) call enter_interval(lane%equation%model_t, &
+            lane%equation%state, interval)
+      end associate
+   end subroutine follow_interval
 
    !> Evaluate ground accelerations that are not on a straight line.
    subroutine follow_curves(lanes, batch)

@@ -37,7 +37,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
    use rwmf_simulation_lanes_batch, only: create_batch, find_steps_to_inspect, &
-      follow_curves, lane_state_t, line_row, longest_step, turns_in_step, batch_t
+      follow_curves, follow_interval, lane_state_t, line_row, longest_step, turns_in_step, batch_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
@@ -460,18 +460,6 @@ contains
       call follow_interval(lane, i, batch)
    end subroutine catch_up
 
-   !> Update the run's interval of the motion.
-   subroutine follow_interval(lane, i, batch)
-      type(lane_state_t), intent(inout) :: lane
-      integer, intent(in) :: i
-      type(batch_t), intent(in) :: batch
-
-      associate (interval => int(batch%table(i, of_interval)))
-         if (interval_of(lane%equation) /= interval) call enter_interval(lane%equation%model_t, &
-            lane%equation%state, interval)
-      end associate
-   end subroutine follow_interval
-
    !> Fail if round-off keeps a lane at the same time for too many inspections.
    subroutine check_progress(lane, i, batch)
       type(lane_state_t), intent(inout) :: lane
@@ -544,9 +532,10 @@ contains
             batch%k(i, 2, 1))
          turns = turns_in_step(batch, i)
          x = 0
-         if (turns == no_change) call cross_window(table(i, of_trial)*[y(i, 2), y_new(i, 2)], &
-            y_new(i, 1) - y(i, 1), [table(i, of_low), table(i, of_high)] - y(i, 1), &
-            lane%target_event, x)
+         ! outputs of more than peaks keep the bits of the bracketed search
+         if (turns == no_change .and. lane%hybrid%settled_angle > 0) call cross_window( &
+            table(i, of_trial)*[y(i, 2), y_new(i, 2)], y_new(i, 1) - y(i, 1), &
+            [table(i, of_low), table(i, of_high)] - y(i, 1), lane%target_event, x)
          if (.not. (x > 0 .and. x <= 1)) call first_event(quartic, [table(i, of_low), &
             table(i, of_high)], [table(i, of_bottom), table(i, of_top)], lane%target_event, x)
          call compare_with_further(lane, i, batch, x)
