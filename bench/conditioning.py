@@ -39,7 +39,7 @@ WIDE, LIMIT = 1e-4, 100.0
 BISECTIONS, STRONGEST = 12, 30.0
 COST_RUNS, COST_ROUNDS = 10, 7
 # number of a scene with a pulse
-BENT = 1
+BENT = 13
 COST_CASES = (
     "accuracy_elcentro_2s", "accuracy_pacoima", "storeys_full", "effect_vertical",
     "fig05_stiff_frame_alone_one_sine", "accuracy_block_near_overturning",
