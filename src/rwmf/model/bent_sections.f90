@@ -10,7 +10,7 @@ module rwmf_model_bent_sections
    use rwmf_core_kinds, only: wp
    use rwmf_math_cantilever, only: deflection, force_above, slope_of
    use rwmf_math_gauss, only: gauss_node
-   use rwmf_math_roots, only: close_in, secant_between, secant_t
+   use rwmf_math_roots, only: close_in, secant_between, secant_t, vertex_of_parabola
    use rwmf_model_beam, only: beam_t
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_model_reactions, only: cable_force
@@ -22,6 +22,8 @@ module rwmf_model_bent_sections
 
    integer, parameter :: points = 5
    !! of Gauss's rule in a piece
+   integer, parameter :: centre = 3
+   !! the point in the middle of a piece
    integer, parameter :: per_half_wave = 8
    !! pieces in a half wave of the highest mode
    integer, parameter :: most_modes = 12
@@ -51,10 +53,13 @@ module rwmf_model_bent_sections
       !! node at mid-height
       real(wp) :: share(points), weight(points)
       !! Gauss's rule on [0, 1] [-]
-      real(wp), allocatable :: above(:, :)
-      !! (modes, 0:n) integral of each mode from a node to the top, over the height [-]
+      real(wp), allocatable :: above(:, :), phi(:, :), tilt(:, :)
+      !! (modes, 0:n) integral of each mode from a node to the top, over the height [-]; its
+      !! deflection [-] and slope [1/m] at the node
       real(wp), allocatable :: slope(:, :, :), above_inside(:, :, :)
       !! (modes, points, n) slope of each mode [1/m] and its integral above, inside the pieces
+      real(wp), allocatable :: phi_centre(:, :)
+      !! (modes, n) deflection of each mode in the middle of a piece [-]
       real(wp), allocatable :: below_node(:, :), above_node(:, :)
       !! (2, 0:n) shear [m/s2] and moment [m2/s2] on both sides of each node
    end type bent_sections_t
@@ -79,12 +84,18 @@ contains
       sections%weight = sections%weight/2
       associate (n => ubound(sections%z, 1))
          allocate (sections%above(beam%n, 0:n), sections%slope(beam%n, points, n), &
-            sections%above_inside(beam%n, points, n))
+            sections%above_inside(beam%n, points, n), sections%phi(beam%n, 0:n), &
+            sections%tilt(beam%n, 0:n), sections%phi_centre(beam%n, n))
          allocate (sections%below_node(2, 0:n), sections%above_node(2, 0:n), source=0.0_wp)
          do i = 0, n
             do k = 1, beam%n
-               sections%above(k, i) = force_above(beam%modes(k), sections%z(i)/beam%length)
+               node = sections%z(i)/beam%length
+               sections%above(k, i) = force_above(beam%modes(k), node)
+               sections%phi(k, i) = deflection(beam%modes(k), node)
+               sections%tilt(k, i) = slope_of(beam%modes(k), node)/beam%length
                if (i == 0) cycle
+               sections%phi_centre(k, i) = deflection(beam%modes(k), (sections%z(i - 1) &
+                  + sections%z(i))/2/beam%length)
                do j = 1, points
                   node = (sections%z(i - 1) + sections%share(j)*(sections%z(i) &
                      - sections%z(i - 1)))/beam%length
@@ -352,24 +363,97 @@ contains
       integer, intent(in) :: i
       !! number of the piece, that of its upper node
       type(section_extremes_t), intent(out) :: found
-      real(wp) :: z(2), z_peak, slopes(2), values(points)
+      real(wp) :: z(3), slopes(3), height, moment
       integer :: j
 
-      z = sections%z(i - 1:i)
-      slopes = [acceleration_across(sections%beam, loads, z(1)), &
-         acceleration_across(sections%beam, loads, z(2))]
-      if (slopes(1)*slopes(2) < 0) then
-         found%z_shear = turning_height(sections%beam, loads, z, slopes, of_shear=.true.)
-         found%shear = abs(shear_at(sections%beam, loads, found%z_shear))
-      end if
-      slopes = [moment_slope(sections%beam, loads, z(1)), moment_slope(sections%beam, loads, z(2))]
-      if (.not. slopes(1)*slopes(2) < 0) return
-      z_peak = turning_height(sections%beam, loads, z, slopes, of_shear=.false.)
-      values = [(moment_slope(sections%beam, loads, z_peak + sections%share(j)*(z(2) - z_peak)), &
-         j=1, points)]
-      found%z_moment = z_peak
-      found%moment = abs(sections%below_node(2, i) - (z(2) - z_peak)*sum(sections%weight*values))
+      associate (n => sections%beam%n, low => sections%z(i - 1), high => sections%z(i))
+         z = [low, (low + high)/2, high]
+         slopes = loads%push + loads%turn*z + [dot_product(loads%across(:n), sections%phi(:, &
+            i - 1)), dot_product(loads%across(:n), sections%phi_centre(:, i)), &
+            dot_product(loads%across(:n), sections%phi(:, i))]
+         call find_changes(sections%beam, loads, z, slopes, of_shear=.true.)
+         do j = 1, 2
+            if (.not. slopes(j)*slopes(j + 1) < 0) cycle
+            height = turning_height(sections%beam, loads, z(j:j + 1), slopes(j:j + 1), &
+               of_shear=.true.)
+            if (abs(shear_at(sections%beam, loads, height)) <= found%shear) cycle
+            found%shear = abs(shear_at(sections%beam, loads, height))
+            found%z_shear = height
+         end do
+         z(2) = (low + high)/2
+         slopes = [slope_with(z(1), sections%tilt(:, i - 1), sections%above(:, i - 1)), &
+            slope_with(z(2), sections%slope(:, centre, i), sections%above_inside(:, centre, i)), &
+            slope_with(z(3), sections%tilt(:, i), sections%above(:, i))]
+         call find_changes(sections%beam, loads, z, slopes, of_shear=.false.)
+         do j = 1, 2
+            if (.not. slopes(j)*slopes(j + 1) < 0) cycle
+            height = turning_height(sections%beam, loads, z(j:j + 1), slopes(j:j + 1), &
+               of_shear=.false.)
+            moment = abs(moment_below(sections, loads, i, height))
+            if (moment <= found%moment) cycle
+            found%moment = moment
+            found%z_moment = height
+         end do
+      end associate
+
+   contains
+
+      !> dM/dz from the values of the modes.
+      pure real(wp) function slope_with(z, tilt, above)
+         real(wp), intent(in) :: z
+         real(wp), intent(in) :: tilt(:), above(:)
+
+         slope_with = slope_from(sections%beam, loads, z, dot_product(loads%q(:size(tilt)), tilt), &
+            above)
+      end function slope_with
    end subroutine inspect_piece
+
+   !> Move the middle one of three heights to a change of sign that the three values do not show.
+   !>
+   !> Close to the base the deflections are small, and both roots of a parabola may lie in a piece.
+   subroutine find_changes(beam, loads, z, slopes, of_shear)
+      type(beam_t), intent(in) :: beam
+      type(bent_loads_t), intent(in) :: loads
+      real(wp), intent(inout) :: z(3)
+      !! ascending [m]
+      real(wp), intent(inout) :: slopes(3)
+      !! of shear or moment at these heights [m/s2]
+      logical, intent(in) :: of_shear
+      !! of the shear, otherwise of the moment
+      real(wp) :: vertex, slope
+
+      if (any(slopes*slopes(1) <= 0)) return
+      if (abs(slopes(1) - 2*slopes(2) + slopes(3)) <= 0) return
+      vertex = vertex_of_parabola(z, slopes)
+      if (.not. (vertex > z(1) .and. vertex < z(3))) return
+      if (of_shear) then
+         slope = acceleration_across(beam, loads, vertex)
+      else
+         slope = moment_slope(beam, loads, vertex)
+      end if
+      if (slope*slopes(1) >= 0) return
+      z(2) = vertex
+      slopes(2) = slope
+   end subroutine find_changes
+
+   !> Moment at a height inside a piece, from that below its upper node [m2/s2].
+   real(wp) function moment_below(sections, loads, i, height) result(moment)
+      type(bent_sections_t), intent(in) :: sections
+      type(bent_loads_t), intent(in) :: loads
+      integer, intent(in) :: i
+      !! number of the piece, that of its upper node
+      real(wp), intent(in) :: height
+      !! [m]
+      real(wp) :: span
+      integer :: j
+
+      span = sections%z(i) - height
+      moment = sections%below_node(2, i)
+      do j = 1, points
+         moment = moment - span*sections%weight(j)*moment_slope(sections%beam, loads, height &
+            + sections%share(j)*span)
+      end do
+   end function moment_below
 
    !> Height inside a piece at which shear or moment is stationary [m].
    real(wp) function turning_height(beam, loads, z, slopes, of_shear) result(height)

@@ -13,8 +13,8 @@
 !> The mass matrix of the modes is M + cos(phi)**2 L, with the linked mass matrix L. Both are
 !> diagonal in the vectors V with V**T M V = 1 and V**T L V = diag(lambda).
 !>
-!> Floors move with n + 1 shapes: the straight wall, number 0, and the modes. Sums over floors become
-!> constant matrices of these shapes.
+!> Floors move with n + 1 shapes: the straight wall, number 0, and the modes. Sums over floors
+!> become constant matrices of these shapes.
 module rwmf_model_effects_bending_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_bending, of_input, of_viscous, &
@@ -132,8 +132,8 @@ contains
       !! inertia of the rigid wall over m_w R**2 [-]
       type(lane_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: y_dot(lane_count, last_state(term))
-      !! rates of the states, for the modes accelerations per phi'' [m] and for phi'' = 0 [m/s2], both
-      !! in the vectors V
+      !! rates of the states, for the modes accelerations per phi'' [m] and for phi'' = 0 [m/s2],
+      !! both in the vectors V
       real(wp) :: own(lane_count, most_modes, 2)
       real(wp), dimension(lane_count) :: sine, cosine, force, linked, drag, push
       integer :: i, j, n, q
@@ -321,11 +321,11 @@ contains
                   pull(i) = pull(i) + coef(i, row + k)*shapes%place(i, k)
                end do
                pull(i) = coef(i, row - 1)*pull(i)
-               y_dot(i, first + term%n + floor) = y_dot(i, first + term%n + floor) + motion%side(i) &
-                  *pull(i)*coef(i, row - 2)
+               y_dot(i, first + term%n + floor) = y_dot(i, first + term%n + floor) &
+                  + motion%side(i)*pull(i)*coef(i, row - 2)
                do k = 0, n
-                  motion%moment(i) = motion%moment(i) - coef(i, row + k)*shapes%slope(i, k)*pull(i) &
-                     /(coef(i, 1)*coef(i, 1))
+                  motion%moment(i) = motion%moment(i) - coef(i, row + k)*shapes%slope(i, k) &
+                     *pull(i)/(coef(i, 1)*coef(i, 1))
                end do
             end do
             do k = 1, n
@@ -455,7 +455,8 @@ contains
          total(:, of_input) = total(:, of_input) + weight*lean_rate*(motion%vertical*sine &
             - R*motion%push*cosine)/R**2
       end associate
-      if (term%floors == 0 .and. term%n > 0) call add_linked_floor_power(term, weight, coef, y, motion, total)
+      if (term%floors == 0 .and. term%n > 0) call add_linked_floor_power(term, weight, coef, y, &
+         motion, total)
    end subroutine add_mode_power
 
    !> Add the powers of the ground motion on linked floors and of their dampers.
