@@ -203,8 +203,8 @@ void rwmf_destroy_snapshot(rwmf_snapshot **snapshot);
 
 /* --- the wall as an element --- */
 
-/* Of `&frame` it needs the mass ratio, for `&impact rule = 'coupled'` alone. A frame is given whole, as
- * in every case: xi_s, and T_s or a `&spectrum`; both have no effect here. */
+/* Of `&frame` it needs the mass ratio, for `&impact rule = 'coupled'` alone; T_s and xi_s have no
+ * effect and may be absent in text, as the end of the simulation. */
 int rwmf_create_element(const char *namelist, rwmf_element **element, char *message, size_t size);
 void rwmf_destroy_element(rwmf_element **element);
 /* `side`: 1 or -1, the side on which the wall rocks; of a hinged wall without effect. */

@@ -13,6 +13,7 @@ from pathlib import Path
 import rwmf
 from checkout import ROOT
 
+IMPACT, PEAK = 1, 2  # RWMF_EVENT_
 _MESSAGE_BYTES = 4096
 _ERRORS = {1: rwmf.NumericalError, 2: rwmf.InputError}
 _GROUND = ctypes.CFUNCTYPE(c_double, c_double, c_void_p)
@@ -61,6 +62,21 @@ class Response(ctypes.Structure):
     )
 
 
+class MemberInfo(ctypes.Structure):
+    """`rwmf_member_info`."""
+
+    _fields_ = (
+        *((name, c_int32) for name in "dofs modes floors links side broken".split()),
+        ("u", c_double),
+    )
+
+
+class Event(ctypes.Structure):
+    """`rwmf_event`."""
+
+    _fields_ = (*_doubles("t theta theta_dot"), ("kind", c_int32))
+
+
 @cache
 def _library() -> ctypes.CDLL:
     """Load the shared library of the build; RWMF_LIBRARY names another one."""
@@ -69,7 +85,7 @@ def _library() -> ctypes.CDLL:
     assert path.is_file(), f"{path} is missing: run tools/test, or set RWMF_LIBRARY"
     library = ctypes.CDLL(str(path))
     library.rwmf_destroy.restype = library.rwmf_destroy_element.restype = None
-    library.rwmf_destroy_case.restype = None
+    library.rwmf_destroy_case.restype = library.rwmf_destroy_member.restype = None
     return library
 
 
@@ -157,6 +173,12 @@ class Wall:
         _call("rwmf_query_state", self.handle, byref(state))
         return state
 
+    def events(self) -> list[Event]:
+        """Events of the last advance."""
+        events, count = (Event * 1000)(), c_size_t()
+        _call("rwmf_query_events", self.handle, c_size_t(1000), events, byref(count))
+        return list(events[: count.value])
+
     def forces(self) -> Forces:
         """Present forces."""
         forces = Forces()
@@ -189,3 +211,68 @@ def respond(text: str, side: int, motion: Sequence[float]) -> Response:
     finally:
         _library().rwmf_destroy_element(byref(element))
     return response
+
+
+class Member:
+    """A wall as a member; give it back with `member`."""
+
+    def __init__(self, text: str) -> None:
+        self.handle = c_void_p()
+        _call("rwmf_create_member", c_char_p(text.encode()), byref(self.handle))
+
+    def info(self) -> MemberInfo:
+        """Sizes and committed state."""
+        info = MemberInfo()
+        _call("rwmf_query_member", self.handle, byref(info))
+        return info
+
+    def respond(
+        self, motion: Sequence[float], ground: Sequence[float]
+    ) -> tuple[list[float], list[list[list[float]]]]:
+        """Return forces and tangents (stiffness, damping, mass)."""
+        n = len(motion) // 3
+        force, tangents = (c_double * n)(), (c_double * (3 * n * n))()
+        _call(
+            "rwmf_respond_member",
+            self.handle,
+            (c_double * len(motion))(*motion),
+            (c_double * 2)(*ground),
+            force,
+            tangents,
+            None,
+        )
+        rows = [list(tangents[i * n : (i + 1) * n]) for i in range(3 * n)]
+        return list(force), [rows[:n], rows[n : 2 * n], rows[2 * n :]]
+
+    def links(self, motion: Sequence[float]) -> tuple[list[list[float]], list[list[float]]]:
+        """Return motion of the links (displacements, velocities, accelerations), derivatives."""
+        info = self.info()
+        links, slopes = (c_double * (3 * info.links))(), (c_double * (info.links * info.dofs))()
+        _call("rwmf_query_links", self.handle, (c_double * len(motion))(*motion), links, slopes)
+        m, n = info.links, info.dofs
+        return (
+            [list(links[i * m : (i + 1) * m]) for i in range(3)],
+            [list(slopes[i * n : (i + 1) * n]) for i in range(m)],
+        )
+
+    def commit(self) -> None:
+        """Keep the state of the last response."""
+        _call("rwmf_commit_member", self.handle)
+
+    def place(self, side: int) -> None:
+        """Set the side of a wall on its base."""
+        _call("rwmf_place_member", self.handle, c_int32(side))
+
+    def destroy(self) -> None:
+        """Give it back."""
+        _library().rwmf_destroy_member(byref(self.handle))
+
+
+@contextmanager
+def member(text: str) -> Iterator[Member]:
+    """Make a member of a case."""
+    wall = Member(text)
+    try:
+        yield wall
+    finally:
+        wall.destroy()

@@ -59,7 +59,7 @@ For users who combine an effect with a command or an interface: the table shows 
 works. Each row is a small case with a wall, without a frame ("block") or without a wall ("frame
 alone"); [effects.md](effects.md) lists the pairs of effects. `+` means that the results equal those
 of the plain run: bitwise with the same method (`dop853`, rtol = 1e-8), else to 100 rtol, and to
-1e-9 of the weight for the force of an element. A letter means that the program refuses the case
+1e-9 of the weight for the forces of an element or a member. A letter means that the program refuses the case
 with the message below. `tests/support/matrix.py` makes this page; a test computes every cell.
 """
 
@@ -487,6 +487,93 @@ def run_element(scene: Scene, _: Path) -> None:
             assert abs(found.force + wall.forces().link) <= ROUND_OFF * _G
 
 
+def run_member(scene: Scene, _: Path) -> None:
+    """Forces of the member and of the links of a stepping wall."""
+    text = scene.case.to_namelist()
+    changes: dict[str, Any] = {"initial": {"theta_over_alpha": 0.2}}
+    if not scene.has_frame:
+        changes["frame"] = {"gamma": 0.0, "T_s": 0.5, "xi_s": 0.0}
+    with c_host.member(text) as member:
+        started = scene.case.replace(**changes).to_namelist()
+        with c_host.stepping(started) as wall:
+            if member.info().side == 0:
+                member.place(1)
+            if member.info().dofs > 1 or member.info().links > 1:
+                _compare_start(scene, wall, member)
+            else:
+                _compare_path(scene, wall, member)
+
+
+def _accelerations(scene: Scene, t: float) -> list[float]:
+    """Horizontal acceleration of the ground, and its vertical record [m/s2]."""
+    vertical = scene.groups.get("vertical", {})
+    return [scene.ground()[1](t), float(np.interp(t, *samples())) if "file" in vertical else 0.0]
+
+
+def _compare_path(scene: Scene, wall: c_host.Wall, member: c_host.Member) -> None:
+    """Follow the wall through its peaks and impacts; compare the force of its link."""
+    turns = {c_host.PEAK, c_host.IMPACT}
+    present = 0.0
+    for goal in (0.001, 0.3, 0.45, 0.9):
+        while present < goal:
+            wall.save()
+            wall.advance(goal)
+            times = [event.t for event in wall.events() if event.kind in turns]
+            present = min([t for t in times if t > present], default=goal)
+            wall.restore()
+            wall.advance(present)
+            kinds = {event.kind for event in wall.events()}
+            state = wall.state()
+            motion = [state.u_s, state.u_s_dot, state.u_s_ddot]
+            if c_host.IMPACT in kinds:
+                motion[0] = 0.0
+            force, _ = member.respond(motion, _accelerations(scene, present))
+            member.commit()
+            if c_host.IMPACT in kinds:
+                member.place(-member.info().side)
+        assert not state.at_rest
+        assert abs(force[0] + wall.forces().link) <= ROUND_OFF * _G
+
+
+def _compare_start(scene: Scene, wall: c_host.Wall, member: c_host.Member) -> None:
+    """Solve for the accelerations of frame and member at the start; compare with the wall."""
+    state = wall.state()
+    n = member.info().dofs
+    motion = np.zeros((3, n))
+    motion[0, 0] = state.u_s
+    ground = _accelerations(scene, 0.0)
+    force, tangents = member.respond(motion.ravel().tolist(), ground)
+    links, slopes = (np.array(found) for found in member.links(motion.ravel().tolist()))
+    if member.info().floors:
+        # floors at rest have no force yet but that of the springs
+        pulls = -np.array(force[-member.info().floors :])
+        assert abs(pulls.sum() - wall.forces().link) <= ROUND_OFF * _G
+        wall_dofs = n - member.info().floors
+        mass, rest = np.array(tangents[2])[:wall_dofs, :wall_dofs], np.array(force[:wall_dofs])
+        roof = np.ones(wall_dofs)
+    else:
+        floors, shears = _frame(scene, links[0])
+        mass = np.array(tangents[2]) + slopes.T @ np.diag(floors) @ slopes
+        rest = force + slopes.T @ (floors * ground[0] + shears)
+        roof = slopes[-1]
+    assert abs(roof @ np.linalg.solve(mass, -rest) - state.u_s_ddot) <= ROUND_OFF * _G
+
+
+def _frame(scene: Scene, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Masses of the floors and resisting forces of the frame, over the mass of the wall."""
+    storeys = scene.groups.get("storeys")
+    if storeys is None:
+        frame = scene.groups.get("frame", {"gamma": 0.0, "T_s": 1.0})
+        mass = np.array([frame["gamma"]])
+        return mass, mass * (2 * math.pi / frame["T_s"]) ** 2 * u
+    drifts = np.diff(u, prepend=0.0)
+    if "yielding" in scene.groups:
+        limits = np.array(scene.groups["yielding"]["storey_u_y"])
+        drifts = np.clip(drifts, -limits, limits)
+    shears = np.array(storeys["k_over_m_w"]) * drifts
+    return np.array(storeys["m_over_m_w"]), shears - np.append(shears[1:], 0.0)
+
+
 def run_c(scene: Scene, _: Path) -> None:
     """`rwmf_run` of the C interface."""
     found, plain = c_host.run(scene.case.to_namelist()), scene.plain
@@ -525,6 +612,7 @@ PATHS: dict[str, Callable[[Scene, Path], None]] = {
     "stepping, samples": step_samples,
     "stepping, function": step_ground,
     "element": run_element,
+    "member": run_member,
 }
 
 
@@ -557,6 +645,7 @@ REFUSALS = (
     Refusal(_HOSTS_MOTION, "vertical, record", "a host hands over the horizontal motion: a case "
             "with &vertical takes a ratio to it, or advances under its own motion"),
     Refusal(("element",), _ALONE, "an element needs the group &wall"),
+    Refusal(("member",), _ALONE, "a member needs the group &wall"),
     Refusal(("element",), "`&storeys`", "an element has no &storeys: the frame is the host's"),
     Refusal(("element",), "`&yielding`", "an element has no &yielding: the frame is the host's"),
     Refusal(("element",), "`&fuse`", f"an element has no &fuse: {_STATELESS}"),

@@ -12,7 +12,7 @@ module rwmf_bindings_c_case
    private
 
    public :: kept_case_t, c_read_case, c_read_case_with, c_read_case_file, c_destroy_case
-   public :: case_of, name_file
+   public :: case_of, name_file, read_host_case
 
    !> Case behind a handle.
    type :: kept_case_t
@@ -78,6 +78,17 @@ contains
       end if
       c_read_case_with = put_message(error, message, size)
    end function c_read_case_with
+
+   !> Read the namelist text of an element or a member of a host.
+   subroutine read_host_case(namelist, case, error)
+      type(c_ptr), intent(in) :: namelist
+      type(case_t), intent(out) :: case
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: text
+
+      call get_text(namelist, 'namelist text', text, error)
+      if (.not. allocated(error)) call read_case_text(text, '', case, error, is_for_host=.true.)
+   end subroutine read_host_case
 
    !> Copy and check samples; not allocated for NULL.
    subroutine get_samples(address, group, samples, error)

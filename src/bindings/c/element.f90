@@ -4,14 +4,15 @@
 !> range of valid results.
 module rwmf_bindings_c_element
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, &
-      c_loc, c_null_ptr, c_ptr, c_size_t
-   use rwmf_bindings_c_case, only: c_destroy_case, c_read_case, case_of, kept_case_t, name_file
+      c_loc, c_ptr, c_size_t
+   use rwmf_bindings_c_case, only: case_of, kept_case_t, name_file, read_host_case
    use rwmf_bindings_c_pointers, only: require_argument, require_empty, take_handle
    use rwmf_bindings_c_strings, only: put_message
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_element, only: create_element, element_response_t, respond, velocity_factor, &
       wall_element_t
    use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 
@@ -39,14 +40,13 @@ contains
       type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(c_ptr) :: case
+      type(case_t) :: case
+      type(error_t), allocatable :: error
 
-      case = c_null_ptr
-      c_create_element = c_read_case(namelist, c_null_ptr, case, message, size)
-      if (c_create_element == 0) then
-         c_create_element = c_create_element_from_case(case, handle, message, size)
-      end if
-      call c_destroy_case(case)
+      call require_empty(handle, 'element', error)
+      if (.not. allocated(error)) call read_host_case(namelist, case, error)
+      if (.not. allocated(error)) call make_element(case, handle, error)
+      c_create_element = put_message(error, message, size)
    end function c_create_element
 
    !> `rwmf_create_element_from_case`.
@@ -57,23 +57,32 @@ contains
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       type(kept_case_t), pointer :: kept
-      type(wall_element_t), pointer :: element
       type(error_t), allocatable :: error
 
       call require_empty(handle, 'element', error)
       call case_of(from, kept, error)
       if (.not. allocated(error)) then
-         allocate (element)
-         call create_element(element, kept%case, error)
+         call make_element(kept%case, handle, error)
          call name_file(kept, error)
-         if (allocated(error)) then
-            deallocate (element)
-         else
-            handle = c_loc(element)
-         end if
       end if
       c_create_element_from_case = put_message(error, message, size)
    end function c_create_element_from_case
+
+   !> Make an element on the heap.
+   subroutine make_element(case, handle, error)
+      type(case_t), intent(in) :: case
+      type(c_ptr), intent(inout) :: handle
+      type(error_t), allocatable, intent(out) :: error
+      type(wall_element_t), pointer :: element
+
+      allocate (element)
+      call create_element(element, case, error)
+      if (allocated(error)) then
+         deallocate (element)
+      else
+         handle = c_loc(element)
+      end if
+   end subroutine make_element
 
    !> `rwmf_destroy_element`.
    subroutine c_destroy_element(handle) bind(c, name='rwmf_destroy_element')

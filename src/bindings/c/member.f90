@@ -1,13 +1,13 @@
 !> C binding of the wall as a member (include/rwmf.h).
 !>
-!> Matrices of C hold row after row. Numbers of the host are addresses of arrays whose length follows
-!> from the member.
+!> Matrices of C hold row after row. Numbers of the host are addresses of arrays, whose length
+!> follows from the member.
 module rwmf_bindings_c_member
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int32_t, &
-      c_loc, c_null_ptr, c_ptr, c_size_t
-   use rwmf_bindings_c_case, only: case_of, kept_case_t, name_file
+      c_loc, c_ptr, c_size_t
+   use rwmf_bindings_c_case, only: case_of, kept_case_t, name_file, read_host_case
    use rwmf_bindings_c_pointers, only: require_argument, require_empty, take_handle
-   use rwmf_bindings_c_strings, only: get_text, put_message
+   use rwmf_bindings_c_strings, only: put_message
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_member, only: commit_member, create_member, member_info_t, place_member, &
       query_member, restart_member, revert_member, wall_member_t
@@ -15,7 +15,6 @@ module rwmf_bindings_c_member
       next_member_event
    use rwmf_embedding_member_response, only: link_motion_t, member_response_t, query_links, &
       respond_member
-   use rwmf_input_reader, only: read_case_text
    use rwmf_problem_case, only: case_t
    implicit none
    private
@@ -61,13 +60,11 @@ contains
       type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      character(:), allocatable :: text
       type(case_t) :: case
       type(error_t), allocatable :: error
 
-      call get_text(namelist, 'namelist', text, error)
-      if (.not. allocated(error)) call require_empty(handle, 'member', error)
-      if (.not. allocated(error)) call read_case_text(text, '', case, error)
+      call require_empty(handle, 'member', error)
+      if (.not. allocated(error)) call read_host_case(namelist, case, error)
       if (.not. allocated(error)) call make_member(case, handle, error)
       c_create_member = put_message(error, message, size)
    end function c_create_member
@@ -332,8 +329,8 @@ contains
       call numbers_of(ground, 4, 'ground', a, error)
       call numbers_of(push, 2, 'push', p, error)
       call require_argument(present(event), 'event', error)
-      if (.not. allocated(error)) call next_member_event(member, dt, reshape(x, [info%dofs, 3, 2]), &
-         reshape(a, [2, 2]), p, found, error, has_branches=branches /= 0)
+      if (.not. allocated(error)) call next_member_event(member, dt, reshape(x, [info%dofs, 3, &
+         2]), reshape(a, [2, 2]), p, found, error, has_branches=branches /= 0)
       if (.not. allocated(error)) event = c_member_event_t(found%tau, int(found%kind, c_int32_t), &
          int(found%side, c_int32_t))
       c_next_member_event = put_message(error, message, size)

@@ -259,8 +259,8 @@ contains
       call revert_member(member, error)
    end subroutine restart_member
 
-   !> Set the side of a wall that is committed on its base: +1 or -1 after a lift-off or an impact, 0
-   !> for rest.
+   !> Set the side of a wall that is committed on its base: +1 or -1 after a lift-off or an impact,
+   !> 0 for rest.
    !>
    !> The springs pass through u = 0. A trial state is forgotten.
    subroutine place_member(member, side, error)

@@ -49,8 +49,8 @@ contains
    !> Find the first event of a step from the committed state.
    !>
    !> The events of a rocking wall are impacts and, on request, ends of branches and the peaks where
-   !> a spring begins to unload. That of a resting wall is lift-off, where the force of the host on u
-   !> passes the holding force; both vary linearly over the step.
+   !> a spring begins to unload. That of a resting wall is lift-off, where the force of the host on
+   !> u passes the holding force; both vary linearly over the step.
    subroutine next_member_event(member, dt, motions, grounds, push, event, error, has_branches)
       type(wall_member_t), intent(in) :: member
       real(wp), intent(in) :: dt
@@ -63,8 +63,8 @@ contains
       !! force of the host on u at both ends, for a wall at rest [N]
       type(member_event_t), intent(out) :: event
       type(error_t), allocatable, intent(out) :: error
-      !! `err_input` for a negative `dt`, and as in `respond_member`; `err_numerical` for a wall that
-      !! would leave its base on both sides at once
+      !! `err_input` for a negative `dt`, and as in `respond_member`; `err_numerical` for a wall
+      !! that would leave its base on both sides at once
       logical, intent(in), optional :: has_branches
       !! also report ends of branches and peaks; default false
       type(step_t) :: step
@@ -342,7 +342,7 @@ contains
       landed = member
       motion = 0
       motion(2:, 1) = displacements(2:)
-      call place_member(landed, -member%committed%side, error)
+      call place_member(landed, merge(1, -1, member%committed%side <= 0), error)
       if (.not. allocated(error)) call respond_member(landed, motion, [0.0_wp, 0.0_wp], response, &
          error)
       if (.not. allocated(error)) call query_links(landed, motion, links, error)

@@ -6,9 +6,9 @@
 !>    sigma f = m_w R/lever [I phi'' + sum S_i q~_i''/R**2 - M]
 !>    sigma f_i = m_w [m_i q~_i'' + S_i phi'' - Q_i]
 !>
-!> Link springs add their forces on wall, modes and floors. The derivatives of M and Q_i by phi, phi',
-!> q~ and q~' are central differences of order four on the active branches, which are smooth beyond
-!> their ends. So the tangents are those of the branch that the path of the response has entered.
+!> Link springs add their forces on wall, modes and floors. The derivatives of M and Q_i by phi,
+!> phi', q~ and q~' are central differences of order four on the active branches, which are smooth
+!> beyond their ends. So the tangents are those of the branch that the path has entered.
 module rwmf_embedding_member_response
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_quiet_nan, ieee_value
    use rwmf_core_error, only: err_input, error_t, fail
@@ -160,8 +160,8 @@ contains
 
       call require_numbers(ground, [character(8) :: 'u_g_ddot', 'v_g_ddot'], error)
       if (allocated(error) .or. member%takes_vertical .or. .not. abs(ground(2)) > 0) return
-      call fail(error, err_input, 'v_g_ddot must be 0: only a case with a vertical record takes a ' &
-         //'vertical ground acceleration, and &vertical ratio follows u_g_ddot')
+      call fail(error, err_input, 'v_g_ddot must be 0: only a case with a vertical record takes ' &
+         //'a vertical ground acceleration, and &vertical ratio follows u_g_ddot')
    end subroutine require_ground
 
    !> Find side, rotation and its rates at a motion.

@@ -2,7 +2,7 @@
 module rwmf_input_reader
    use rwmf_core_error, only: add_context, err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_input_namelist, only: group_t, parse_namelist
+   use rwmf_input_namelist, only: entry_t, group_t, parse_namelist
    use rwmf_input_record_record_reader, only: make_record, read_record
    use rwmf_input_record_samples, only: samples_t
    use rwmf_input_schema, only: all_groups, keys_of
@@ -15,7 +15,7 @@ module rwmf_input_reader
    use rwmf_problem_units, only: unit_mass
    use rwmf_text_atomic_file, only: join_path
    use rwmf_text_file, only: read_file
-   use rwmf_text_strings, only: integer_to_text, real_to_text, shown
+   use rwmf_text_strings, only: integer_to_text, real_to_text, shown, to_lower
    implicit none
    private
 
@@ -44,7 +44,7 @@ contains
    !>
    !> Errors: text that is not a namelist, unknown or repeated groups and keys, invalid values,
    !> contradictory groups, a missing or damaged record.
-   subroutine read_case_text(text, folder, case, error, known, motion, vertical)
+   subroutine read_case_text(text, folder, case, error, known, motion, vertical, is_for_host)
       character(*), intent(in) :: text
       !! namelist text
       character(*), intent(in) :: folder
@@ -57,11 +57,17 @@ contains
       !! samples of `&motion`; its `file` is then only a name, and no file is read
       type(samples_t), intent(in), optional :: vertical
       !! samples of `&vertical`; its `file` is then only a name, and no file is read
+      logical, intent(in), optional :: is_for_host
+      !! the case is for an element or a member of a host program: T_s and xi_s of `&frame` and the
+      !! end of the simulation may be absent; default false
       type(group_t), allocatable :: given(:)
       type(case_group_t), allocatable :: groups(:)
 
       call parse_namelist(text, given, error)
       if (allocated(error)) return
+      if (present(is_for_host)) then
+         if (is_for_host) call add_unused_keys(given)
+      end if
       groups = all_groups()
       call collect_values(given, keys_of(groups), case%values, error)
       if (.not. allocated(error)) call check_groups(case%values, groups, error)
@@ -76,6 +82,66 @@ contains
       end if
       if (.not. allocated(error)) call end_with_records(case, error)
    end subroutine read_case_text
+
+   !> Add the keys that a case needs and an element or a member does not use, where they are absent.
+   subroutine add_unused_keys(given)
+      type(group_t), allocatable, intent(inout) :: given(:)
+      type(group_t), allocatable :: groups(:)
+
+      if (find_group(given, 'solver') == 0) then
+         ! element by element, as an array constructor of gfortran 12 loses keys
+         allocate (groups(size(given) + 1))
+         groups(:size(given)) = given
+         groups(size(groups))%name = 'solver'
+         groups(size(groups))%line = 1
+         allocate (groups(size(groups))%entries(0))
+         call move_alloc(groups, given)
+      end if
+      call add_key('solver', 't_end', '1')
+      if (find_group(given, 'frame') == 0) return
+      call add_key('frame', 'xi_s', '0')
+      if (find_group(given, 'storeys') + find_group(given, 'spectrum') > 0) return
+      call add_key('frame', 'T_s', '1', instead='k_s')
+
+   contains
+
+      !> Add a key unless it, or another in its place, is given.
+      subroutine add_key(group, key, value, instead)
+         character(*), intent(in) :: group, key, value
+         character(*), intent(in), optional :: instead
+         type(entry_t), allocatable :: entries(:)
+         integer :: i
+
+         associate (own => given(find_group(given, group)))
+            do i = 1, size(own%entries)
+               if (own%entries(i)%key == to_lower(key)) return
+               if (.not. present(instead)) cycle
+               if (own%entries(i)%key == instead) return
+            end do
+            allocate (entries(size(own%entries) + 1))
+            entries(:size(own%entries)) = own%entries
+            associate (added => entries(size(entries)))
+               added%key = to_lower(key)
+               added%line = own%line
+               allocate (added%values(1))
+               added%values(1)%text = value
+               added%is_quoted = .false.
+            end associate
+            call move_alloc(entries, own%entries)
+         end associate
+      end subroutine add_key
+   end subroutine add_unused_keys
+
+   !> Index of a group, 0 if it is not given.
+   pure integer function find_group(given, name) result(i)
+      type(group_t), intent(in) :: given(:)
+      character(*), intent(in) :: name
+      !! in lower case
+
+      do i = size(given), 1, -1
+         if (given(i)%name == name) return
+      end do
+   end function find_group
 
    !> Fill the case from every group that is given; `&model` and `&solver` always apply.
    subroutine fill_case(case, groups, error)

@@ -29,12 +29,16 @@ static double x[6];
 static rwmf_case *scene, *made_case;
 static rwmf_wall *wall, *made_wall;
 static rwmf_element *element, *made_element;
+static rwmf_member *member, *made_member, *spare;
 static rwmf_snapshot *saved, *made_snapshot;
 static union {
    rwmf_result result;
    rwmf_state state;
    rwmf_forces forces;
    rwmf_response response;
+   rwmf_member_info info;
+   rwmf_member_response member_response;
+   rwmf_member_event member_event;
    rwmf_event events[2];
    double tau;
    double rows[2];
@@ -95,6 +99,44 @@ static int restore(void) { return rwmf_restore((void *)p[0], p[1], TALK); }
 static int respond(void) {
    return rwmf_respond(p[0], 1, x[0], x[1], x[2], x[3], (void *)p[1], TALK);
 }
+/* A member of one degree of freedom: its numbers are those of x, its ground and its push zero. */
+static const double zeros[4] = {0};
+static double derivative;
+static int create_member(void) { return rwmf_create_member(p[0], (void *)p[1], TALK); }
+static int create_member_from_case(void) {
+   return rwmf_create_member_from_case(p[0], (void *)p[1], TALK);
+}
+static int query_member(void) { return rwmf_query_member(p[0], (void *)p[1], TALK); }
+static int respond_member(void) {
+   return rwmf_respond_member((void *)p[0], p[1] ? x : NULL, p[2] ? x + 3 : NULL, (void *)p[3],
+                              (void *)p[4], (void *)p[5], TALK);
+}
+static int commit_member(void) { return rwmf_commit_member((void *)p[0], TALK); }
+static int revert_member(void) { return rwmf_revert_member((void *)p[0], TALK); }
+static int restart_member(void) { return rwmf_restart_member((void *)p[0], TALK); }
+static int copy_member(void) { return rwmf_copy_member(p[0], (void *)p[1], TALK); }
+static int query_links(void) {
+   return rwmf_query_links(p[0], p[1] ? x : NULL, (void *)p[2], (void *)p[3], TALK);
+}
+static int next_member_event(void) {
+   const double motions[6] = {x[1], x[2], x[3], x[1], x[2], x[3]};
+   return rwmf_next_member_event(p[0], x[0], p[1] ? motions : NULL, p[2], p[3], 1, (void *)p[4],
+                                 TALK);
+}
+static int land_member(void) {
+   rwmf_copy_member(member, &spare, NULL, 0);
+   rwmf_place_member(spare, 1, NULL, 0);
+   return rwmf_land_member(p[0] ? spare : NULL, p[1] ? x : NULL, p[2], p[3] ? x + 1 : NULL,
+                           (void *)p[4], TALK);
+}
+static int member_settles(void) {
+   return rwmf_member_settles(p[0], x[0], p[1] ? x + 1 : NULL, p[2], x[4], p[3], (void *)p[4],
+                              TALK);
+}
+static int place_member(void) {
+   rwmf_copy_member(member, &spare, NULL, 0);
+   return rwmf_place_member(p[0] ? spare : NULL, 1, TALK);
+}
 /* These have an answer in place of a status: 0 here for every answer that is one. */
 static int velocity_factor(void) { return isnan(rwmf_velocity_factor(p[0])) ? RWMF_INPUT : 0; }
 static int next_impact(void) {
@@ -128,6 +170,7 @@ static void forget_what_was_made(void) {
    rwmf_destroy_case(&made_case);
    rwmf_destroy(&made_wall);
    rwmf_destroy_element(&made_element);
+   rwmf_destroy_member(&made_member);
    rwmf_destroy_snapshot(&made_snapshot);
 }
 
@@ -164,8 +207,8 @@ static void refuse(const function *f, const char *what, double number) {
    expect(memcmp(filled, bytes, sizeof room) == 0, f->name, "fills nothing", number);
    expect(ending.t == -7 && count == 77 && row_status[0] == 77 && row_status[1] == 77, f->name,
           "fills nothing beside", number);
-   expect(!made_case && !made_wall && !made_element && !made_snapshot, f->name, "makes nothing",
-          number);
+   expect(!made_case && !made_wall && !made_element && !made_member && !made_snapshot, f->name,
+          "makes nothing", number);
    rwmf_query_state(wall, &after, NULL, 0);
    expect(before.t == after.t && before.u_s == after.u_s && before.steps == after.steps, f->name,
           "leaves the wall alone", number);
@@ -229,6 +272,24 @@ static void try_functions(void) {
       {"advance_samples", advance_samples, 1, 3, {wall, text, text}, 0, 4, {0.5, 0.6, 1, -1}, 3},
       {"advance_ground", advance_ground, 1, 3, {wall, text, none}, 4, 2, {0.7, 1}, 1},
       {"respond", respond, 1, 2, {element, &room}, 0, 4, {0.1, -0.5, 2, 1}, 0},
+      {"create_member", create_member, 1, 2, {text, &made_member}, 0, 0, {0}, 0},
+      {"create_member_from_case", create_member_from_case, 1, 2, {scene, &made_member}, 0, 0, {0},
+       0},
+      {"query_member", query_member, 1, 2, {member, &room}, 0, 0, {0}, 0},
+      {"respond_member", respond_member, 1, 6, {member, text, text, &room, none, none}, 48, 4,
+       {0.1, -0.5, 2, 1}, 0},
+      {"commit_member", commit_member, 1, 1, {member}, 0, 0, {0}, 0},
+      {"revert_member", revert_member, 1, 1, {member}, 0, 0, {0}, 0},
+      {"restart_member", restart_member, 1, 1, {member}, 0, 0, {0}, 0},
+      {"copy_member", copy_member, 1, 2, {member, &made_member}, 0, 0, {0}, 0},
+      {"query_links", query_links, 1, 4, {member, text, &room, &derivative}, 0, 3,
+       {0.1, -0.5, 2}, 0},
+      {"next_member_event", next_member_event, 1, 5, {member, text, zeros, zeros, &room}, 0, 4,
+       {0.1, 0.1, -0.5, 2}, 1},
+      {"land_member", land_member, 1, 5, {member, text, none, text, &row_status}, 4, 2, {0, -1}, 0},
+      {"member_settles", member_settles, 1, 5, {member, text, zeros, none, &row_status}, 8, 5,
+       {0.01, 0, -1e-3, 0, 0}, 1},
+      {"place_member", place_member, 1, 1, {member}, 0, 0, {0}, 0},
       {"velocity_factor", velocity_factor, 0, 1, {element}, 0, 0, {0}, 0},
       {"next_impact", next_impact, 0, 1, {&room}, 0, 5, {0.02, 0.009, -0.5, -0.001, -0.5}, 1},
       {"next_lift_off", next_lift_off, 0, 2, {element, &room}, 0, 5, {0.02, 0, 1e5, 0, 0}, 1},
@@ -254,6 +315,7 @@ static void try_the_rest(void) {
    rwmf_destroy(NULL);
    rwmf_destroy_case(NULL);
    rwmf_destroy_element(NULL);
+   rwmf_destroy_member(NULL);
    rwmf_destroy_snapshot(NULL);
    for (side = -3; side <= 3; side++) {
       int is_side = side == 1 || side == -1;
@@ -278,8 +340,11 @@ int main(void) {
    expect(rwmf_advance(wall, 0.5, TALK) == 0, "advance", "begins", 0.5);
    expect(rwmf_save(wall, &saved, TALK) == 0, "save", "begins", 0);
    expect(rwmf_create_element_from_case(scene, &element, TALK) == 0, "element", "begins", 0);
+   expect(rwmf_create_member_from_case(scene, &member, TALK) == 0, "member", "begins", 0);
    try_functions();
    try_the_rest();
+   rwmf_destroy_member(&spare);
+   rwmf_destroy_member(&member);
    rwmf_destroy_snapshot(&saved);
    rwmf_destroy_element(&element);
    rwmf_destroy(&wall);
