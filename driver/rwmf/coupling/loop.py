@@ -22,8 +22,13 @@ __all__ = ["CoupledRun", "CouplingEnergy", "couple"]
 _MOST_ITERATIONS = 30
 # iterations after which the flexibility of the host is computed anew
 _PATIENCE = 6
+# flexibilities that are kept, and the digits by which their steps differ
+_MOST_KEPT = 8
+_DIGITS = 6
 # part of the step that shows masses and accelerations of the host
 _INSTANT = 1e-4
+# relative difference of masses that two such parts show
+_SAME_MASS = 1e-2
 # part of the step below which the rest of a step is skipped
 _NOTHING = 1e-9
 # repetitions of a step that ends at an impact
@@ -194,7 +199,10 @@ class _Pair:
         # accelerations of the frame by unit forces at the links [1/kg]
         self._by_force = self._increments_by_force(self._instant) * 4 / self._instant**2
         at_links = self._by_force[host.links]
-        if not np.all(np.diag(at_links) > 0) or not np.all(np.isfinite(at_links)):
+        # without a mass the acceleration would grow as the step shrinks
+        longer = 10 * self._instant
+        again = self._increments_by_force(longer)[host.links] * 4 / longer**2
+        if not np.allclose(at_links, again, rtol=_SAME_MASS) or not np.all(np.diag(again) > 0):
             raise InputError("host: a link has no mass")
         self._element = Element(case)
         if self._element.dofs > 1:
@@ -291,11 +299,13 @@ class _Pair:
 
     def _flexibility(self, h: float, is_new: bool) -> Reals:
         """Displacements of the links by unit forces at the end of a step [m/N]."""
-        if is_new or h not in self._flexibilities:
-            if len(self._flexibilities) > 1:
+        # whole steps differ by the rounding of the times
+        part = round(h / self._dt, _DIGITS)
+        if is_new or part not in self._flexibilities:
+            if len(self._flexibilities) > _MOST_KEPT:
                 self._flexibilities.clear()
-            self._flexibilities[h] = self._increments_by_force(h)[self._host.links]
-        return self._flexibilities[h]
+            self._flexibilities[part] = self._increments_by_force(h)[self._host.links]
+        return self._flexibilities[part]
 
     def _commit(self, step: _Step, h: float) -> None:
         """Make a step of the host, with its energies and maxima."""

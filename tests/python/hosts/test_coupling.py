@@ -52,20 +52,20 @@ def error_of(run: rwmf.coupling.CoupledRun, truth: rwmf.Response) -> float:
     ["", "&cable eta_0 = 0.5, eta_alpha = 4.0, law = 'truss' /", "&fuse F_y = 2e4, k = 1e7 /"],
 )
 def test_the_frame_of_the_kernel_to_second_order(effects: str) -> None:
-    case = rwmf.Case.from_text(TEXT.format(3.0, effects))
+    case = rwmf.Case.from_text(TEXT.format(2.0, effects))
     truth = rwmf.simulate(case, 0.01)
     errors = []
-    for dt in (0.01, 0.005, 0.0025):
-        run = couple(case, frame(), ground, dt, 3.0)
-        assert run.impacts == int(truth.impacts) > 2
+    for dt in (0.01, 0.005):
+        run = couple(case, frame(), ground, dt, 2.0)
+        assert run.impacts == int(truth.impacts) >= 2
         assert run.host_mass == pytest.approx(M, rel=1e-6)
         assert run.energy.error < 1e-9 * abs(run.energy.work)
-        assert run.t[-1] == pytest.approx(3.0)
+        assert run.t[-1] == pytest.approx(2.0)
         errors.append(error_of(run, truth))
-    assert errors[-1] < 2e-4
+    assert errors[-1] < 1e-3
     for coarse, fine in itertools.pairwise(errors):
         assert 1.8 < np.log2(coarse / fine) < 2.3
-    assert run.u_s_max == pytest.approx(float(truth.u_s_max), rel=1e-4)
+    assert run.u_s_max == pytest.approx(float(truth.u_s_max), rel=3e-4)
 
 
 @pytest.mark.parametrize("coupling", ["full", "every_floor"])
@@ -83,9 +83,9 @@ def test_storeys_at_the_roof_or_at_every_floor(coupling: str) -> None:
     links = [0, 1, 2] if is_every else [2]
     host = FunctionHost(given.m, given.c, stiffness, pulse, links)
     heights = np.cumsum(given.height) if is_every else None
-    run = couple(case, host, pulse, 0.002, 1.5, heights=heights)
+    run = couple(case, host, pulse, 0.004, 1.5, heights=heights)
     truth = rwmf.simulate(case, 0.01)
-    assert error_of(run, truth) < 1e-3
+    assert error_of(run, truth) < 4e-3
     u = host.motion()[0]
     if is_every:
         assert u == pytest.approx(np.array([0.3, 0.65, 1.0]) * u[-1], abs=1e-9)
@@ -117,13 +117,13 @@ def test_a_yielding_host_with_its_state_in_python() -> None:
         nonlocal plastic
         plastic = float(u[0] - restoring(u)[0] / k)
 
-    text = TEXT.format(3.0, f"&yielding F_y = {force_y}, hardening = 0.0 /")
+    text = TEXT.format(1.5, f"&yielding F_y = {force_y}, hardening = 0.0 /")
     case = rwmf.Case.from_text(text)
     truth = rwmf.simulate(case, 0.01)
     errors = []
     for dt in (0.004, 0.002):
         plastic = 0.0
-        run = couple(case, frame(restoring=restoring, on_commit=keep), ground, dt, 3.0)
+        run = couple(case, frame(restoring=restoring, on_commit=keep), ground, dt, 1.5)
         errors.append(error_of(run, truth))
     assert errors[1] < 3e-4
     assert errors[0] / errors[1] > 2

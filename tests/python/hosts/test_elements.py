@@ -153,7 +153,7 @@ def test_tangents_are_derivatives() -> None:
         at = np.array([[0.1, 0.01, 0.002], [0.5, 0.1, 0.1], [1.0, -2.0, 3.0]])
 
         def force(q: np.ndarray) -> np.ndarray:
-            return wall.respond(q[0], q[1], q[2], 1.0).force
+            return np.asarray(wall.respond(q[0], q[1], q[2], 1.0).force)
 
         here = wall.respond(at[0], at[1], at[2], 1.0)
         for kind, name in enumerate(("stiffness", "damping", "mass")):
