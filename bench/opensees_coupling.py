@@ -1,8 +1,8 @@
 """Frames of OpenSeesPy coupled with a wall of rwmf, beside the kernel's own frames.
 
-``python bench/opensees_coupling.py`` computes each scene with four steps, halved three times, writes
-``validation/opensees/coupling.csv`` and prints it as a table. It needs ``openseespy`` in the same
-Python (``rwmf[opensees]``).
+``python bench/opensees_coupling.py`` computes each scene with four steps, halved three times,
+writes ``validation/opensees/coupling.csv`` and prints it as a table. It needs ``openseespy``
+in the same Python (``rwmf[opensees]``).
 """
 
 from __future__ import annotations
@@ -21,7 +21,10 @@ from rwmf.export.si_building import Frame, Law, read_building
 
 ROOT = Path(__file__).resolve().parents[1]
 STORE = ROOT / "validation" / "opensees" / "coupling.csv"
-WALL = "&wall h = 5.0, b = 1.2, m_w = 40e3 / &impact rule = 'coupled' / &solver rtol = 1e-10, t_end = 4.0 /\n"
+WALL = (
+    "&wall h = 5.0, b = 1.2, m_w = 40e3 / &impact rule = 'coupled' /"
+    "&solver rtol = 1e-10, t_end = 4.0 /\n"
+)
 CABLE = "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss' /\n"
 END = "&output reactions = .true. / &model formulation = 'exact' /\n"
 
@@ -77,7 +80,7 @@ def motion() -> rwmf.Motion:
 def case_of(scene: str) -> rwmf.Case:
     """Make the case of a scene."""
     case = rwmf.Case.from_text(SCENES[scene] + END)
-    return case.replace(motion=motion(), solver={"t_end": T_END})
+    return case.replace(motion=motion())
 
 
 def build(ops: ModuleType, frame: Frame) -> None:
@@ -111,7 +114,7 @@ def _material(tag: int, law: Law) -> tuple[object, ...]:
 
 
 def impacts_of(run: rwmf.Response) -> np.ndarray:
-    """Times of the first impacts of a run [s]."""
+    """Return the times of the first impacts of a run [s]."""
     is_impact = run["event"].values == "impact"
     return np.asarray(run["event_time"].values[is_impact][:COMPARED_IMPACTS])
 
@@ -140,14 +143,20 @@ def compare(ops: ModuleType, scene: str) -> list[Row]:
         error = float(np.abs(history).max() / truth.u_s_max)
         ours = impacts_of(truth)
         theirs = np.array([event.t for event in run.events if event.kind == "impact"])
-        impacts = float(np.abs(theirs[: ours.size] - ours).max()) if theirs.size >= ours.size else np.nan
+        impacts = (
+            float(np.abs(theirs[: ours.size] - ours).max()) if theirs.size >= ours.size else np.nan
+        )
         rows.append(
             Row(
-                scene, float(truth["sensitivity_u_s_max"]), 1e3 * dt,
-                run.u_s_max / float(truth.u_s_max) - 1, 1e3 * impacts, error,
+                scene,
+                float(truth["sensitivity_u_s_max"]),
+                1e3 * dt,
+                run.u_s_max / float(truth.u_s_max) - 1,
+                1e3 * impacts,
+                error,
                 np.log2(rows[-1].history_error / error) if rows else np.nan,
                 1e6 * seconds / (T_END / dt),
-            )  # fmt: skip
+            )
         )
         print(rows[-1], len(ours), len(theirs), run.energy, file=sys.stderr, flush=True)
     return rows

@@ -29,6 +29,8 @@ const EQUIVALENTS = [
   ["animation", "film", "animate", "moving picture"],
   ["opensees", "openseespy"],
   ["fmu", "fmi", "functional mock up unit", "co simulation", "cosimulation", "modelica", "simulink"],
+  ["coupling", "co simulation", "cosimulation", "hybrid simulation", "substructure"],
+  ["time loop", "time step", "stepping", "step by step"],
   ["cluster", "slurm", "mpi", "hpc"],
 ];
 const STOPS = new Set(("a all an and are as at be between by can do does each every for from get give has have how i "

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import TracebackType
 from typing import Generic, NamedTuple, Self, TypeVar, overload
 
 import numpy as np
-import numpy.typing as npt
 
 from rwmf._arguments import case_of
 from rwmf._hosts.guard import Guard, NotPickled
@@ -97,8 +97,9 @@ class Element(NotPickled):
     and the side on which the wall rocks. A response is a trial from the committed state; `commit`
     keeps the last one, `revert` drops it. A context manager. Units are SI, angles in rad.
 
-    Its degrees of freedom are the displacement u of the straight wall at the link, then one for each
-    mode of `&bending`, then one for each floor on link springs (`&storeys coupling = 'springs'`).
+    Its degrees of freedom are the displacement u of the straight wall at the link, then one for
+    each mode of `&bending`, then one for each floor on link springs (`&storeys coupling =
+    'springs'`).
 
     Parameters
     ----------
@@ -123,7 +124,10 @@ class Element(NotPickled):
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
     ) -> None:
         """Close it."""
         self.close()
@@ -168,22 +172,22 @@ class Element(NotPickled):
     @overload
     def respond(
         self,
-        u: npt.ArrayLike,
-        u_dot: npt.ArrayLike,
-        u_ddot: npt.ArrayLike,
-        u_g_ddot: npt.ArrayLike,
-        side: npt.ArrayLike | None = None,
-        v_g_ddot: npt.ArrayLike = 0.0,
+        u: Reals | Sequence[object],
+        u_dot: object,
+        u_ddot: object,
+        u_g_ddot: object,
+        side: object = None,
+        v_g_ddot: object = 0.0,
     ) -> ElementResponse[Reals]: ...
 
     def respond(
         self,
-        u: npt.ArrayLike,
-        u_dot: npt.ArrayLike,
-        u_ddot: npt.ArrayLike,
-        u_g_ddot: npt.ArrayLike,
-        side: npt.ArrayLike | None = None,
-        v_g_ddot: npt.ArrayLike = 0.0,
+        u: object,
+        u_dot: object,
+        u_ddot: object,
+        u_g_ddot: object,
+        side: object = None,
+        v_g_ddot: object = 0.0,
     ) -> ElementResponse[float] | ElementResponse[Reals]:
         """Compute forces and tangents at a trial motion, or at each of many.
 
@@ -214,16 +218,23 @@ class Element(NotPickled):
             When an argument is no finite number, or the wall cannot follow the motion.
         """
         n = self._dofs
-        given = [_numbers(name, value) for name, value in (("u", u), ("u_dot", u_dot), ("u_ddot", u_ddot))]
+        given = [
+            _numbers(name, value)
+            for name, value in (("u", u), ("u_dot", u_dot), ("u_ddot", u_ddot))
+        ]
         if n == 1:
             given = [values[..., np.newaxis] for values in given]
         for name, values in zip(("u", "u_dot", "u_ddot"), given, strict=True):
             if values.ndim == 0 or values.shape[-1] != n:
-                raise InputError(f"{name}: has the shape {values.shape}: must end with {n}, the dofs")
+                raise InputError(
+                    f"{name}: has the shape {values.shape}: must end with {n}, the dofs"
+                )
         grounds = [_numbers("u_g_ddot", u_g_ddot), _numbers("v_g_ddot", v_g_ddot)]
         sides = np.zeros(()) if side is None else _side(side)
         shape = np.broadcast_shapes(
-            *(values.shape[:-1] for values in given), *(values.shape for values in grounds), sides.shape
+            *(values.shape[:-1] for values in given),
+            *(values.shape for values in grounds),
+            sides.shape,
         )
         table = np.concatenate(
             [np.broadcast_to(values, (*shape, n)).reshape(-1, n) for values in given]
@@ -463,14 +474,19 @@ def _response(found: Reals, n: int) -> ElementResponse[float] | ElementResponse[
     forces, tangents, rest = np.split(found, [n, n + 3 * n * n], axis=-1)
     matrices = tangents.reshape(*shape, 3, n, n)
     hold, fuses = rest[..., :2], rest[..., 6:]
-    if n > 1:
-        values = (forces, *(matrices[..., k, :, :] for k in range(3)))
-    else:
-        values = (forces[..., 0], *(matrices[..., k, 0, 0] for k in range(3)))
-    turns = tuple(rest[..., k] for k in range(2, 6))
-    if n == 1 and not shape:
-        return ElementResponse(*map(float, values), *map(float, turns), hold, fuses)
-    return ElementResponse(*values, *turns, hold, fuses)
+    stiffness, damping, mass = (matrices[..., k, :, :] for k in range(3))
+    if n == 1:
+        forces = forces[..., 0]
+        stiffness, damping, mass = (values[..., 0, 0] for values in (stiffness, damping, mass))
+    theta, theta_dot, theta_ddot, cable = (rest[..., k] for k in range(2, 6))
+    if n > 1 or shape:
+        return ElementResponse(
+            forces, stiffness, damping, mass, theta, theta_dot, theta_ddot, cable, hold, fuses
+        )
+    return ElementResponse(
+        float(forces), float(stiffness), float(damping), float(mass),
+        float(theta), float(theta_dot), float(theta_ddot), float(cable), hold, fuses,
+    )  # fmt: skip
 
 
 def _numbers(name: str, value: object) -> Reals:

@@ -51,7 +51,10 @@ class Guard(Generic[_K]):
         return self._kept
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
     ) -> None:
         self._is_busy = False
         self._lock.release()

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Self
+from typing import Self, TypeGuard
 
 import numpy as np
 
@@ -72,7 +73,10 @@ class _Stepping(NotPickled):
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
     ) -> None:
         """Close it."""
         self.close()
@@ -122,7 +126,7 @@ class _Stepping(NotPickled):
         NumericalError
             When the integration fails.
         """
-        times = t if _is_plain(t, 1) else to_array("t", t)
+        times = t if _is_plain(t) else to_array("t", t)
         with self._guard as kernel:
             values = _columns(a, kernel.n, times.size)
             kernel.advance(times, values, self._threads)
@@ -356,8 +360,11 @@ class Walls(_Stepping):
         peak: float | None = None,
         threads: int = 0,
     ) -> None:
-        items = [cases] if isinstance(cases, Case) else to_items(cases)
-        each = [case_of(case) for case in ([cases] if items is None else items)]
+        is_one = isinstance(cases, Case | str | os.PathLike)
+        items = to_items([cases] if is_one else cases)
+        if items is None:
+            raise InputError(f"cases = {show(cases)}: must be a Case, a path, or a list of them")
+        each = [case_of(case) for case in items]
         if not each:
             raise InputError("cases: must be one case or more")
         number = len(each) if n is None else to_whole("n", n, 1, _MOST_WALLS)
@@ -367,7 +374,7 @@ class Walls(_Stepping):
         self._n = number
 
     def __len__(self) -> int:
-        """Number of walls."""
+        """Return the number of walls."""
         return self._n
 
     def __repr__(self) -> str:
@@ -408,7 +415,7 @@ class Walls(_Stepping):
         return WallEvents(wall, np.array(event_names())[kinds - 1], *reals)
 
 
-def _is_plain(value: object, ndim: int) -> bool:
+def _is_plain(value: object, ndim: int = 1) -> TypeGuard[Reals]:
     """Check for an array that the kernel reads as it is."""
     return (
         type(value) is np.ndarray

@@ -158,9 +158,7 @@ class KernelWalls:
         """
         reals = np.empty((_REALS, self.n))
         counts = np.empty((_COUNTS, self.n), dtype=np.int64)
-        status, length = _hosts.walls_state(
-            self._memory.handle, reals.T, counts.T, self._message
-        )
+        status, length = _hosts.walls_state(self._memory.handle, reals.T, counts.T, self._message)
         raise_for(status, self._message, length)
         return reals, counts
 

@@ -22,8 +22,13 @@ __all__ = ["CoupledRun", "CouplingEnergy", "couple"]
 _MOST_ITERATIONS = 30
 # iterations after which the flexibility of the host is computed anew
 _PATIENCE = 6
+# flexibilities that are kept, and the digits by which their steps differ
+_MOST_KEPT = 8
+_DIGITS = 6
 # part of the step that shows masses and accelerations of the host
 _INSTANT = 1e-4
+# relative difference of masses that two such parts show
+_SAME_MASS = 1e-2
 # part of the step below which the rest of a step is skipped
 _NOTHING = 1e-9
 # repetitions of a step that ends at an impact
@@ -84,7 +89,7 @@ class CoupledRun:
     events: list[WallEvent] = field(default_factory=list)
     u_s_max: float = 0.0
     impacts: int = 0
-    energy: CouplingEnergy = CouplingEnergy(0.0, 0.0, 0.0)
+    energy: CouplingEnergy = field(default_factory=lambda: CouplingEnergy(0.0, 0.0, 0.0))
     iterations: int = 0
 
 
@@ -168,7 +173,7 @@ def _shape(heights: object, links: int) -> Reals:
     values = to_array("heights", heights, above=0.0)
     if len(values) != links or np.any(np.diff(values) <= 0):
         raise InputError(f"heights = {show(heights)}: must be {links} increasing heights")
-    return values / values[-1]
+    return np.asarray(values / values[-1])
 
 
 class _Pair:
@@ -183,9 +188,10 @@ class _Pair:
         shape: Reals,
         tolerance: float,
     ) -> None:
-        if case.wall is None or case.wall.m_w is None:
-            raise InputError(f"{case.label}: a coupling needs &wall m_w, the mass of the wall")
-        self._weight = case.wall.m_w * case.model.g
+        mass = None if case.wall is None else case.wall.get("m_w")
+        if mass is None:
+            raise InputError("case: a coupling needs &wall m_w, the mass of the wall")
+        self._weight = to_number("m_w", mass) * case.model.g
         self._tolerance = tolerance * self._weight
         self._host, self._ground, self._dt, self._shape = host, ground, dt, shape
         self._instant = _INSTANT * dt
@@ -193,17 +199,23 @@ class _Pair:
         # accelerations of the frame by unit forces at the links [1/kg]
         self._by_force = self._increments_by_force(self._instant) * 4 / self._instant**2
         at_links = self._by_force[host.links]
-        if not np.all(np.diag(at_links) > 0) or not np.all(np.isfinite(at_links)):
+        # without a mass the acceleration would grow as the step shrinks
+        longer = 10 * self._instant
+        again = self._increments_by_force(longer)[host.links] * 4 / longer**2
+        if not np.allclose(at_links, again, rtol=_SAME_MASS) or not np.all(np.diag(again) > 0):
             raise InputError("host: a link has no mass")
         self._element = Element(case)
         if self._element.dofs > 1:
             raise InputError(
-                f"{case.label}: a coupling needs a wall of one degree of freedom: without &bending "
+                "case: a coupling needs a wall of one degree of freedom: without &bending "
                 "and &storeys coupling = 'springs'"
             )
-        self._wall_mass = self._element.respond(0.0, 0.0, 0.0, 0.0, side=1).mass
+        side = None if self._element.side else 1
+        self._wall_mass = self._element.respond(0.0, 0.0, 0.0, 0.0, side=side).mass
         self.run = CoupledRun(float(shape @ np.linalg.solve(at_links, shape)))
         self._force = self._theta = 0.0
+        self._forces: Reals = np.zeros(len(host.links))
+        self._rates: Reals = np.zeros(len(host.links))
         self._losses = [0.0, 0.0, 0.0]
         self._enter(self._element.side, host.motion()[1])
         self._note()
@@ -287,11 +299,13 @@ class _Pair:
 
     def _flexibility(self, h: float, is_new: bool) -> Reals:
         """Displacements of the links by unit forces at the end of a step [m/N]."""
-        if is_new or h not in self._flexibilities:
-            if len(self._flexibilities) > 1:
+        # whole steps differ by the rounding of the times
+        part = round(h / self._dt, _DIGITS)
+        if is_new or part not in self._flexibilities:
+            if len(self._flexibilities) > _MOST_KEPT:
                 self._flexibilities.clear()
-            self._flexibilities[h] = self._increments_by_force(h)[self._host.links]
-        return self._flexibilities[h]
+            self._flexibilities[part] = self._increments_by_force(h)[self._host.links]
+        return self._flexibilities[part]
 
     def _commit(self, step: _Step, h: float) -> None:
         """Make a step of the host, with its energies and maxima."""
@@ -362,7 +376,9 @@ class _Pair:
         if rests:
             self._losses[1] += mass * v**2 / 2
             run.events.append(WallEvent("rest", t, 0.0, 0.0))
-        self._enter(*((0, self._with_link_velocity(after, 0.0)) if rests else (element.side, after)))
+        self._enter(
+            *((0, self._with_link_velocity(after, 0.0)) if rests else (element.side, after))
+        )
 
     def _with_link_velocity(self, velocities: Reals, v: float) -> Reals:
         """Return velocities after impulses at the links."""
@@ -395,7 +411,7 @@ class _Pair:
         by_force = self._by_force[host.links]
         at_links = free[host.links]
         if side == 0:
-            forces = np.linalg.solve(by_force, at_links)
+            forces: Reals = np.asarray(np.linalg.solve(by_force, at_links))
         else:
             v = float(velocities[host.links[-1]])
             r = self._element.respond(0.0, v, 0.0, self._ground(host.time()))
@@ -403,7 +419,7 @@ class _Pair:
             residuals[-1] = -r.force - r.mass * at_links[-1]
             matrix = shape[:, None] * by_force[-1] - by_force
             matrix[-1] = shape + r.mass * by_force[-1]
-            forces = np.linalg.solve(matrix, -residuals)
+            forces = np.asarray(np.linalg.solve(matrix, -residuals))
         host.set_rates(velocities, free - self._by_force @ forces)
         self._forces, self._rates = forces, np.zeros(len(forces))
         self._force = float(shape @ forces)

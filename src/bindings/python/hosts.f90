@@ -228,7 +228,7 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine member_create
 
-   !> Return sizes and committed state: dofs, modes, floors, links, side, 1 if the tendon has broken.
+   !> Return sizes and committed state: dofs, modes, floors, links, side, 1 with a broken tendon.
    subroutine member_info(handle, counts, u)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int64_t), intent(out) :: counts(6)
@@ -255,8 +255,8 @@ contains
       real(c_double), intent(in) :: motion(:, :)
       !! (3*dofs + 2, m) displacements, velocities, accelerations, u_g'', v_g''
       real(c_double), intent(inout) :: found(:, :)
-      !! (dofs + 3*dofs**2 + 8, m) forces; stiffness, damping and mass row after row; hold (2), theta,
-      !! theta', theta'', cable, fuses (2)
+      !! (dofs + 3*dofs**2 + 8, m) forces; stiffness, damping and mass row after row; hold (2),
+      !! theta, theta', theta'', cable, fuses (2)
       integer(c_int64_t), intent(out) :: failed
       integer(c_int), intent(out) :: status
       integer(c_int8_t), intent(inout) :: message(:)
@@ -293,7 +293,7 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine member_respond
 
-   !> Change the state: keep the trial state (1), return to the committed (2) or to the first one (3).
+   !> Change the state: keep the trial state (1), return to the committed (2) or first one (3).
    subroutine member_change(handle, change, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       integer(c_int), intent(in) :: change
@@ -356,8 +356,8 @@ contains
       kept%member = from%member
    end subroutine member_restore
 
-   !> Motion of the wall at its links: (links, 3 + dofs) displacement, velocity, acceleration, and the
-   !> derivatives by the degrees of freedom.
+   !> Motion of the wall at its links: (links, 3 + dofs) displacement, velocity, acceleration, and
+   !> the derivatives by the degrees of freedom.
    subroutine member_links(handle, motion, links, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       real(c_double), intent(in) :: motion(:)
@@ -378,8 +378,8 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine member_links
 
-   !> First event in a step: `numbers` are dt, the pushes (2), the grounds (4) and motions (6*dofs) at
-   !> both ends; `event` is kind, time since the beginning, side.
+   !> First event in a step: `numbers` are dt, the pushes (2), the grounds (4) and motions (6*dofs)
+   !> at both ends; `event` is kind, time since the beginning, side.
    subroutine member_next_event(handle, numbers, branches, event, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       real(c_double), intent(in) :: numbers(:)
@@ -401,7 +401,8 @@ contains
    end subroutine member_next_event
 
    !> Apply an impact: `mass` is that of the host, or empty for that of the case.
-   subroutine member_land(handle, displacements, velocities, mass, status, message, message_length)
+   subroutine member_land(handle, displacements, velocities, mass, status, message, &
+      message_length)
       integer(c_int64_t), intent(in) :: handle
       real(c_double), intent(in) :: displacements(:)
       real(c_double), intent(inout) :: velocities(:)
@@ -421,8 +422,8 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine member_land
 
-   !> 1 if the wall that has landed may be put to rest: `numbers` are dt, push, ground (2) and motion
-   !> (3*dofs); `mass` as in `member_land`.
+   !> 1 if the wall that has landed may be put to rest: `numbers` are dt, push, ground (2) and
+   !> motion (3*dofs); `mass` as in `member_land`.
    subroutine member_rests(handle, numbers, mass, answer, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       real(c_double), intent(in) :: numbers(:)
@@ -438,7 +439,8 @@ contains
       kept => find(handle)
       associate (q => reshape(numbers(5:), [kept%member%n, 3]))
          if (size(mass) > 0) then
-            rests = member_settles(kept%member, numbers(1), q, numbers(3:4), numbers(2), error, mass)
+            rests = member_settles(kept%member, numbers(1), q, numbers(3:4), numbers(2), error, &
+               mass)
          else
             rests = member_settles(kept%member, numbers(1), q, numbers(3:4), numbers(2), error)
          end if

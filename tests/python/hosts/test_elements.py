@@ -6,6 +6,7 @@ import copy
 import ctypes
 import gc
 from pathlib import Path
+from typing import Any
 
 import c_host
 import numpy as np
@@ -61,7 +62,8 @@ def test_the_bits_of_c(name: str) -> None:
     with rwmf.Element(rwmf.Case.from_text(text)) as ours:
         ours.place(1)
         for motion in motions:
-            r = ours.respond(*motion[:, 0].tolist(), 1.0)
+            u, u_dot, u_ddot = motion[:, 0].tolist()
+            r = ours.respond(u, u_dot, u_ddot, 1.0)
             ours.commit()
         assert [r.force, r.stiffness, r.damping, r.mass] == [force[0], *tangents[:, 0, 0]]
 
@@ -104,10 +106,11 @@ def test_trials_never_change_the_path(name: str) -> None:
         for one in (straight, tried):
             one.place(1)
 
-        def motion(size: float) -> list[object]:
+        def motion(size: float) -> tuple[Any, Any, Any, float]:
             values = random.uniform(-size, size, (3, n)) * np.array([1.0, 1e-3, 1e-3])[:n]
             values[0, 0] = abs(values[0, 0])
-            return [*(values[:, 0].tolist() if n == 1 else values), float(random.uniform(-3, 3))]
+            u, u_dot, u_ddot = values[:, 0].tolist() if n == 1 else values
+            return u, u_dot, u_ddot, float(random.uniform(-3, 3))
 
         for _ in range(100):
             step = motion(0.3)
@@ -148,12 +151,16 @@ def test_tangents_are_derivatives() -> None:
     with element(BENDING) as wall:
         wall.place(1)
         at = np.array([[0.1, 0.01, 0.002], [0.5, 0.1, 0.1], [1.0, -2.0, 3.0]])
-        here = wall.respond(*at, 1.0)
+
+        def force(q: np.ndarray) -> np.ndarray:
+            return np.asarray(wall.respond(q[0], q[1], q[2], 1.0).force)
+
+        here = wall.respond(at[0], at[1], at[2], 1.0)
         for kind, name in enumerate(("stiffness", "damping", "mass")):
             for j in range(3):
                 step = np.zeros((3, 3))
                 step[kind, j] = 1e-5
-                change = wall.respond(*(at + step), 1.0).force - wall.respond(*(at - step), 1.0).force
+                change = force(at + step) - force(at - step)
                 tangent = getattr(here, name)
                 scale = np.abs(tangent).max()
                 assert change / 2e-5 == pytest.approx(tangent[:, j], abs=2e-6 * scale)
