@@ -4,7 +4,7 @@
 !> quantity prescribed, which locates the event to round-off.
 module rwmf_simulation_pushover_path_events
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_laws, only: spring_limits
+   use rwmf_simulation_events_storey_events, only: branch_limits
    use rwmf_simulation_pushover_static_scene, only: control_t, control_value, of_decompression, &
       of_drift, of_rotation, of_smooth_frame, of_storey, of_uplift, static_scene_t
    implicit none
@@ -42,14 +42,14 @@ module rwmf_simulation_pushover_path_events
    end type path_event_t
 
    !> Step between two states.
-   type :: step_t
+   type :: static_step_t
       real(wp), allocatable :: y(:)
       !! (states) at the end
       real(wp) :: load = 0
       !! at the end [m/s2]
       type(path_event_t) :: first
       !! first event so far
-   end type step_t
+   end type static_step_t
 
 contains
 
@@ -66,10 +66,10 @@ contains
       !! at the end of the step [m/s2]
       type(path_event_t), intent(out) :: event
       !! kind `no_event` if there is none
-      type(step_t) :: step
+      type(static_step_t) :: step
       integer :: side
 
-      step = step_t(y, load)
+      step = static_step_t(y, load)
       if (scene%is_held) then
          do side = -1, 1, 2
             call try_upward(scene, step, at_uplift, control_t(of_uplift, side))
@@ -88,7 +88,7 @@ contains
    subroutine try_rotations(scene, overturning_angle, step)
       type(static_scene_t), intent(inout) :: scene
       real(wp), intent(in) :: overturning_angle
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       integer :: direction
 
       associate (equation => scene%equation, state => scene%equation%state)
@@ -113,16 +113,16 @@ contains
    !> Try the ends of the branches of storeys.
    subroutine try_storeys(scene, step)
       type(static_scene_t), intent(inout) :: scene
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       real(wp) :: before, after, low, high
       integer :: i
 
-      associate (floors => scene%equation%floors, state => scene%equation%state)
+      associate (floors => scene%equation%floors)
          if (.not. allocated(floors%springs)) return
          do i = 1, floors%n
             before = control_value(scene, control_t(of_storey, i), scene%y, scene%load)
             after = control_value(scene, control_t(of_storey, i), step%y, step%load)
-            call spring_limits(floors%springs(i), state%storeys(i), low, high)
+            call branch_limits(scene%equation, i, low, high)
             if (after > before .and. after > high) call try_level(scene, step, at_storey, &
                control_t(of_storey, i, target_value=high))
             if (after < before .and. after < low) call try_level(scene, step, at_storey, &
@@ -135,7 +135,7 @@ contains
    subroutine try_smooth(scene, has_yielded, step)
       type(static_scene_t), intent(inout) :: scene
       logical, intent(in) :: has_yielded(:)
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       type(control_t) :: control
       real(wp) :: after, u_y
       integer :: i
@@ -158,7 +158,7 @@ contains
    !> Try the drifts that end a run.
    subroutine try_drifts(scene, step)
       type(static_scene_t), intent(inout) :: scene
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       type(control_t) :: control
       real(wp) :: after
       integer :: i, j
@@ -177,7 +177,7 @@ contains
    !> Try a quantity that passes its level upward.
    subroutine try_upward(scene, step, kind, control)
       type(static_scene_t), intent(inout) :: scene
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       integer, intent(in) :: kind
       type(control_t), intent(in) :: control
       real(wp), parameter :: round_off = 1.0e-12_wp
@@ -195,7 +195,7 @@ contains
    !> Keep an event if it is the first one so far.
    subroutine try_level(scene, step, kind, control)
       type(static_scene_t), intent(inout) :: scene
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       integer, intent(in) :: kind
       type(control_t), intent(in) :: control
       real(wp) :: before, after, part

@@ -11,7 +11,6 @@ module rwmf_simulation_pushover_static_scene
    use rwmf_model_assembly, only: enter_side, equation_t
    use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_demands, only: building_t
-   use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_equation, only: frame_displacement, frame_mass, frame_motion, frame_travel, &
       hysteresis_t
@@ -19,6 +18,7 @@ module rwmf_simulation_pushover_static_scene
    use rwmf_model_hysteresis_bouc_wen_backbone, only: follow_state, state_slope
    use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    use rwmf_model_lanes, only: lane_motion_t
+   use rwmf_simulation_static_rest, only: still_rates
    implicit none
    private
 
@@ -175,10 +175,8 @@ contains
       real(wp) :: rates(size(y)), slopes(size(scene%pattern), size(scene%q))
       type(kinematics_t) :: kin
 
-      motion%ground = 0
-      motion%vertical = 0
       associate (equation => scene%equation, floors => scene%equation%floors)
-         call lane_rates(equation%scene, equation%state%coef, y, motion, rates)
+         call still_rates(equation%model_t, equation%state, y, motion, rates)
          force = rates(scene%v)
          force(2:1 + floors%free) = floors%m(:floors%free)*force(2:1 + floors%free)
          slopes = loaded_slopes(scene, y)
