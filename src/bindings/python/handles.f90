@@ -10,7 +10,7 @@ module rwmf_bindings_python_handles
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: key_length
-   use rwmf_simulation_pushover_curve, only: curve_t
+   use rwmf_simulation_pushover_curve, only: static_curve_t
    use rwmf_simulation_result, only: result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
    implicit none
@@ -35,7 +35,7 @@ module rwmf_bindings_python_handles
       type(changes_t), allocatable :: changes
       type(result_t), allocatable :: result
       type(spectrum_t), allocatable :: spectrum
-      type(curve_t), allocatable :: curve
+      type(static_curve_t), allocatable :: curve
    end type kept_t
 
 contains

@@ -13,12 +13,12 @@ module rwmf_simulation_pushover_curve_path
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
    use rwmf_simulation_events_storey_events, only: branch_limits, is_softening, &
       loading_direction_of, pass_storey_limit, storey_word
-   use rwmf_simulation_pushover_curve, only: add_mark, curve_t
+   use rwmf_simulation_pushover_curve, only: add_mark, static_curve_t
    use rwmf_simulation_pushover_curve_row, only: record_row
    use rwmf_simulation_pushover_path_events, only: at_collapse, at_decompression, at_landing, &
       at_overturning, at_smooth_yield, at_storey, at_uplift, at_window, find_first_event, &
       no_event, path_event_t
-   use rwmf_simulation_pushover_static_scene, only: control_t, control_value, find_equilibrium, &
+   use rwmf_simulation_pushover_static_scene, only: prescribed_t, control_value, find_equilibrium, &
       find_tangent, follow_positions, loaded_displacements, of_load, of_roof, of_uplift, &
       roof_can_move, static_forces, static_scene_t
    use rwmf_simulation_static_rest, only: directions, turn_springs
@@ -33,7 +33,7 @@ module rwmf_simulation_pushover_curve_path
    !> Path through equilibria.
    type :: curve_path_t
       type(static_scene_t) :: scene
-      type(curve_t) :: curve
+      type(static_curve_t) :: curve
       real(wp) :: overturning_angle = 0
       !! [rad]
       logical, allocatable :: has_yielded(:)
@@ -110,7 +110,7 @@ contains
       type(curve_path_t), intent(inout) :: path
       real(wp), intent(in) :: goal
       !! displacement of the roof [m]
-      type(control_t) :: control
+      type(prescribed_t) :: control
       type(path_event_t) :: event
       real(wp), allocatable :: y(:)
       real(wp) :: load
@@ -162,12 +162,12 @@ contains
       logical, intent(out) :: is_found
       integer, allocatable :: before(:)
       real(wp), allocatable :: y(:)
-      type(control_t) :: control
+      type(prescribed_t) :: control
       type(discrete_state_t) :: kept
       integer :: i
 
       kept = path%scene%equation%state
-      control = control_t(of_roof, target_value=real(path%sense, wp))
+      control = prescribed_t(of_roof, target_value=real(path%sense, wp))
       if (.not. roof_can_move(path%scene)) control%kind = of_load
       associate (scene => path%scene, model => path%scene%equation%model_t, &
                  state => path%scene%equation%state)
@@ -239,12 +239,12 @@ contains
       type(curve_path_t), intent(inout) :: path
       real(wp), intent(in) :: goal
       !! [m]
-      type(control_t), intent(out) :: control
+      type(prescribed_t), intent(out) :: control
       real(wp), parameter :: pieces = 16
       !! steps for the moment of the wall's weight about its corner
 
       if (.not. roof_can_move(path%scene)) then
-         control = control_t(of_uplift, path%direction)
+         control = prescribed_t(of_uplift, path%direction)
          if (size(path%scene%q) > 1) then
             ! free floors move while the wall holds the roof
             associate (p => path%scene%equation%p)
@@ -253,16 +253,16 @@ contains
             end associate
          end if
       else if (path%sense == path%direction) then
-         control = control_t(of_roof, target_value=goal)
+         control = prescribed_t(of_roof, target_value=goal)
       else
-         control = control_t(of_roof, target_value=2*roof_of(path) - goal)
+         control = prescribed_t(of_roof, target_value=2*roof_of(path) - goal)
       end if
    end subroutine choose_control
 
    !> Take a step to a prescribed quantity, or a part of it that has a solution.
    subroutine take_step(path, control, y, load, is_found)
       type(curve_path_t), intent(inout) :: path
-      type(control_t), intent(inout) :: control
+      type(prescribed_t), intent(inout) :: control
       !! its level is reduced if the step is shortened
       real(wp), allocatable, intent(out) :: y(:)
       !! (states)
@@ -294,7 +294,7 @@ contains
    !> Rate of a quantity along the path.
    real(wp) function slope_along(path, control) result(slope)
       type(curve_path_t), intent(inout) :: path
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), parameter :: small = 1.0e-6_wp
       real(wp), allocatable :: change(:)
 
@@ -310,7 +310,7 @@ contains
    !> Shorten a step to its first turn or event.
    subroutine stop_at_event(path, control, y, load, event, is_found)
       type(curve_path_t), intent(inout) :: path
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       !! quantity prescribed in the step
       real(wp), allocatable, intent(inout) :: y(:)
       !! (states) at the end of the step
@@ -350,12 +350,12 @@ contains
    !> Shorten a step to the point at which a spring on a loading branch reverses.
    subroutine stop_at_turn(path, control, y, load)
       type(curve_path_t), intent(inout) :: path
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), allocatable, intent(inout) :: y(:)
       real(wp), intent(inout) :: load
       real(wp), parameter :: resolution = 1.0e-13_wp, least = 1.0e-11_wp
       !! of the fraction of the step [-]
-      type(control_t) :: part
+      type(prescribed_t) :: part
       real(wp), allocatable :: y_part(:)
       real(wp) :: load_part, from, low, high, middle
       logical :: is_found
@@ -390,7 +390,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: load
-      type(control_t) :: control
+      type(prescribed_t) :: control
       type(discrete_state_t) :: kept
       real(wp), allocatable :: rates(:), here(:), moving(:)
       real(wp) :: load_rate, load_here
@@ -401,7 +401,7 @@ contains
       associate (scene => path%scene, model => path%scene%equation%model_t)
          before = directions(model, scene%equation%state)
          if (all(before == 0)) return
-         control = control_t(of_roof, target_value=real(path%sense, wp))
+         control = prescribed_t(of_roof, target_value=real(path%sense, wp))
          if (.not. roof_can_move(scene)) control%kind = of_load
          here = scene%y
          load_here = scene%load
@@ -538,7 +538,7 @@ contains
       real(wp), parameter :: round_off = 1.0e-10_wp
       !! unbalanced force over g and a length of 1 m [-]
       integer, parameter :: most = 50
-      type(control_t) :: control
+      type(prescribed_t) :: control
       real(wp), allocatable :: y(:)
       real(wp) :: load, force(size(path%scene%q))
       logical :: is_found, is_settled
@@ -547,8 +547,8 @@ contains
       force = static_forces(path%scene, path%scene%y, path%scene%load)
       if (path%scene%is_held) force(1) = 0
       if (all(abs(force) <= round_off*path%scene%equation%p%g*path%scene%unit)) return
-      control = control_t(of_roof, target_value=roof_of(path))
-      if (.not. roof_can_move(path%scene)) control = control_t(of_load, &
+      control = prescribed_t(of_roof, target_value=roof_of(path))
+      if (.not. roof_can_move(path%scene)) control = prescribed_t(of_load, &
          target_value=path%scene%load)
       do i = 1, most
          y = path%scene%y

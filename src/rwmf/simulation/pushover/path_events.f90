@@ -5,7 +5,7 @@
 module rwmf_simulation_pushover_path_events
    use rwmf_core_kinds, only: wp
    use rwmf_simulation_events_storey_events, only: branch_limits
-   use rwmf_simulation_pushover_static_scene, only: control_t, control_value, of_decompression, &
+   use rwmf_simulation_pushover_static_scene, only: prescribed_t, control_value, of_decompression, &
       of_drift, of_rotation, of_smooth_frame, of_storey, of_uplift, static_scene_t
    implicit none
    private
@@ -33,7 +33,7 @@ module rwmf_simulation_pushover_path_events
    type :: path_event_t
       integer :: kind = no_event
       !! one of the `at_` numbers
-      type(control_t) :: control
+      type(prescribed_t) :: control
       !! quantity and level
       logical :: is_rising = .true.
       !! the quantity increases
@@ -72,8 +72,8 @@ contains
       step = static_step_t(y, load)
       if (scene%is_held) then
          do side = -1, 1, 2
-            call try_upward(scene, step, at_uplift, control_t(of_uplift, side))
-            call try_upward(scene, step, at_decompression, control_t(of_decompression, side))
+            call try_upward(scene, step, at_uplift, prescribed_t(of_uplift, side))
+            call try_upward(scene, step, at_decompression, prescribed_t(of_decompression, side))
          end do
       else
          call try_rotations(scene, overturning_angle, step)
@@ -95,18 +95,18 @@ contains
          ! a leg may end on the base, within round-off
          if (equation%has_impacts .and. state%side*step%y(1) <= epsilon(1.0_wp) &
              .and. state%side*(step%y(1) - scene%y(1)) < 0) call try_level(scene, step, &
-            at_landing, control_t(of_rotation, target_value=0.0_wp))
+            at_landing, prescribed_t(of_rotation, target_value=0.0_wp))
          if (equation%has_bilinear_springs) then
             ! a limit at theta = 0 is out of the range of the other side
             if (step%y(1) > scene%y(1) .and. step%y(1) > state%high) call try_level(scene, step, &
-               at_window, control_t(of_rotation, target_value=max(state%high, scene%y(1))))
+               at_window, prescribed_t(of_rotation, target_value=max(state%high, scene%y(1))))
             if (step%y(1) < scene%y(1) .and. step%y(1) < state%low) call try_level(scene, step, &
-               at_window, control_t(of_rotation, target_value=min(state%low, scene%y(1))))
+               at_window, prescribed_t(of_rotation, target_value=min(state%low, scene%y(1))))
          end if
          if (.not. equation%has_wall) return
          direction = merge(1, -1, step%y(1) > 0)
          if (abs(step%y(1)) >= overturning_angle) call try_level(scene, step, at_overturning, &
-            control_t(of_rotation, target_value=direction*overturning_angle))
+            prescribed_t(of_rotation, target_value=direction*overturning_angle))
       end associate
    end subroutine try_rotations
 
@@ -120,13 +120,13 @@ contains
       associate (floors => scene%equation%floors)
          if (.not. allocated(floors%springs)) return
          do i = 1, floors%n
-            before = control_value(scene, control_t(of_storey, i), scene%y, scene%load)
-            after = control_value(scene, control_t(of_storey, i), step%y, step%load)
+            before = control_value(scene, prescribed_t(of_storey, i), scene%y, scene%load)
+            after = control_value(scene, prescribed_t(of_storey, i), step%y, step%load)
             call branch_limits(scene%equation, i, low, high)
             if (after > before .and. after > high) call try_level(scene, step, at_storey, &
-               control_t(of_storey, i, target_value=high))
+               prescribed_t(of_storey, i, target_value=high))
             if (after < before .and. after < low) call try_level(scene, step, at_storey, &
-               control_t(of_storey, i, target_value=low))
+               prescribed_t(of_storey, i, target_value=low))
          end do
       end associate
    end subroutine try_storeys
@@ -136,17 +136,17 @@ contains
       type(static_scene_t), intent(inout) :: scene
       logical, intent(in) :: has_yielded(:)
       type(static_step_t), intent(inout) :: step
-      type(control_t) :: control
+      type(prescribed_t) :: control
       real(wp) :: after, u_y
       integer :: i
 
       do i = 1, size(scene%z)
          if (has_yielded(i)) cycle
          if (scene%equation%has_loading_direction) then
-            control = control_t(of_smooth_frame, i)
+            control = prescribed_t(of_smooth_frame, i)
             u_y = scene%equation%hysteresis%u_y
          else
-            control = control_t(of_storey, i)
+            control = prescribed_t(of_storey, i)
             u_y = scene%equation%floors%laws(i)%u_y
          end if
          after = control_value(scene, control, step%y, step%load)
@@ -159,14 +159,14 @@ contains
    subroutine try_drifts(scene, step)
       type(static_scene_t), intent(inout) :: scene
       type(static_step_t), intent(inout) :: step
-      type(control_t) :: control
+      type(prescribed_t) :: control
       real(wp) :: after
       integer :: i, j
 
       if (.not. allocated(scene%equation%effects)) return
       do i = 1, size(scene%equation%effects)
          do j = 1, scene%equation%effects(i)%drifts
-            control = control_t(of_drift, j, i)
+            control = prescribed_t(of_drift, j, i)
             after = control_value(scene, control, step%y, step%load)
             control%target_value = sign(1.0_wp, after)
             if (abs(after) >= 1) call try_level(scene, step, at_collapse, control)
@@ -179,7 +179,7 @@ contains
       type(static_scene_t), intent(inout) :: scene
       type(static_step_t), intent(inout) :: step
       integer, intent(in) :: kind
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), parameter :: round_off = 1.0e-12_wp
       !! moment over g times the half width [-]
       real(wp) :: before, after, least
@@ -197,7 +197,7 @@ contains
       type(static_scene_t), intent(inout) :: scene
       type(static_step_t), intent(inout) :: step
       integer, intent(in) :: kind
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp) :: before, after, part
 
       before = control_value(scene, control, scene%y, scene%load)

@@ -8,7 +8,7 @@ module rwmf_simulation_pushover_pushover
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
-   use rwmf_simulation_pushover_curve, only: curve_t
+   use rwmf_simulation_pushover_curve, only: static_curve_t
    use rwmf_simulation_pushover_curve_path, only: begin_path, move_roof, curve_path_t
    use rwmf_simulation_pushover_load_pattern, only: find_pattern
    use rwmf_simulation_pushover_static_scene, only: start_scene
@@ -42,7 +42,7 @@ contains
       type(protocol_t), intent(in) :: protocol
       type(control_t), intent(in) :: control
       !! cancel flag
-      type(curve_t), intent(out) :: curve
+      type(static_curve_t), intent(out) :: curve
       type(error_t), allocatable, intent(out) :: error
       type(motion_t), target :: still
       type(curve_path_t) :: path
@@ -113,7 +113,7 @@ contains
          call building_of(case, scene%equation, building)
          if (.not. building%roof_height > 0) then
             call fail(error, err_input, 'a pushover needs the height of the frame for its drift: ' &
-               //'give &p_delta h_f, or storeys with heights')
+               //'give &p_delta h_f, or floors with their heights')
             return
          end if
          call find_pattern(building, protocol%pattern, protocol%forces, scene%pattern, error)

@@ -22,7 +22,7 @@ module rwmf_simulation_pushover_static_scene
    implicit none
    private
 
-   public :: static_scene_t, control_t, start_scene
+   public :: static_scene_t, prescribed_t, start_scene
    public :: loaded_displacements, loaded_slopes, static_forces, corner_moments
    public :: follow_positions, control_value, find_equilibrium, find_tangent, roof_can_move
    public :: of_roof, of_rotation, of_storey, of_smooth_frame, of_load, of_uplift
@@ -47,7 +47,7 @@ module rwmf_simulation_pushover_static_scene
    !! drift `number` of the effect `effect` over its limit [-]
 
    !> Prescribed quantity.
-   type :: control_t
+   type :: prescribed_t
       integer :: kind = of_roof
       !! one of the `of_` numbers
       integer :: number = 0
@@ -56,7 +56,7 @@ module rwmf_simulation_pushover_static_scene
       !! effect with limited drifts
       real(wp) :: target_value = 0
       !! prescribed value
-   end type control_t
+   end type prescribed_t
 
    !> Scene in static equilibrium.
    type :: static_scene_t
@@ -293,7 +293,7 @@ contains
    !> Value of a quantity that may be prescribed, in its unit.
    real(wp) function control_value(scene, control, y, load) result(value)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: load
@@ -336,7 +336,7 @@ contains
    !> Unbalanced forces of the free positions, then the prescribed quantity.
    function equations_of(scene, control, y, load) result(values)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: load
@@ -352,7 +352,7 @@ contains
    !> differences. States of smooth springs follow the positions.
    subroutine differentiate(scene, control, y, load, slopes)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), intent(in) :: y(:)
       !! (states) with zero velocities
       real(wp), intent(in) :: load
@@ -434,7 +434,7 @@ contains
    !> some half steps end this.
    subroutine find_equilibrium(scene, control, y, load, is_found)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), intent(inout) :: y(:)
       !! (states) first guess; on return in equilibrium
       real(wp), intent(inout) :: load
@@ -495,7 +495,7 @@ contains
    !> Find the rates of positions and load per rate of a quantity.
    subroutine find_tangent(scene, control, rates, load_rate, is_found)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       !! its quantity has the rate `target_value`
       real(wp), intent(out) :: rates(:)
       !! (positions) 0 for a wall on its base
