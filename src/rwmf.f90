@@ -32,7 +32,7 @@ module rwmf
    use rwmf_simulation_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
       event_collapsed, event_impact, event_lift_off, event_name, event_overturned, event_peak, &
       event_rest, event_branch, event_rupture, event_t, history_t, reaction_extremes_t, result_t
-   use rwmf_simulation_pushover_curve, only: curve_t, mark_t
+   use rwmf_simulation_pushover_curve, only: static_curve_t, mark_t
    use rwmf_simulation_pushover_pushover, only: protocol_t, push_over
    use rwmf_simulation_simulate, only: simulate
    ! spectra: maxima over frame period, mass ratio and wall width, in parallel
@@ -85,7 +85,7 @@ module rwmf
    public :: commit_member, revert_member, restart_member, place_member
    public :: next_member_event, land_member, member_settles
    public :: spectrum_t, compute_spectrum, compute_rows, status_of
-   public :: curve_t, mark_t, protocol_t, push_over
+   public :: static_curve_t, mark_t, protocol_t, push_over
    public :: write_result, write_spectrum
    public :: control_t
    public :: error_t, err_input, err_interrupt, err_numerical

@@ -43,6 +43,12 @@ _OWN = {
     ),
 }
 
+# in a history these are forces of the foundation or of the inertia, with other signs
+_SIGNED = {
+    "base_shear_over_weight": "total lateral load, the base shear, over weight of wall and frame",
+    "overturning_moment_over_weight": "moment of the lateral load about the ground over the weight",
+}
+
 
 def pushover(
     case: CaseLike,
@@ -207,6 +213,9 @@ def _to_dataset(curve: _library.StaticCurve, case: Case, pattern: str) -> Respon
         attributes = {"units": unit, "long_name": meaning}
         variables[short] = ((_STEP,), curve.columns[name], attributes)
     label(variables, found, "history", sizes, _STEP)
+    for name, meaning in _SIGNED.items():
+        dims, values, attributes = variables[name]
+        variables[name] = (dims, values, {**attributes, "long_name": meaning})
     steps = np.array([step for _, step in curve.marks], dtype=np.int64)
     coordinates: dict[str, Labelled] = {
         _STEP: ((_STEP,), np.arange(len(curve.columns["roof_drift"])), {"long_name": "step"}),

@@ -72,6 +72,7 @@ LARGE: dict[str, str] = {
     "rwmf_bindings_python_cost:measure_baseline": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_kernel:result_write": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_kernel:rows": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_python_static_curve:pushover": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_reference:solve": _CALLER_IS_NO_FORTRAN,
 }
 

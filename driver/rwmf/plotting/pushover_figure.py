@@ -157,14 +157,17 @@ def _first_marks(curve: xr.Dataset) -> list[tuple[str, int, float]]:
 def _hysteresis(
     history: xr.Dataset, curve: xr.Dataset
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Return drift of the roof and base shear of a run."""
+    """Return drift of the roof and resisting base shear of a run.
+
+    A history holds the force of the foundation on the structure, which has the opposite sign.
+    """
     history = dataset_of(history, "rwmf.simulate")
     if "time" not in history.dims or "base_shear_over_weight" not in history:
         raise InputError(
             "history: has no base shear: must be a run with a history and reactions: "
             "simulate(case, dt=0.01) with &output reactions = .true."
         )
-    shear = history["base_shear_over_weight"].values
+    shear = -history["base_shear_over_weight"].values
     for name, length in (
         ("frame_drift", 1.0),
         ("u_s", float(curve.attrs["roof_height_m"])),

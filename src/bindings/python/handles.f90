@@ -13,7 +13,7 @@ module rwmf_bindings_python_handles
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: key_length
-   use rwmf_simulation_pushover_curve, only: curve_t
+   use rwmf_simulation_pushover_curve, only: static_curve_t
    use rwmf_simulation_result, only: result_t
    use rwmf_spectrum_spectrum, only: spectrum_t
    implicit none
@@ -41,7 +41,7 @@ module rwmf_bindings_python_handles
       type(wall_group_t), allocatable :: group
       type(snapshot_t), allocatable :: snapshots(:)
       type(wall_member_t), allocatable :: member
-      type(curve_t), allocatable :: curve
+      type(static_curve_t), allocatable :: curve
    end type kept_t
 
 contains

@@ -22,7 +22,7 @@ module rwmf_simulation_static_rest
    implicit none
    private
 
-   public :: come_to_rest, directions, turn_springs
+   public :: come_to_rest, directions, turn_springs, still_rates
 
    integer, parameter :: most_pieces = 2000
    !! largest number of pieces of a path, each up to the end of a branch
@@ -180,10 +180,23 @@ contains
       !! (states)
       type(lane_motion_t) :: motion
 
+      call still_rates(model, path%state, y, motion, rates)
+   end subroutine rates_of
+
+   !> Compute motion and rates of a state without ground motion.
+   subroutine still_rates(model, state, y, motion, rates)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(lane_motion_t), intent(out) :: motion
+      real(wp), intent(out) :: rates(:)
+      !! (states)
+
       motion%ground = 0
       motion%vertical = 0
-      call lane_rates(model%scene, path%state%coef, y, motion, rates)
-   end subroutine rates_of
+      call lane_rates(model%scene, state%coef, y, motion, rates)
+   end subroutine still_rates
 
    !> Compute the change of the free positions to equilibrium on the current branches. Springs whose
    !> velocity reverses in this change unload.

@@ -83,6 +83,7 @@ def _found() -> dict[str, Any]:
     limit = float(analysis["u_s_max"].median())
     return {
         "run": rwmf.simulate(case),
+        "curve": rwmf.pushover(case, 0.01, steps=2),
         "forces": rwmf.simulate(case.replace(output={"reactions": True})),
         "spectrum": rwmf.spectrum(case, **grid),
         "analysis": analysis,
@@ -141,6 +142,8 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "gradient": {"case": case, "parameters": ["T_s"], "quantities": ["u_s_max"],
                      "points": None, "grid": None, "records": (), "statistic": None,
                      "over": "record", "threads": 1, "unit": None, "dt": None},
+        "pushover": {"case": case, "drifts": [0.01], "pattern": "floors", "forces": [1.0],
+                     "steps": 2},
         "explore": {"case": str(folder / "none.nml"), "port": 0, "open_browser": False},
         "cost": {"case": "none.nml", "target": 1e-6, "progress": None, "quantities": None},
         "loops.check_springs": {"case": case},
@@ -168,6 +171,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
                                "damping": 0.05},
         "plot.history": {"dataset": found["run"], "axes": ax, "variables": ["u_s"], "case": case},
         "plot.make_panels": {"axes": ax, "n": 1, "across": False},
+        "plot.pushover": {"curve": found["curve"], "ax": ax, "history": found["forces"]},
         "plot.profile": {"dataset": found["run"], "axes": ax, "case": case},
         "plot.spectrum": {"dataset": found["spectrum"], "ax": ax, "bare": None,
                           "quantities": None, "legend": False},

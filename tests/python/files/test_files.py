@@ -316,6 +316,8 @@ with files.replacing("x.txt") as stream:
         ["sweep", "sweep.nml", "--file", "motion.txt"],
         ["sweep", "sweep.nml", "--file", "sweep.nml", "--restart"],
         ["merge", "part1.csv", "part1.csv"],
+        ["pushover", "case.nml", "--csv", "case.nml"],
+        ["pushover", "case.nml", "--plot", "two.svg", "--csv", "two.svg"],
         ["study", "wall", "case.nml", "--file", "case.nml"],
         ["study", "wall", "case.nml", "--plot", "in.svg"],
         ["study", "wall", "case.nml", "--records", "r.txt", "--unit", "g", "--plot", "r.svg"],

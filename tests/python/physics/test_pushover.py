@@ -479,3 +479,30 @@ def test_height_is_needed() -> None:
     assert float(curve["base_shear_over_weight"][-1]) == pytest.approx(
         stiffness * 0.03 / G, rel=EXACT
     )
+
+
+@pytest.mark.parametrize("exponent", [1.0, 2.0])
+def test_smooth_law(exponent: float) -> None:
+    """Bouc and Wen: z = 1 - exp(-x) or tanh(x) on loading, a straight line back to z = 0."""
+    u_y, a, height = 0.02, 0.1, 4.0
+    case = _case(
+        wall=None,
+        cable=None,
+        model=None,
+        frame={"gamma": None},
+        p_delta={"h_f": height, "m_g_over_m_s": 0.0},
+        yielding={"law": "bouc_wen", "u_y": u_y, "hardening": a, "exponent": exponent, "beta": 0.5},
+    )
+    curve = rwmf.pushover(case, (0.03, 0.0))
+    u = height * curve["roof_drift"].values
+    top = int(np.argmax(u))
+    law = np.tanh if exponent == 2 else (lambda x: -np.expm1(-x))
+    z = law(u / u_y)
+    # with beta = 1/2 nothing is lost while |z| falls
+    back = z[top] - (u[top] - u) / u_y
+    z = np.where(np.arange(len(u)) <= top, z, back)
+    known = z >= 0
+    force = (2 * math.pi / 0.8) ** 2 * (a * u + (1 - a) * u_y * z) / G
+    found = curve["base_shear_over_weight"].values
+    assert known.sum() > top + 20
+    assert np.abs(found - force)[known].max() < EXACT

@@ -5,7 +5,7 @@ module rwmf_simulation_pushover_curve
    implicit none
    private
 
-   public :: curve_t, mark_t, add_row, add_mark, mark_length
+   public :: static_curve_t, mark_t, add_row, add_mark, mark_length
 
    integer, parameter :: mark_length = 32
    !! length of the longest name of a mark
@@ -19,7 +19,7 @@ module rwmf_simulation_pushover_curve
    end type mark_t
 
    !> Static curve.
-   type :: curve_t
+   type :: static_curve_t
       character(key_length), allocatable :: names(:)
       !! (columns) names with units
       real(wp), allocatable :: values(:, :)
@@ -37,13 +37,13 @@ module rwmf_simulation_pushover_curve
       !! height of the roof, under its drift [m]
       character(mark_length) :: ending = 'complete'
       !! 'complete', 'overturned', 'collapsed', 'no_equilibrium' or 'no_contact'
-   end type curve_t
+   end type static_curve_t
 
 contains
 
    !> Append a row.
    pure subroutine add_row(curve, values)
-      type(curve_t), intent(inout) :: curve
+      type(static_curve_t), intent(inout) :: curve
       real(wp), intent(in) :: values(:)
       !! (columns)
       real(wp), allocatable :: more(:, :)
@@ -60,7 +60,7 @@ contains
 
    !> Mark the last row.
    pure subroutine add_mark(curve, name)
-      type(curve_t), intent(inout) :: curve
+      type(static_curve_t), intent(inout) :: curve
       character(*), intent(in) :: name
 
       if (.not. allocated(curve%marks)) allocate (curve%marks(0))

@@ -7,17 +7,18 @@
 module rwmf_simulation_pushover_curve_path
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: enter_side
-   use rwmf_model_effects_storeys_yielding_storeys, only: pass_storey_limit
    use rwmf_model_equation, only: discrete_state_t, place_left, place_right
    use rwmf_model_floor_motion, only: storey_motion
-   use rwmf_model_hysteresis_laws, only: branch_word, loading_direction, spring_limits
+   use rwmf_model_hysteresis_laws, only: branch_word
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
-   use rwmf_simulation_pushover_curve, only: add_mark, curve_t
+   use rwmf_simulation_events_storey_events, only: branch_limits, is_softening, &
+      loading_direction_of, pass_storey_limit, storey_word
+   use rwmf_simulation_pushover_curve, only: add_mark, static_curve_t
    use rwmf_simulation_pushover_curve_row, only: record_row
    use rwmf_simulation_pushover_path_events, only: at_collapse, at_decompression, at_landing, &
       at_overturning, at_smooth_yield, at_storey, at_uplift, at_window, find_first_event, &
       no_event, path_event_t
-   use rwmf_simulation_pushover_static_scene, only: control_t, control_value, find_equilibrium, &
+   use rwmf_simulation_pushover_static_scene, only: prescribed_t, control_value, find_equilibrium, &
       find_tangent, follow_positions, loaded_displacements, of_load, of_roof, of_uplift, &
       roof_can_move, static_forces, static_scene_t
    use rwmf_simulation_static_rest, only: directions, turn_springs
@@ -25,14 +26,14 @@ module rwmf_simulation_pushover_curve_path
    implicit none
    private
 
-   public :: path_t, begin_path, move_roof
+   public :: curve_path_t, begin_path, move_roof
 
    integer, parameter :: most_halvings = 30
 
    !> Path through equilibria.
-   type :: path_t
+   type :: curve_path_t
       type(static_scene_t) :: scene
-      type(curve_t) :: curve
+      type(static_curve_t) :: curve
       real(wp) :: overturning_angle = 0
       !! [rad]
       logical, allocatable :: has_yielded(:)
@@ -47,13 +48,13 @@ module rwmf_simulation_pushover_curve_path
       !! (positions) per displacement of the roof, or per load
       real(wp) :: load_rate = 0
       logical :: has_ended = .false.
-   end type path_t
+   end type curve_path_t
 
 contains
 
    !> Begin a path at rest.
    subroutine begin_path(path)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       !! with scene, curve and overturning angle
 
       allocate (path%has_yielded(size(path%scene%z)), source=.false.)
@@ -64,7 +65,7 @@ contains
 
    !> Move the roof to a displacement, with equal steps.
    subroutine move_roof(path, u_end, spacing_of_rows, is_complete)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       real(wp), intent(in) :: u_end
       !! [m]
       real(wp), intent(in) :: spacing_of_rows
@@ -97,7 +98,7 @@ contains
 
    !> Displacement of the roof [m].
    real(wp) function roof_of(path)
-      type(path_t), intent(in) :: path
+      type(curve_path_t), intent(in) :: path
       real(wp) :: u(size(path%scene%pattern))
 
       u = loaded_displacements(path%scene, path%scene%y)
@@ -106,10 +107,10 @@ contains
 
    !> Advance to the goal, or to the first event on the way.
    subroutine advance(path, goal)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       real(wp), intent(in) :: goal
       !! displacement of the roof [m]
-      type(control_t) :: control
+      type(prescribed_t) :: control
       type(path_event_t) :: event
       real(wp), allocatable :: y(:)
       real(wp) :: load
@@ -129,7 +130,7 @@ contains
 
    !> End the path at its last row, with a mark.
    subroutine end_path(path, ending)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       character(*), intent(in) :: ending
 
       path%has_ended = .true.
@@ -140,7 +141,7 @@ contains
    !> Find the rates of the path, and turn the springs that they reverse. Without consistent rates
    !> of the roof in the direction of the leg, it turns back.
    subroutine settle(path, is_found)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       logical, intent(out) :: is_found
       type(discrete_state_t) :: kept
       integer :: i
@@ -157,16 +158,16 @@ contains
 
    !> Turn springs until their directions agree with the rates.
    subroutine turn_consistently(path, is_found)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       logical, intent(out) :: is_found
       integer, allocatable :: before(:)
       real(wp), allocatable :: y(:)
-      type(control_t) :: control
+      type(prescribed_t) :: control
       type(discrete_state_t) :: kept
       integer :: i
 
       kept = path%scene%equation%state
-      control = control_t(of_roof, target_value=real(path%sense, wp))
+      control = prescribed_t(of_roof, target_value=real(path%sense, wp))
       if (.not. roof_can_move(path%scene)) control%kind = of_load
       associate (scene => path%scene, model => path%scene%equation%model_t, &
                  state => path%scene%equation%state)
@@ -192,12 +193,12 @@ contains
 
    !> True if a storey that has just begun to unload moves in its previous direction.
    logical function rebounds(path, kept)
-      type(path_t), intent(in) :: path
+      type(curve_path_t), intent(in) :: path
       type(discrete_state_t), intent(in) :: kept
       !! state before the springs were turned
       real(wp), dimension(path%scene%equation%floors%n) :: d, d_dot
-      integer :: before(path%scene%equation%floors%n)
       real(wp) :: y(size(path%scene%y))
+      integer :: before, i
 
       rebounds = .false.
       associate (equation => path%scene%equation)
@@ -205,17 +206,20 @@ contains
          y = path%scene%y
          y(path%scene%v) = path%rates
          call storey_motion(equation, equation%state%side, y, d, d_dot)
-         before = loading_direction(equation%floors%springs, kept%storeys)
-         rebounds = any(before*d_dot > 0 .and. before &
-            /= loading_direction(equation%floors%springs, equation%state%storeys))
+         do i = 1, size(d)
+            before = loading_direction_of(equation, kept, i)
+            rebounds = rebounds .or. (before*d_dot(i) > 0 &
+               .and. before /= loading_direction_of(equation, equation%state, i))
+         end do
       end associate
    end function rebounds
 
    !> True if a storey on a falling branch still moves in its loading direction.
    logical function continues(path)
-      type(path_t), intent(in) :: path
+      type(curve_path_t), intent(in) :: path
       real(wp), dimension(path%scene%equation%floors%n) :: d, d_dot
       real(wp) :: y(size(path%scene%y))
+      integer :: i
 
       continues = .false.
       associate (equation => path%scene%equation)
@@ -223,22 +227,24 @@ contains
          y = path%scene%y
          y(path%scene%v) = path%rates
          call storey_motion(equation, equation%state%side, y, d, d_dot)
-         continues = any(equation%state%storeys%slope < 0 .and. &
-            loading_direction(equation%floors%springs, equation%state%storeys)*d_dot > 0)
+         do i = 1, size(d)
+            continues = continues .or. (is_softening(equation%state, i) &
+               .and. loading_direction_of(equation, equation%state, i)*d_dot(i) > 0)
+         end do
       end associate
    end function continues
 
    !> Choose the quantity that the next step prescribes.
    subroutine choose_control(path, goal, control)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       real(wp), intent(in) :: goal
       !! [m]
-      type(control_t), intent(out) :: control
+      type(prescribed_t), intent(out) :: control
       real(wp), parameter :: pieces = 16
       !! steps for the moment of the wall's weight about its corner
 
       if (.not. roof_can_move(path%scene)) then
-         control = control_t(of_uplift, path%direction)
+         control = prescribed_t(of_uplift, path%direction)
          if (size(path%scene%q) > 1) then
             ! free floors move while the wall holds the roof
             associate (p => path%scene%equation%p)
@@ -247,16 +253,16 @@ contains
             end associate
          end if
       else if (path%sense == path%direction) then
-         control = control_t(of_roof, target_value=goal)
+         control = prescribed_t(of_roof, target_value=goal)
       else
-         control = control_t(of_roof, target_value=2*roof_of(path) - goal)
+         control = prescribed_t(of_roof, target_value=2*roof_of(path) - goal)
       end if
    end subroutine choose_control
 
    !> Take a step to a prescribed quantity, or a part of it that has a solution.
    subroutine take_step(path, control, y, load, is_found)
-      type(path_t), intent(inout) :: path
-      type(control_t), intent(inout) :: control
+      type(curve_path_t), intent(inout) :: path
+      type(prescribed_t), intent(inout) :: control
       !! its level is reduced if the step is shortened
       real(wp), allocatable, intent(out) :: y(:)
       !! (states)
@@ -287,8 +293,8 @@ contains
 
    !> Rate of a quantity along the path.
    real(wp) function slope_along(path, control) result(slope)
-      type(path_t), intent(inout) :: path
-      type(control_t), intent(in) :: control
+      type(curve_path_t), intent(inout) :: path
+      type(prescribed_t), intent(in) :: control
       real(wp), parameter :: small = 1.0e-6_wp
       real(wp), allocatable :: change(:)
 
@@ -303,8 +309,8 @@ contains
 
    !> Shorten a step to its first turn or event.
    subroutine stop_at_event(path, control, y, load, event, is_found)
-      type(path_t), intent(inout) :: path
-      type(control_t), intent(in) :: control
+      type(curve_path_t), intent(inout) :: path
+      type(prescribed_t), intent(in) :: control
       !! quantity prescribed in the step
       real(wp), allocatable, intent(inout) :: y(:)
       !! (states) at the end of the step
@@ -343,13 +349,13 @@ contains
 
    !> Shorten a step to the point at which a spring on a loading branch reverses.
    subroutine stop_at_turn(path, control, y, load)
-      type(path_t), intent(inout) :: path
-      type(control_t), intent(in) :: control
+      type(curve_path_t), intent(inout) :: path
+      type(prescribed_t), intent(in) :: control
       real(wp), allocatable, intent(inout) :: y(:)
       real(wp), intent(inout) :: load
       real(wp), parameter :: resolution = 1.0e-13_wp, least = 1.0e-11_wp
       !! of the fraction of the step [-]
-      type(control_t) :: part
+      type(prescribed_t) :: part
       real(wp), allocatable :: y_part(:)
       real(wp) :: load_part, from, low, high, middle
       logical :: is_found
@@ -380,11 +386,11 @@ contains
 
    !> True if the rates at a state reverse a spring on a loading branch.
    logical function reverses(path, y, load)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: load
-      type(control_t) :: control
+      type(prescribed_t) :: control
       type(discrete_state_t) :: kept
       real(wp), allocatable :: rates(:), here(:), moving(:)
       real(wp) :: load_rate, load_here
@@ -395,7 +401,7 @@ contains
       associate (scene => path%scene, model => path%scene%equation%model_t)
          before = directions(model, scene%equation%state)
          if (all(before == 0)) return
-         control = control_t(of_roof, target_value=real(path%sense, wp))
+         control = prescribed_t(of_roof, target_value=real(path%sense, wp))
          if (.not. roof_can_move(scene)) control%kind = of_load
          here = scene%y
          load_here = scene%load
@@ -418,7 +424,7 @@ contains
 
    !> Move the scene to the end of a step and record it.
    subroutine commit(path, y, load)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: load
@@ -442,7 +448,7 @@ contains
 
    !> Apply an event at the present state.
    subroutine apply_event(path, event)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       type(path_event_t), intent(in) :: event
 
       associate (scene => path%scene, model => path%scene%equation%model_t, &
@@ -454,7 +460,7 @@ contains
          case (at_storey)
             call pass_storey_limit(model, state, number, event%is_rising)
             call mark_branch(path, 'storey_'//trim(integer_to_text(number)), &
-               branch_word(model%floors%springs(number), state%storeys(number)))
+               storey_word(model, state, number))
             call rebalance(path)
          case (at_landing)
             scene%y(1) = 0
@@ -487,7 +493,7 @@ contains
 
    !> Let the springs that follow the rotation pass the end of their window, and mark new branches.
    subroutine pass_rotation(path, is_rising)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       logical, intent(in) :: is_rising
       type(discrete_state_t) :: before
       character(:), allocatable :: name
@@ -518,7 +524,7 @@ contains
 
    !> Mark the beginning of a branch that has a name.
    subroutine mark_branch(path, name, word)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       character(*), intent(in) :: name
       character(*), intent(in) :: word
       !! name of the branch, or ''
@@ -528,11 +534,11 @@ contains
 
    !> Find the equilibrium at the same displacement of the roof after a force has dropped.
    subroutine rebalance(path)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       real(wp), parameter :: round_off = 1.0e-10_wp
       !! unbalanced force over g and a length of 1 m [-]
       integer, parameter :: most = 50
-      type(control_t) :: control
+      type(prescribed_t) :: control
       real(wp), allocatable :: y(:)
       real(wp) :: load, force(size(path%scene%q))
       logical :: is_found, is_settled
@@ -541,8 +547,8 @@ contains
       force = static_forces(path%scene, path%scene%y, path%scene%load)
       if (path%scene%is_held) force(1) = 0
       if (all(abs(force) <= round_off*path%scene%equation%p%g*path%scene%unit)) return
-      control = control_t(of_roof, target_value=roof_of(path))
-      if (.not. roof_can_move(path%scene)) control = control_t(of_load, &
+      control = prescribed_t(of_roof, target_value=roof_of(path))
+      if (.not. roof_can_move(path%scene)) control = prescribed_t(of_load, &
          target_value=path%scene%load)
       do i = 1, most
          y = path%scene%y
@@ -561,7 +567,7 @@ contains
 
    !> Turn springs and pass the limits that a jump reverses or exceeds.
    subroutine follow_jump(path, y, is_settled)
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       real(wp), intent(in) :: y(:)
       !! (states) after the jump
       logical, intent(out) :: is_settled
@@ -582,13 +588,13 @@ contains
          if (.not. allocated(model%floors%springs)) return
          call storey_motion(model, state%side, y, d, d_dot)
          do i = 1, size(d)
-            call spring_limits(model%floors%springs(i), state%storeys(i), low, high)
+            call branch_limits(scene%equation, i, low, high)
             if (d(i) <= high .and. d(i) >= low) cycle
             ! a branch that has just begun ends within round-off of its beginning
             if (max(low - d(i), d(i) - high) <= 1.0e-12_wp*abs(d(i))) cycle
             call pass_storey_limit(model, state, i, d(i) > high)
             call mark_branch(path, 'storey_'//trim(integer_to_text(i)), &
-               branch_word(model%floors%springs(i), state%storeys(i)))
+               storey_word(model, state, i))
             is_settled = .false.
          end do
       end associate

@@ -13,7 +13,7 @@ module rwmf_simulation_pushover_curve_row
    use rwmf_model_wall_sections, only: find_forces_beside, find_section_extremes, link_places, &
       links_t, section_extremes_t
    use rwmf_problem_quantity_table, only: id, key_length
-   use rwmf_simulation_pushover_curve, only: add_row, curve_t
+   use rwmf_simulation_pushover_curve, only: add_row, static_curve_t
    use rwmf_simulation_pushover_static_scene, only: loaded_displacements, static_scene_t
    implicit none
    private
@@ -30,7 +30,7 @@ contains
       type(static_scene_t), intent(inout) :: scene
       real(wp), intent(in) :: work
       !! work of the load since the beginning [J/kg]
-      type(curve_t), intent(inout) :: curve
+      type(static_curve_t), intent(inout) :: curve
       type(history_row_t) :: row
       real(wp) :: u(size(scene%pattern)), own(4)
       integer :: i
@@ -63,7 +63,7 @@ contains
    !> dissipated energy.
    subroutine put_loads(scene, curve, row)
       type(static_scene_t), intent(in) :: scene
-      type(curve_t), intent(in) :: curve
+      type(static_curve_t), intent(in) :: curve
       type(history_row_t), intent(inout) :: row
       real(wp) :: u(size(scene%pattern)), arm
 

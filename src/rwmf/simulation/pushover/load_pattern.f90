@@ -3,7 +3,6 @@ module rwmf_simulation_pushover_load_pattern
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_model_demands, only: building_t
-   use rwmf_problem_case, only: case_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private
@@ -13,8 +12,7 @@ module rwmf_simulation_pushover_load_pattern
 contains
 
    !> Find the pattern by its name. Without a frame the load acts on the top of the wall.
-   subroutine find_pattern(case, building, name, forces, pattern, error)
-      type(case_t), intent(in) :: case
+   subroutine find_pattern(building, name, forces, pattern, error)
       type(building_t), intent(in) :: building
       character(*), intent(in) :: name
       !! 'first_mode', 'floors' or 'roof'
@@ -35,7 +33,7 @@ contains
       case ('roof')
          return
       case ('first_mode')
-         if (allocated(case%storeys)) pattern = case%storeys%frame%m*building%share
+         if (building%floors > 0) pattern = building%m*building%share
       case ('floors')
          if (size(forces) /= size(pattern)) then
             call fail(error, err_input, 'forces: has '//trim(integer_to_text(size(forces))) &

@@ -4,8 +4,8 @@
 !> quantity prescribed, which locates the event to round-off.
 module rwmf_simulation_pushover_path_events
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_laws, only: spring_limits
-   use rwmf_simulation_pushover_static_scene, only: control_t, control_value, of_decompression, &
+   use rwmf_simulation_events_storey_events, only: branch_limits
+   use rwmf_simulation_pushover_static_scene, only: prescribed_t, control_value, of_decompression, &
       of_drift, of_rotation, of_smooth_frame, of_storey, of_uplift, static_scene_t
    implicit none
    private
@@ -33,7 +33,7 @@ module rwmf_simulation_pushover_path_events
    type :: path_event_t
       integer :: kind = no_event
       !! one of the `at_` numbers
-      type(control_t) :: control
+      type(prescribed_t) :: control
       !! quantity and level
       logical :: is_rising = .true.
       !! the quantity increases
@@ -42,14 +42,14 @@ module rwmf_simulation_pushover_path_events
    end type path_event_t
 
    !> Step between two states.
-   type :: step_t
+   type :: static_step_t
       real(wp), allocatable :: y(:)
       !! (states) at the end
       real(wp) :: load = 0
       !! at the end [m/s2]
       type(path_event_t) :: first
       !! first event so far
-   end type step_t
+   end type static_step_t
 
 contains
 
@@ -66,14 +66,14 @@ contains
       !! at the end of the step [m/s2]
       type(path_event_t), intent(out) :: event
       !! kind `no_event` if there is none
-      type(step_t) :: step
+      type(static_step_t) :: step
       integer :: side
 
-      step = step_t(y, load)
+      step = static_step_t(y, load)
       if (scene%is_held) then
          do side = -1, 1, 2
-            call try_upward(scene, step, at_uplift, control_t(of_uplift, side))
-            call try_upward(scene, step, at_decompression, control_t(of_decompression, side))
+            call try_upward(scene, step, at_uplift, prescribed_t(of_uplift, side))
+            call try_upward(scene, step, at_decompression, prescribed_t(of_decompression, side))
          end do
       else
          call try_rotations(scene, overturning_angle, step)
@@ -88,45 +88,45 @@ contains
    subroutine try_rotations(scene, overturning_angle, step)
       type(static_scene_t), intent(inout) :: scene
       real(wp), intent(in) :: overturning_angle
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       integer :: direction
 
       associate (equation => scene%equation, state => scene%equation%state)
          ! a leg may end on the base, within round-off
          if (equation%has_impacts .and. state%side*step%y(1) <= epsilon(1.0_wp) &
              .and. state%side*(step%y(1) - scene%y(1)) < 0) call try_level(scene, step, &
-            at_landing, control_t(of_rotation, target_value=0.0_wp))
+            at_landing, prescribed_t(of_rotation, target_value=0.0_wp))
          if (equation%has_bilinear_springs) then
             ! a limit at theta = 0 is out of the range of the other side
             if (step%y(1) > scene%y(1) .and. step%y(1) > state%high) call try_level(scene, step, &
-               at_window, control_t(of_rotation, target_value=max(state%high, scene%y(1))))
+               at_window, prescribed_t(of_rotation, target_value=max(state%high, scene%y(1))))
             if (step%y(1) < scene%y(1) .and. step%y(1) < state%low) call try_level(scene, step, &
-               at_window, control_t(of_rotation, target_value=min(state%low, scene%y(1))))
+               at_window, prescribed_t(of_rotation, target_value=min(state%low, scene%y(1))))
          end if
          if (.not. equation%has_wall) return
          direction = merge(1, -1, step%y(1) > 0)
          if (abs(step%y(1)) >= overturning_angle) call try_level(scene, step, at_overturning, &
-            control_t(of_rotation, target_value=direction*overturning_angle))
+            prescribed_t(of_rotation, target_value=direction*overturning_angle))
       end associate
    end subroutine try_rotations
 
    !> Try the ends of the branches of storeys.
    subroutine try_storeys(scene, step)
       type(static_scene_t), intent(inout) :: scene
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       real(wp) :: before, after, low, high
       integer :: i
 
-      associate (floors => scene%equation%floors, state => scene%equation%state)
+      associate (floors => scene%equation%floors)
          if (.not. allocated(floors%springs)) return
          do i = 1, floors%n
-            before = control_value(scene, control_t(of_storey, i), scene%y, scene%load)
-            after = control_value(scene, control_t(of_storey, i), step%y, step%load)
-            call spring_limits(floors%springs(i), state%storeys(i), low, high)
+            before = control_value(scene, prescribed_t(of_storey, i), scene%y, scene%load)
+            after = control_value(scene, prescribed_t(of_storey, i), step%y, step%load)
+            call branch_limits(scene%equation, i, low, high)
             if (after > before .and. after > high) call try_level(scene, step, at_storey, &
-               control_t(of_storey, i, target_value=high))
+               prescribed_t(of_storey, i, target_value=high))
             if (after < before .and. after < low) call try_level(scene, step, at_storey, &
-               control_t(of_storey, i, target_value=low))
+               prescribed_t(of_storey, i, target_value=low))
          end do
       end associate
    end subroutine try_storeys
@@ -135,18 +135,18 @@ contains
    subroutine try_smooth(scene, has_yielded, step)
       type(static_scene_t), intent(inout) :: scene
       logical, intent(in) :: has_yielded(:)
-      type(step_t), intent(inout) :: step
-      type(control_t) :: control
+      type(static_step_t), intent(inout) :: step
+      type(prescribed_t) :: control
       real(wp) :: after, u_y
       integer :: i
 
       do i = 1, size(scene%z)
          if (has_yielded(i)) cycle
          if (scene%equation%has_loading_direction) then
-            control = control_t(of_smooth_frame, i)
+            control = prescribed_t(of_smooth_frame, i)
             u_y = scene%equation%hysteresis%u_y
          else
-            control = control_t(of_storey, i)
+            control = prescribed_t(of_storey, i)
             u_y = scene%equation%floors%laws(i)%u_y
          end if
          after = control_value(scene, control, step%y, step%load)
@@ -158,15 +158,15 @@ contains
    !> Try the drifts that end a run.
    subroutine try_drifts(scene, step)
       type(static_scene_t), intent(inout) :: scene
-      type(step_t), intent(inout) :: step
-      type(control_t) :: control
+      type(static_step_t), intent(inout) :: step
+      type(prescribed_t) :: control
       real(wp) :: after
       integer :: i, j
 
       if (.not. allocated(scene%equation%effects)) return
       do i = 1, size(scene%equation%effects)
          do j = 1, scene%equation%effects(i)%drifts
-            control = control_t(of_drift, j, i)
+            control = prescribed_t(of_drift, j, i)
             after = control_value(scene, control, step%y, step%load)
             control%target_value = sign(1.0_wp, after)
             if (abs(after) >= 1) call try_level(scene, step, at_collapse, control)
@@ -177,9 +177,9 @@ contains
    !> Try a quantity that passes its level upward.
    subroutine try_upward(scene, step, kind, control)
       type(static_scene_t), intent(inout) :: scene
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       integer, intent(in) :: kind
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), parameter :: round_off = 1.0e-12_wp
       !! moment over g times the half width [-]
       real(wp) :: before, after, least
@@ -195,9 +195,9 @@ contains
    !> Keep an event if it is the first one so far.
    subroutine try_level(scene, step, kind, control)
       type(static_scene_t), intent(inout) :: scene
-      type(step_t), intent(inout) :: step
+      type(static_step_t), intent(inout) :: step
       integer, intent(in) :: kind
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp) :: before, after, part
 
       before = control_value(scene, control, scene%y, scene%load)

@@ -8,8 +8,8 @@ module rwmf_simulation_pushover_pushover
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
-   use rwmf_simulation_pushover_curve, only: curve_t
-   use rwmf_simulation_pushover_curve_path, only: begin_path, move_roof, path_t
+   use rwmf_simulation_pushover_curve, only: static_curve_t
+   use rwmf_simulation_pushover_curve_path, only: begin_path, move_roof, curve_path_t
    use rwmf_simulation_pushover_load_pattern, only: find_pattern
    use rwmf_simulation_pushover_static_scene, only: start_scene
    use rwmf_text_strings, only: real_to_text
@@ -42,10 +42,10 @@ contains
       type(protocol_t), intent(in) :: protocol
       type(control_t), intent(in) :: control
       !! cancel flag
-      type(curve_t), intent(out) :: curve
+      type(static_curve_t), intent(out) :: curve
       type(error_t), allocatable, intent(out) :: error
       type(motion_t), target :: still
-      type(path_t) :: path
+      type(curve_path_t) :: path
       real(wp) :: u, spacing_of_rows
       logical :: is_complete
       integer :: i
@@ -105,7 +105,7 @@ contains
       type(protocol_t), intent(in) :: protocol
       type(motion_t), intent(in), target :: still
       !! motion that is not used
-      type(path_t), intent(inout) :: path
+      type(curve_path_t), intent(inout) :: path
       type(error_t), allocatable, intent(out) :: error
 
       associate (scene => path%scene, building => path%scene%building)
@@ -113,10 +113,10 @@ contains
          call building_of(case, scene%equation, building)
          if (.not. building%roof_height > 0) then
             call fail(error, err_input, 'a pushover needs the height of the frame for its drift: ' &
-               //'give &p_delta h_f, &storeys or &wall')
+               //'give &p_delta h_f, or floors with their heights')
             return
          end if
-         call find_pattern(case, building, protocol%pattern, protocol%forces, scene%pattern, error)
+         call find_pattern(building, protocol%pattern, protocol%forces, scene%pattern, error)
          if (allocated(error)) return
          call start_scene(scene)
          path%overturning_angle = case%model%overturning_angle

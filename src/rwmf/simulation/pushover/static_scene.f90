@@ -11,7 +11,6 @@ module rwmf_simulation_pushover_static_scene
    use rwmf_model_assembly, only: enter_side, equation_t
    use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_demands, only: building_t
-   use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_equation, only: frame_displacement, frame_mass, frame_motion, frame_travel, &
       hysteresis_t
@@ -19,10 +18,11 @@ module rwmf_simulation_pushover_static_scene
    use rwmf_model_hysteresis_bouc_wen_backbone, only: follow_state, state_slope
    use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    use rwmf_model_lanes, only: lane_motion_t
+   use rwmf_simulation_static_rest, only: still_rates
    implicit none
    private
 
-   public :: static_scene_t, control_t, start_scene
+   public :: static_scene_t, prescribed_t, start_scene
    public :: loaded_displacements, loaded_slopes, static_forces, corner_moments
    public :: follow_positions, control_value, find_equilibrium, find_tangent, roof_can_move
    public :: of_roof, of_rotation, of_storey, of_smooth_frame, of_load, of_uplift
@@ -47,7 +47,7 @@ module rwmf_simulation_pushover_static_scene
    !! drift `number` of the effect `effect` over its limit [-]
 
    !> Prescribed quantity.
-   type :: control_t
+   type :: prescribed_t
       integer :: kind = of_roof
       !! one of the `of_` numbers
       integer :: number = 0
@@ -56,7 +56,7 @@ module rwmf_simulation_pushover_static_scene
       !! effect with limited drifts
       real(wp) :: target_value = 0
       !! prescribed value
-   end type control_t
+   end type prescribed_t
 
    !> Scene in static equilibrium.
    type :: static_scene_t
@@ -175,10 +175,8 @@ contains
       real(wp) :: rates(size(y)), slopes(size(scene%pattern), size(scene%q))
       type(kinematics_t) :: kin
 
-      motion%ground = 0
-      motion%vertical = 0
       associate (equation => scene%equation, floors => scene%equation%floors)
-         call lane_rates(equation%scene, equation%state%coef, y, motion, rates)
+         call still_rates(equation%model_t, equation%state, y, motion, rates)
          force = rates(scene%v)
          force(2:1 + floors%free) = floors%m(:floors%free)*force(2:1 + floors%free)
          slopes = loaded_slopes(scene, y)
@@ -295,7 +293,7 @@ contains
    !> Value of a quantity that may be prescribed, in its unit.
    real(wp) function control_value(scene, control, y, load) result(value)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: load
@@ -338,7 +336,7 @@ contains
    !> Unbalanced forces of the free positions, then the prescribed quantity.
    function equations_of(scene, control, y, load) result(values)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: load
@@ -354,7 +352,7 @@ contains
    !> differences. States of smooth springs follow the positions.
    subroutine differentiate(scene, control, y, load, slopes)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), intent(in) :: y(:)
       !! (states) with zero velocities
       real(wp), intent(in) :: load
@@ -436,7 +434,7 @@ contains
    !> some half steps end this.
    subroutine find_equilibrium(scene, control, y, load, is_found)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       real(wp), intent(inout) :: y(:)
       !! (states) first guess; on return in equilibrium
       real(wp), intent(inout) :: load
@@ -497,7 +495,7 @@ contains
    !> Find the rates of positions and load per rate of a quantity.
    subroutine find_tangent(scene, control, rates, load_rate, is_found)
       type(static_scene_t), intent(inout) :: scene
-      type(control_t), intent(in) :: control
+      type(prescribed_t), intent(in) :: control
       !! its quantity has the rate `target_value`
       real(wp), intent(out) :: rates(:)
       !! (positions) 0 for a wall on its base

@@ -12,8 +12,8 @@ module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement
-   use rwmf_model_hysteresis_laws, only: load_spring, loading_direction, new_branch, new_spring, &
-      pass_limit, spring_force, spring_limits, spring_loss, spring_residual, turn_spring
+   use rwmf_model_hysteresis_laws, only: branch_word, load_spring, loading_direction, new_branch, &
+      new_spring, pass_limit, spring_force, spring_limits, spring_loss, spring_residual, turn_spring
    use rwmf_model_hysteresis_spring_set, only: has_branches, law_of, storey_strengths
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id
@@ -23,7 +23,7 @@ module rwmf_model_effects_storeys_yielding_storeys
    public :: choose_storey_springs, storeys_loss, start_storeys, settle_storeys
    public :: branch_limits, loading_direction_of, pass_storey_limit, turn_storey
    public :: stands_still, side_beyond_zero, hysteretic_states, stop_at_zero
-   public :: put_shears, storey_residuals
+   public :: put_shears, storey_residuals, storey_word, is_softening
 
 contains
 
@@ -172,6 +172,27 @@ contains
          direction = loading_direction(model%floors%springs(storey), state%storeys(storey))
       end if
    end function loading_direction_of
+
+   !> Name of the active branch of a storey, see `branch_word`.
+   pure function storey_word(model, state, storey) result(word)
+      class(model_t), intent(in) :: model
+      !! with storeys on straight lines
+      type(discrete_state_t), intent(in) :: state
+      integer, intent(in) :: storey
+      !! number of the storey, from the ground up
+      character(:), allocatable :: word
+
+      word = branch_word(model%floors%springs(storey), state%storeys(storey))
+   end function storey_word
+
+   !> Return whether the force of a storey falls along its active branch.
+   pure logical function is_softening(state, storey)
+      type(discrete_state_t), intent(in) :: state
+      integer, intent(in) :: storey
+      !! number of the storey, from the ground up
+
+      is_softening = state%storeys(storey)%slope < 0
+   end function is_softening
 
    !> Return whether a smooth storey has not moved yet, so that it has no loading direction.
    pure logical function stands_still(state, storey)
