@@ -62,12 +62,12 @@ class Limit:
 
         Parameters
         ----------
-        demand : float or numpy.ndarray
+        demand : float or numpy.ndarray of any shape
             Demand in its unit.
 
         Returns
         -------
-        float or numpy.ndarray
+        float or numpy.ndarray of any shape
             The ratio: the limit is met up to 1.
         """
         if not self.is_least:

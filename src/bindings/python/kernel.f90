@@ -22,7 +22,7 @@ module rwmf_bindings_python_kernel
    use rwmf_input_describe, only: describe_case
    use rwmf_input_schema, only: write_groups, write_schema
    use rwmf_integrator_factory, only: method_of_spectrum => spectrum_method
-   use rwmf_model_base_section, only: base_moment, contact_length, strip_t, toe_stress
+   use rwmf_model_no_tension_strip, only: base_moment, contact_length, strip_t, toe_stress
    use rwmf_motion_ground_motion, only: motion_end, motion_t, peak_acceleration
    use rwmf_output_csv, only: case_name, file_names, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text

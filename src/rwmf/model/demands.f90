@@ -27,6 +27,7 @@ module rwmf_model_demands
    private
 
    public :: building_t, demands_t, building_of, demands_at, links_of
+   public :: floor_count, lowest_link
 
    !> Building data for the demands, in addition to the equation of motion.
    type :: building_t
@@ -80,6 +81,25 @@ module rwmf_model_demands
    end type demands_t
 
 contains
+
+   !> Number of floors of a case; 1 for a single degree of freedom.
+   pure integer function floor_count(case)
+      type(case_t), intent(in) :: case
+
+      floor_count = 1
+      if (allocated(case%storeys)) floor_count = size(case%storeys%frame%m)
+   end function floor_count
+
+   !> Number of the lowest floor with a link: the roof, unless every floor has one.
+   pure integer function lowest_link(case)
+      type(case_t), intent(in) :: case
+
+      lowest_link = floor_count(case)
+      if (.not. allocated(case%storeys)) return
+      associate (coupling => case%storeys%coupling)
+         if (coupling == 'every_floor' .or. coupling == 'springs') lowest_link = 1
+      end associate
+   end function lowest_link
 
    !> Collect the building data of a case.
    subroutine building_of(case, equation, building)

@@ -5,6 +5,7 @@
 module rwmf_input_groups_limits
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
+   use rwmf_model_demands, only: floor_count, lowest_link
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_case_group, only: case_group_t
@@ -13,6 +14,7 @@ module rwmf_input_groups_limits
    use rwmf_problem_quantity_table, only: all_quantities, is_limited, key_length, limit_key, &
       of_demands, of_envelopes, of_reactions, quantity_t
    use rwmf_problem_rules, only: fail_key
+   use rwmf_problem_units, only: unit_of
    use rwmf_text_strings, only: integer_to_text
    implicit none
    private
@@ -86,8 +88,6 @@ contains
       type(quantity_t), intent(in) :: quantity
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: key, lacking
-      real(wp), allocatable :: limits(:), heights(:)
-      integer :: floors
 
       key = trim(limit_key(quantity))
       lacking = ''
@@ -98,35 +98,13 @@ contains
          == '`&wall`') then
          if (.not. has_group(values, 'wall')) lacking = '&wall'
       end if
-      if (lacking == '' .and. quantity%ratio > 0 .and. .not. has_mass(values)) then
+      if (lacking == '' .and. quantity%ratio > 0 .and. unit_of(values, 'N') <= 0) then
          lacking = 'the mass of the wall, or of the frame without a wall,'
       end if
       if (lacking /= '') then
          call fail_key(values, name, key, 'needs '//lacking//' to have this demand', error)
-         return
       end if
-      if (.not. has_levels(quantity)) return
-      call get_list(values, name, key, limits)
-      floors = 1
-      if (has_group(values, 'storeys')) then
-         call get_list(values, 'storeys', 'height', heights)
-         floors = size(heights)
-      end if
-      if (size(limits) /= 1 .and. size(limits) /= floors) call fail_key(values, name, key, &
-         'must have one value, or one for each of '//trim(integer_to_text(floors)) &
-         //' from the ground up', error)
    end subroutine check_limit
-
-   !> True if the case gives masses, so that it has forces in N.
-   pure logical function has_mass(values)
-      type(group_values_t), intent(in) :: values
-
-      if (has_group(values, 'wall')) then
-         has_mass = has_key(values, 'wall', 'm_w') .or. has_key(values, 'wall', 'density')
-      else
-         has_mass = has_key(values, 'frame', 'm_s') .or. has_key(values, 'storeys', 'm')
-      end if
-   end function has_mass
 
    !> Request the demands of the limits.
    subroutine fill_limits(case, error)
@@ -150,18 +128,34 @@ contains
             output%envelopes = output%envelopes .or. given(i)%observed == of_envelopes
          end do
       end associate
+      do i = 1, size(given)
+         call check_length(case, given(i), error)
+         if (allocated(error)) return
+      end do
       call list_demands(case, given, case%output%limited)
    end subroutine fill_limits
+
+   !> Check that a list has one value, or one for each floor or storey.
+   subroutine check_length(case, quantity, error)
+      type(case_t), intent(in) :: case
+      type(quantity_t), intent(in) :: quantity
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), allocatable :: limits(:)
+
+      if (.not. has_levels(quantity)) return
+      call get_list(case%values, name, trim(limit_key(quantity)), limits)
+      if (size(limits) /= 1 .and. size(limits) /= floor_count(case)) call fail_key(case%values, &
+         name, trim(limit_key(quantity)), 'must have one value, or one for each of ' &
+         //trim(integer_to_text(floor_count(case)))//' from the ground up', error)
+   end subroutine check_length
 
    !> List the keys of the limited demands, those of floors and storeys with their numbers.
    pure subroutine list_demands(case, quantities, keys)
       type(case_t), intent(in) :: case
       type(quantity_t), intent(in) :: quantities(:)
       character(key_length), allocatable, intent(out) :: keys(:)
-      integer :: i, j, first, floors
+      integer :: i, j, first
 
-      floors = 1
-      if (allocated(case%storeys)) floors = size(case%storeys%frame%m)
       allocate (keys(0))
       do i = 1, size(quantities)
          if (.not. has_levels(quantities(i))) then
@@ -169,22 +163,9 @@ contains
             cycle
          end if
          first = 1
-         if (index(quantities(i)%key, 'link_') == 1) first = lowest_link(case, floors)
-         keys = [keys, (numbered(quantities(i)%key, j), j=first, floors)]
+         if (index(quantities(i)%key, 'link_') == 1) first = lowest_link(case)
+         keys = [keys, (numbered(quantities(i)%key, j), j=first, floor_count(case))]
       end do
    end subroutine list_demands
-
-   !> Number of the lowest floor with a link: the roof, unless every floor has one.
-   pure integer function lowest_link(case, floors)
-      type(case_t), intent(in) :: case
-      integer, intent(in) :: floors
-      !! number of floors
-
-      lowest_link = floors
-      if (.not. allocated(case%storeys)) return
-      associate (coupling => case%storeys%coupling)
-         if (coupling == 'every_floor' .or. coupling == 'springs') lowest_link = 1
-      end associate
-   end function lowest_link
 
 end module rwmf_input_groups_limits

@@ -6,7 +6,7 @@
 !> of the stresses about the middle of the base is N (B/2 - c/3). With c >= B the whole base is in
 !> contact: the stresses at its ends are N/(B t) +- k phi B/2, the moment is k phi t B**3/12. The
 !> strip does not affect the motion.
-module rwmf_model_base_section
+module rwmf_model_no_tension_strip
    use rwmf_core_kinds, only: wp
    implicit none
    private
@@ -73,4 +73,4 @@ contains
       end if
    end function base_moment
 
-end module rwmf_model_base_section
+end module rwmf_model_no_tension_strip
