@@ -79,7 +79,7 @@ def test_the_bits_of_one_run(elcentro: Path) -> None:
     run = rwmf.simulate(case)
     with rwmf.Wall(case) as wall:
         for k in range(1, 201):
-            wall.advance(k * 0.02)
+            wall.advance(round(k * 0.02, 2))
         assert wall.maxima.u_s_max == float(run.u_s_max)
         assert wall.maxima.theta_dot_max == pytest.approx(float(run.theta_dot_max), rel=1e-12)
         assert wall.state.impacts == int(run.impacts) > 5
