@@ -213,7 +213,9 @@ def test_bad_calls_are_named_and_change_nothing() -> None:
             "finite|number",
             lambda: wall.advance_ground(1.0, lambda t: 1.0 if t in (0.3, 1.0) else nan),
         )
-        _fails(ZeroDivisionError, "division", lambda: wall.advance_ground(1.0, lambda t: 1 / (t - 1.0)))
+        _fails(
+            ZeroDivisionError, "division", lambda: wall.advance_ground(1.0, lambda t: 1 / (t - 1.0))
+        )
         _fails(bad, "snapshot = 3", lambda: wall.restore(3))  # type: ignore[arg-type]
         _fails(bad, "another wall", lambda: wall.restore(other.save()))
         _fails(bad, "kinds = 'knock'", lambda: wall.next_event(1.0, ["knock"]))
