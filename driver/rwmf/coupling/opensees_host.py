@@ -30,7 +30,8 @@ class OpenSeesHost:
 
     The model is complete before: masses at the linked nodes, and the ground acceleration as a
     `UniformExcitation`. This class makes the analysis (Newmark's average acceleration) and one load
-    pattern. Constraints are handled by ``Plain``, so `equalDOF` is allowed. OpenSees then writes its messages to `log`, since every trial step ends with one.
+    pattern. Constraints are handled by ``Plain``, so `equalDOF` is allowed. OpenSees then writes
+    its messages to `log`, since every trial step ends with one.
 
     Parameters
     ----------
