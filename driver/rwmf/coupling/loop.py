@@ -31,6 +31,8 @@ _INSTANT = 1e-4
 _SAME_MASS = 1e-2
 # part of the step below which the rest of a step is skipped
 _NOTHING = 1e-9
+# impacts, lift-offs and ends of branches in a step
+_MOST_STOPS = 1000
 # repetitions of a step that ends at an impact
 _MOST_REPETITIONS = 8
 
@@ -233,8 +235,11 @@ class _Pair:
     def advance(self, t: float) -> None:
         """Step to a time, with stops at impacts and lift-offs."""
         least = _NOTHING * self._dt
-        while t - self._host.time() > least:
+        for _ in range(_MOST_STOPS):
             h = t - self._host.time()
+            if h <= least:
+                self._note()
+                return
             try:
                 if self._element.side:
                     self._rock(h)
@@ -242,7 +247,9 @@ class _Pair:
                     self._hold(h)
             except InputError as error:
                 raise NumericalError(f"t = {self._host.time():g} s: {error}") from None
-        self._note()
+        raise NumericalError(
+            f"t = {self._host.time():g} s: more than {_MOST_STOPS} stops in a step: shorten dt"
+        )
 
     def _note(self) -> None:
         """Add the present state to the histories."""

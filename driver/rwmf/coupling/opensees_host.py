@@ -30,7 +30,8 @@ class OpenSeesHost:
 
     The model is complete before: masses at the linked nodes, and the ground acceleration as a
     `UniformExcitation`. This class makes the analysis (Newmark's average acceleration) and one load
-    pattern. OpenSees then writes its messages to `log`, since every trial step ends with one.
+    pattern. Constraints are handled by ``Plain``, so `equalDOF` is allowed. OpenSees then writes
+    its messages to `log`, since every trial step ends with one.
 
     Parameters
     ----------
@@ -42,8 +43,8 @@ class OpenSeesHost:
         Their horizontal degree of freedom, from 1.
     tolerance : float
         Residual force of an equilibrium of the frame [N].
-    constraints, system : sequence
-        Arguments of these commands.
+    system : sequence
+        Arguments of this command.
     tag : int
         Unused tag of a time series and a load pattern.
     log : path
@@ -61,7 +62,6 @@ class OpenSeesHost:
         nodes: Sequence[int],
         dof: int = 1,
         tolerance: float = 1e-6,
-        constraints: Sequence[object] = ("Plain",),
         system: Sequence[object] = ("BandGeneral",),
         tag: int = 987654,
         log: str = os.devnull,
@@ -74,7 +74,7 @@ class OpenSeesHost:
         ops.logFile(log, "-noEcho")
         ops.timeSeries("Constant", tag)
         ops.wipeAnalysis()
-        ops.constraints(*constraints)
+        ops.constraints("Plain")
         ops.numberer("RCM")
         ops.system(*system)
         ops.algorithm("Newton")

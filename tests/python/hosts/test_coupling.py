@@ -171,7 +171,7 @@ def test_bad_calls_are_named() -> None:
         with pytest.raises(rwmf.InputError, match=match):
             call()
     with pytest.raises(rwmf.NumericalError, match="more than the wall can follow"):
-        couple(case, frame(restoring=[0.0]), lambda t: 20.0, 0.01, 5.0)
+        couple(case, frame(restoring=[0.0], ground=lambda t: 20.0), lambda t: 20.0, 0.01, 5.0)
 
 
 def test_the_stored_comparison_with_opensees() -> None:
