@@ -5,3 +5,4 @@ from typing import Any
 rwmf_bindings_python_cases: Any
 rwmf_bindings_python_cost: Any
 rwmf_bindings_python_kernel: Any
+rwmf_bindings_python_static_curve: Any
