@@ -82,9 +82,9 @@ def pushover(
     Returns
     -------
     Response
-        An `xarray.Dataset` over ``step``: ``roof_drift``, ``base_shear_over_weight``,
-        ``overturning_moment_over_weight``, displacements and forces with the names of a history,
-        and, where masses are known, the forces in N. The coordinates ``mark``, ``mark_step`` and
+        An `xarray.Dataset` over ``step``: ``roof_drift``, ``base_shear_over_weight`` and
+        ``overturning_moment_over_weight``. Displacements and forces have the names of a history,
+        with masses also in N. The coordinates ``mark``, ``mark_step`` and
         ``mark_roof_drift`` name the events. The attribute ``weight`` says which weight is meant;
         ``ending`` is ``complete``, ``overturned``, ``collapsed`` (a drift limit of the case),
         ``no_equilibrium`` or ``no_contact``.
@@ -210,8 +210,11 @@ def _to_dataset(curve: _library.StaticCurve, case: Case, pattern: str) -> Respon
     sizes = sizes_of(found.values())
     variables: dict[str, Labelled] = {}
     for name, (short, unit, meaning) in _OWN.items():
-        attributes = {"units": unit, "long_name": meaning}
-        variables[short] = ((_STEP,), curve.columns[name], attributes)
+        variables[short] = (
+            (_STEP,),
+            curve.columns[name],
+            {"units": unit, "long_name": meaning},
+        )
     label(variables, found, "history", sizes, _STEP)
     for name, meaning in _SIGNED.items():
         dims, values, attributes = variables[name]
@@ -222,8 +225,8 @@ def _to_dataset(curve: _library.StaticCurve, case: Case, pattern: str) -> Respon
         **_marks([name for name, _ in curve.marks], steps, curve.columns["roof_drift"][steps]),
     }
     if sizes:
-        dims = {dim for item in variables.values() for dim in item[0]}
-        coordinates |= level_coordinates(case, sizes, dims)
+        used = {dim for item in variables.values() for dim in item[0]}
+        coordinates |= level_coordinates(case, sizes, used)
     facts: dict[str, Any] = {
         "version": _library.version(),
         "pattern": pattern,

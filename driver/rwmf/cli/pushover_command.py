@@ -103,7 +103,7 @@ def _lines(curve: xr.Dataset) -> list[str]:
     """Return the table of marks, and the ends of the curve."""
     weight = float(curve.attrs.get("weight_N", 0.0))
     force = "base shear (kN)" if weight else "base shear/weight"
-    moment = "overturning moment (kN m)" if weight else "overturning moment/weight (m)"
+    moment = "moment (kN m)" if weight else "moment/weight (m)"
     unit = _KILO * weight or 1.0
     shear = unit * curve["base_shear_over_weight"].values
     turning = unit * curve["overturning_moment_over_weight"].values
@@ -112,7 +112,7 @@ def _lines(curve: xr.Dataset) -> list[str]:
     lines = [
         f"load pattern {curve.attrs['pattern']}: {shares} of the base shear, ground to roof",
         f"ratios are over the {curve.attrs['weight']}",
-        f"{'':44s}{'roof drift (%)':>15s}{force:>20s}{moment:>31s}",
+        f"{'':34s}{'roof drift (%)':>15s}{force:>19s}{moment:>19s}",
     ]
     seen = set()
     rows = [("largest base shear", int(np.argmax(np.abs(shear)))), ("end", len(drift) - 1)]
@@ -121,5 +121,5 @@ def _lines(curve: xr.Dataset) -> list[str]:
             rows.append((words_of_mark(str(name)), int(step)))
         seen.add(name)
     for words, i in sorted(rows, key=lambda row: row[1]):
-        lines.append(f"{words:44s}{100 * drift[i]:15.6g}{shear[i]:20.6g}{turning[i]:31.6g}")
+        lines.append(f"{words:34s}{100 * drift[i]:15.6g}{shear[i]:19.6g}{turning[i]:19.6g}")
     return lines

@@ -11,11 +11,11 @@ contains
    !> Solve a system by Gaussian elimination with scaled partial pivoting.
    pure subroutine solve_system(a, b, x, is_regular)
       real(wp), intent(in) :: a(:, :)
-      !! (n, n) matrix
+      !! (n, n) matrix, in any units
       real(wp), intent(in) :: b(:)
-      !! (n) right-hand side
+      !! (n) right-hand side, in any units
       real(wp), intent(out) :: x(:)
-      !! (n) solution; undefined for a singular matrix
+      !! (n) solution, in their quotient; undefined for a singular matrix
       logical, intent(out) :: is_regular
       !! no pivot vanishes
       real(wp), allocatable :: work(:, :), swap(:)

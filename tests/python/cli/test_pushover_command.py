@@ -66,7 +66,13 @@ def test_table(command: Runner, case_file: Path) -> None:
     found = command("pushover", str(case_file), "--pattern", "floors", "--forces", "1,3")
     assert found.returncode == 0
     assert "floors: 0.25, 0.75 of the base shear" in found.stdout
-    for words in ("base shear (kN)", "wall lifts off", "left fuse yields", "storey 1 yields"):
+    for words in (
+        "base shear (kN)",
+        "moment (kN m)",
+        "wall lifts off",
+        "left fuse yields",
+        "storey 1 yields",
+    ):
         assert words in found.stdout
 
 

@@ -196,7 +196,7 @@ contains
    !> Slope dz/dx, x = u/u_y, in a direction of the motion [-].
    pure real(wp) function state_slope(direction, beta, n, z) result(slope)
       real(wp), intent(in) :: direction
-      !! any number with the sign of the change of x
+      !! any number with the sign of the change of x [-]
       real(wp), intent(in) :: beta
       !! shape factor while |z| decreases [-]
       real(wp), intent(in) :: n

@@ -23,7 +23,7 @@ module rwmf_simulation_pushover_curve
       character(key_length), allocatable :: names(:)
       !! (columns) names with units
       real(wp), allocatable :: values(:, :)
-      !! (columns, rows) only the first `n` rows are in use
+      !! (columns, rows) only the first `n` rows are in use; in the units of their names
       integer :: n = 0
       !! number of rows
       type(mark_t), allocatable :: marks(:)
@@ -45,7 +45,7 @@ contains
    pure subroutine add_row(curve, values)
       type(static_curve_t), intent(inout) :: curve
       real(wp), intent(in) :: values(:)
-      !! (columns)
+      !! (columns) in the units of their names
       real(wp), allocatable :: more(:, :)
 
       if (.not. allocated(curve%values)) allocate (curve%values(size(values), 64))
@@ -62,6 +62,7 @@ contains
    pure subroutine add_mark(curve, name)
       type(static_curve_t), intent(inout) :: curve
       character(*), intent(in) :: name
+      !! name of the mark
 
       if (.not. allocated(curve%marks)) allocate (curve%marks(0))
       curve%marks = [curve%marks, mark_t(name, curve%n)]

@@ -45,8 +45,9 @@ module rwmf_simulation_pushover_curve_path
       integer :: sense = 1
       !! direction in which the roof moves; opposite to `direction` where it turns back
       real(wp), allocatable :: rates(:)
-      !! (positions) per displacement of the roof, or per load
+      !! (positions) per displacement of the roof [rad/m], [-], or per load
       real(wp) :: load_rate = 0
+      !! load per displacement of the roof [1/s2], or 1 [-]
       logical :: has_ended = .false.
    end type curve_path_t
 

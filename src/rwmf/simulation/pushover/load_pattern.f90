@@ -21,6 +21,7 @@ contains
       real(wp), allocatable, intent(out) :: pattern(:)
       !! (loads) sum 1 [-]
       type(error_t), allocatable, intent(out) :: error
+      !! unknown name, or forces that do not fit the floors
 
       allocate (pattern(max(1, building%floors)), source=0.0_wp)
       pattern(size(pattern)) = 1

@@ -55,7 +55,7 @@ module rwmf_simulation_pushover_static_scene
       integer :: effect = 0
       !! effect with limited drifts
       real(wp) :: target_value = 0
-      !! prescribed value
+      !! prescribed value, in the unit of its kind
    end type prescribed_t
 
    !> Scene in static equilibrium.
@@ -440,6 +440,7 @@ contains
       real(wp), intent(inout) :: load
       !! [m/s2]
       logical, intent(out) :: is_found
+      !! Newton's method has converged
       integer, parameter :: most_steps = 60, full = 12, half = 24
       !! largest number of steps; of full steps, and of these and half steps, at the beginning
       real(wp), parameter :: settled = 1.0e-9_wp
@@ -498,9 +499,11 @@ contains
       type(prescribed_t), intent(in) :: control
       !! its quantity has the rate `target_value`
       real(wp), intent(out) :: rates(:)
-      !! (positions) 0 for a wall on its base
+      !! (positions) 0 for a wall on its base [rad/m], [-]
       real(wp), intent(out) :: load_rate
+      !! [1/s2]
       logical, intent(out) :: is_found
+      !! the system is regular
       real(wp), allocatable :: slopes(:, :), right(:), found(:)
       integer :: m, first
 
