@@ -23,7 +23,7 @@ __all__ = ["PATTERNS", "columns_by_key", "mark_crossings", "pushover"]
 
 PATTERNS = ("first_mode", "floors", "roof")
 
-# drift of the roof without a protocol: beyond what design codes allow and tests reach
+# drift of the roof without a protocol: beyond the limits of design codes and the range of tests
 _DRIFT = 0.04
 _MOST_STEPS = 100_000
 _STEP = "step"

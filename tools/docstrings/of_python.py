@@ -18,8 +18,8 @@ __all__ = ["check"]
 
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
 _NOTHING = ("None", "NoReturn", "Never")
-# a property or an alternative of an overloaded function needs a first line only
-_BARE = ("property", "cached_property", "overload", "setter")
+# a property needs a first line only
+_BARE = ("property", "cached_property", "setter")
 
 
 def check(path: Path) -> tuple[int, list[Finding]]:
@@ -58,6 +58,9 @@ def check(path: Path) -> tuple[int, list[Finding]]:
 def _public(body: list[ast.stmt], within: str) -> Iterator[tuple[ast.ClassDef | _Function, str]]:
     for node in body:
         if isinstance(node, ast.ClassDef | _Function) and not node.name.startswith("_"):
+            # the docstring of an overloaded function is that of its implementation
+            if any(_last_name(decorator) == "overload" for decorator in node.decorator_list):
+                continue
             yield node, within + node.name
             if isinstance(node, ast.ClassDef):
                 yield from _public(node.body, f"{within}{node.name}.")

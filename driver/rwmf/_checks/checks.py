@@ -221,9 +221,10 @@ def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
     if isinstance(result, xr.Dataset):
         if "status" in result.data_vars:
             return _checks_of_grid(case, limits, result)
-        scalars: Mapping[str, Any] = Response(result.data_vars, result.coords, result.attrs).flat()
+        scalars: Mapping[str, Any]
+        scalars = Response(result.data_vars, result.coords, result.attrs).flat()
     elif isinstance(result, Mapping):
-        scalars = result
+        scalars = {str(key): value for key, value in result.items()}
     else:
         raise InputError(f"result = {show(result)}: must be a dataset or the scalars of a run")
     if not any(limit.key in scalars for limit in limits):

@@ -97,9 +97,8 @@ class Element(NotPickled):
     and the side on which the wall rocks. A response is a trial from the committed state; `commit`
     keeps the last one, `revert` drops it. A context manager. Units are SI, angles in rad.
 
-    Its degrees of freedom are the displacement u of the straight wall at the link, then one for
-    each mode of `&bending`, then one for each floor on link springs (`&storeys coupling =
-    'springs'`).
+    Its degrees of freedom are the displacement u of the straight wall at the link, and one for
+    each mode of `&bending`. Link springs (`&storeys coupling = 'springs'`) add one for each floor.
 
     Parameters
     ----------

@@ -329,8 +329,8 @@ class Wall(_Stepping):
 class Walls(_Stepping):
     """Walls that advance together, in threads of the kernel.
 
-    All calls have the meaning of those of `Wall`, and each wall has the bits of a `Wall` of its
-    own, whatever the number of threads. After a failed call no wall has changed; the message begins
+    All calls have the meaning of those of `Wall`. Each wall has the bits of a single `Wall`,
+    whatever the number of threads. After a failed call no wall has changed; the message begins
     with the number of the wall, from 1. Ctrl-C stops a call.
 
     Parameters

@@ -103,16 +103,16 @@ def end_rates(increment: Reals, h: float, v: Reals, a: Reals) -> tuple[Reals, Re
 
     Parameters
     ----------
-    increment : numpy.ndarray
+    increment : numpy.ndarray, shape (dofs,)
         Increments of displacement [m].
     h : float
         Length of the step [s].
-    v, a : numpy.ndarray
+    v, a : numpy.ndarray, shape (dofs,)
         Velocities [m/s] and accelerations [m/s2] at its beginning.
 
     Returns
     -------
-    tuple of numpy.ndarray
+    v_end, a_end : numpy.ndarray, shape (dofs,)
         Velocities [m/s] and accelerations [m/s2] at its end.
     """
     mean = increment / h

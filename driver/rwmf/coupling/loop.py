@@ -66,8 +66,8 @@ class CoupledRun:
     t : list of float
         Times [s].
     u, theta, force : list of float
-        Displacement of the highest link [m], rotation of the wall [rad], force of the wall on the
-        frame in the direction of the motion, summed over the links by their heights [N].
+        Displacement of the highest link [m], rotation of the wall [rad], and force of the wall on
+        the frame [N]. The force is summed over the links by their heights.
     events : list of WallEvent
         Lift-offs, impacts and rest.
     u_s_max : float
@@ -118,9 +118,8 @@ def couple(
 ) -> CoupledRun:
     """Step a wall and the frame of a host together.
 
-    Impacts and lift-offs end a step at their instant. At an impact the velocities of wall and frame
-    change by the balance of momentum over the masses of the host (rule ``coupled``), or by the
-    factor that the case gives.
+    Impacts and lift-offs end a step at their instant. At an impact the balance of momentum over
+    the masses of the host changes the velocities (rule ``coupled``), or the factor of the case.
 
     Parameters
     ----------

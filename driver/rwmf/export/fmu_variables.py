@@ -18,7 +18,7 @@ _NOT_PARAMETERS = {
 }  # fmt: skip
 _NO_PARAMETER_GROUPS = {"output", "spectrum", "sensitivity", "design"}
 _TYPES = {"real": "f", "real list": "f", "integer": "i", "logical": "b", "int": "i"}
-# what a step can change; the others are known before it, or tell of the computation
+# variables that a step can change; the others are known before it, or tell of the computation
 _FOUND = {"row", "peak", "time", "end", "count", "whether"}
 
 
@@ -63,11 +63,17 @@ class Variable:
 
     @property
     def is_output(self) -> bool:
-        """Whether the unit computes it."""
+        """True if the unit computes it."""
         return self.kind in "or"
 
     def line(self) -> str:
-        """Return its line of ``variables.txt``."""
+        """Return its line of ``variables.txt``.
+
+        Returns
+        -------
+        str
+            Kind, type, key, count and start value, with a line feed.
+        """
         return f"{self.kind} {self.type} {self.key} {self.count} {self.start!r}\n"
 
 

@@ -84,6 +84,7 @@ contains
       type(c_ptr), intent(in) :: namelist
       type(case_t), intent(out) :: case
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` if it is no valid case
       character(:), allocatable :: text
 
       call get_text(namelist, 'namelist text', text, error)

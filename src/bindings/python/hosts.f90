@@ -24,7 +24,7 @@ module rwmf_bindings_python_hosts
 
 contains
 
-   !> Create n walls: of one case, or each of its own.
+   !> Create n walls of one case, or of n cases.
    subroutine walls_create(cases, n, t_begin, peak, handle, status, message, message_length)
       integer(c_int64_t), intent(in) :: cases(:)
       !! one handle, or n

@@ -286,6 +286,7 @@ contains
    subroutine require_on_base(member, error)
       type(wall_member_t), intent(in) :: member
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for a hinged wall, a wall away from its base, or before creation
       real(wp), parameter :: near = 1.0e-6_wp
       !! displacement that counts as zero, over R [-]
 

@@ -371,7 +371,7 @@ contains
       real(wp), intent(in) :: dt
       !! >= 0, step of the host [s]
       real(wp), intent(in) :: motion(:, :)
-      !! (dofs, 3) motion after the impact
+      !! (dofs, 3) motion after the impact [m], [m/s], [m/s2]
       real(wp), intent(in) :: ground(2)
       !! horizontal and vertical ground acceleration [m/s2]
       real(wp), intent(in) :: push

@@ -129,7 +129,7 @@ contains
    subroutine require_motion(member, motion, error)
       type(wall_member_t), intent(in) :: member
       real(wp), intent(in) :: motion(:, :)
-      !! (dofs, 3)
+      !! (dofs, 3) displacements, velocities, accelerations [m], [m/s], [m/s2]
       type(error_t), allocatable, intent(inout) :: error
       character(12), parameter :: names(3) = [character(12) :: 'displacement', 'velocity', &
          'acceleration']
@@ -337,7 +337,7 @@ contains
       integer, intent(in) :: coordinate
       !! 0 for phi, i for q~_i
       integer, intent(in) :: order
-      !! 0: by the coordinate, 1: by its rate
+      !! 0 by the coordinate, 1 by its rate
       real(wp) :: slope(0:member%equation%beam%n)
       real(wp), parameter :: relative = 1.0e-3_wp
       real(wp) :: force(0:member%equation%beam%n, 4)

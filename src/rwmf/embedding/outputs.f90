@@ -29,6 +29,7 @@ contains
       character(*), intent(in) :: key
       !! key of a history column or of a scalar, 'storey_2_drift'
       integer, intent(out) :: number
+      !! number for `query_outputs`
       type(error_t), allocatable, intent(out) :: error
       !! `err_input` for any other key
       integer :: place, storey

@@ -267,6 +267,7 @@ contains
    subroutine stop_at_impacts(stepping, stops, error)
       type(stepping_t), intent(inout) :: stepping
       logical, intent(in) :: stops
+      !! true to end every later advance at its first impact
       type(error_t), allocatable, intent(out) :: error
       !! `err_input` if the handle refers to no wall
 

@@ -34,8 +34,9 @@ contains
       !! `walls` is allocated
       type(case_t), intent(in) :: case
       integer, intent(in) :: first
+      !! number of the first wall that the case describes
       integer, intent(in) :: last
-      !! numbers of the walls that the case describes
+      !! number of the last one
       type(error_t), allocatable, intent(out) :: error
       real(wp), intent(in), optional :: t_begin
       !! [s]
@@ -147,6 +148,7 @@ contains
       type(snapshot_t), allocatable, intent(out) :: snapshots(:)
       !! (walls)
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` if a wall does not exist
       integer :: i
 
       allocate (snapshots(size(group%walls)))
@@ -189,6 +191,7 @@ contains
       integer(i8), intent(inout) :: counts(:, :)
       !! (walls, 6) impacts, lift_offs, steps; 1 if at rest, overturned, collapsed
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` if a wall does not exist
       type(wall_state_t) :: state
       integer :: i
 
@@ -212,6 +215,7 @@ contains
       real(wp), intent(inout) :: forces(:, :)
       !! (walls, 3) link, frame_shear, cable [N] or [N/kg]
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` if a wall does not exist
       type(wall_forces_t) :: found
       integer :: i
 

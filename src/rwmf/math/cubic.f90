@@ -14,9 +14,9 @@ contains
       real(wp), intent(in) :: dt
       !! length of the step [s]
       real(wp), intent(in) :: value_0, rate_0
-      !! value and its time derivative at the beginning
+      !! value at the beginning in any unit, and its derivative by time in that unit over s
       real(wp), intent(in) :: value_1, rate_1
-      !! value and its time derivative at the end
+      !! the same at the end, in the same units
       real(wp) :: p(0:3)
 
       p = [value_0, dt*rate_0, 3*(value_1 - value_0) - dt*(2*rate_0 + rate_1), &
@@ -26,7 +26,9 @@ contains
    !> Value of a cubic.
    pure real(wp) function value_at(p, x)
       real(wp), intent(in) :: p(0:)
+      !! (0:3) coefficients, in any unit
       real(wp), intent(in) :: x
+      !! place over the length of the step [-]
 
       value_at = p(0) + x*(p(1) + x*(p(2) + x*p(3)))
    end function value_at
@@ -34,6 +36,7 @@ contains
    !> Ends of the monotone pieces of a cubic on [0, 1]; a piece may be empty.
    pure function monotone_pieces(p) result(ends)
       real(wp), intent(in) :: p(0:)
+      !! (0:3) coefficients, in any unit
       real(wp) :: ends(0:3)
       real(wp) :: discriminant
       real(wp) :: q
@@ -55,8 +58,11 @@ contains
    !> Root of a falling piece, to the spacing of floating-point numbers.
    pure real(wp) function falling_root(p, begin, end) result(x)
       real(wp), intent(in) :: p(0:)
+      !! (0:3) coefficients, in any unit
       real(wp), intent(in) :: begin
+      !! begin of the piece over the length of the step [-]
       real(wp), intent(in) :: end
+      !! its end [-]
       type(bracket_t) :: bracket
 
       bracket = bracket_between(begin, end)

@@ -15,7 +15,7 @@ contains
       real(wp), intent(in) :: b(:)
       !! (n) right-hand side, in any units
       real(wp), intent(out) :: x(:)
-      !! (n) solution, in their quotient; undefined for a singular matrix
+      !! (n) solution, in any units that follow; undefined for a singular matrix
       logical, intent(out) :: is_regular
       !! no pivot vanishes
       real(wp), allocatable :: work(:, :), swap(:)

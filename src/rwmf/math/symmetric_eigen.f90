@@ -66,7 +66,7 @@ contains
    !> Find all eigenvalues and eigenvectors of a small symmetric matrix by Jacobi's rotations.
    pure subroutine diagonalise(matrix, values, vectors)
       real(wp), intent(in) :: matrix(:, :)
-      !! (n, n) symmetric
+      !! (n, n) symmetric, in any unit
       real(wp), intent(out) :: values(:)
       !! (n) in the unit of the matrix, not in order
       real(wp), intent(out) :: vectors(:, :)

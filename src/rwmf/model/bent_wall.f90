@@ -261,7 +261,9 @@ contains
    !> Solve a symmetric, positive definite system by Cholesky factors.
    pure function solution(matrix, right) result(x)
       real(wp), intent(in) :: matrix(:, :)
+      !! (n, n) in any units
       real(wp), intent(in) :: right(:)
+      !! (n) in any units
       real(wp) :: x(size(right))
       real(wp) :: factor(size(right), size(right))
       integer :: j, k

@@ -552,7 +552,7 @@ contains
       call checks%that(settles_after(member, 1.0e-6_wp), 'settles')
    end subroutine test_events
 
-   !> Whether a wall that has landed with a velocity settles within 10 ms.
+   !> True if a wall that has landed with a velocity settles within 10 ms.
    logical function settles_after(member, velocity) result(settles)
       type(wall_member_t), intent(in) :: member
       real(wp), intent(in) :: velocity

@@ -125,7 +125,7 @@ contains
       type(term_t), intent(in) :: term
       !! its law is the number of modes n, its n the number of floors that are linked one by one
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      !! columns as above
+      !! columns as above, with their units
       real(wp), intent(in) :: y(lane_count, last_state(term))
       !! states
       real(wp), intent(in) :: inertia(lane_count)

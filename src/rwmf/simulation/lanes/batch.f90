@@ -402,6 +402,7 @@ contains
    subroutine follow_interval(lane, i, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
+      !! lane of the batch
       type(batch_t), intent(in) :: batch
 
       associate (interval => int(batch%table(i, of_interval)))

@@ -187,7 +187,7 @@ contains
       before = control_value(scene, control, scene%y, scene%load)
       after = control_value(scene, control, step%y, step%load)
       least = round_off*scene%equation%p%g*scene%equation%p%R
-      ! a wall that has just landed is at the level of its own side
+      ! a wall that has just landed is at the level of its side
       if (before >= -least .and. kind /= at_uplift) return
       if (after > least .and. after > before) call try_level(scene, step, kind, control)
    end subroutine try_upward

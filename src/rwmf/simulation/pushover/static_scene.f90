@@ -185,7 +185,7 @@ contains
          else
             force(1) = equation%p%R**2*motion%side(1)*motion%moment(1)
             if (equation%has_wall) then
-               ! `published` gives the link an arm of its own
+               ! `published` gives the link another arm
                kin = kinematics_of(equation%geometry, equation%state%side, &
                   equation%state%side*y(1))
                slopes(:, 1) = slopes(:, 1)*(kin%lever/kin%j)

@@ -532,9 +532,13 @@ contains
    subroutine find_rates(equation, t, y, is_at_rest, y_dot)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
+      !! time [s]
       real(wp), intent(in) :: y(:)
+      !! states, each in its unit
       logical, intent(in) :: is_at_rest
+      !! the wall rests on both corners
       real(wp), intent(out) :: y_dot(:)
+      !! rates of the states, each in its unit over s
 
       if (is_at_rest) then
          call find_rates_at_rest(equation, t, y, y_dot)
