@@ -817,6 +817,68 @@ class Limits(Group):
     toe_strain_max: float
 
 
+class Sensitivity(Group):
+    """Group ``&sensitivity``.
+
+    Attributes
+    ----------
+    parameters : tuple[str, ...]
+        Keys by which `rwmf run` and `rwmf gradient` differentiate.
+    quantities : tuple[str, ...]
+        Results to differentiate; absent: u_s_max_m, of a block theta_max_over_alpha.
+    """
+
+    __slots__ = ()
+    parameters: tuple[str, ...]
+    quantities: tuple[str, ...]
+
+
+class Design(Group):
+    """Group ``&design``.
+
+    Attributes
+    ----------
+    parameters : tuple[str, ...]
+        Keys that the design chooses.
+    low : tuple[float, ...]
+        Least value of each parameter.
+    high : tuple[float, ...]
+        Largest value of each parameter.
+    cost : tuple[float, ...]
+        Cost of a unit of each parameter; the design has the least sum.
+    percentile : float
+        Percentile of the suite that meets &limits; 84 without probability [%].
+    probability : float
+        Share of the suite that may exceed a limit of &limits; beside no percentile.
+    collapse_probability : float
+        Share of the suite that may collapse or overturn.
+    collapse_scale : float
+        Factor on the motions for the collapse, such as 1.5 from design level to MCE.
+    records : tuple[str, ...]
+        The suite, from the folder of the case; absent: the motion of the case.
+    left_out : tuple[str, ...]
+        Records that judge the design; absent: every fourth of the suite.
+    unit : str
+        Unit of the records.
+    designs : int
+        Number of designs of the first stage.
+    """
+
+    __slots__ = ()
+    parameters: tuple[str, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    cost: tuple[float, ...]
+    percentile: float
+    probability: float
+    collapse_probability: float
+    collapse_scale: float
+    records: tuple[str, ...]
+    left_out: tuple[str, ...]
+    unit: Literal["g", "m/s2", "cm/s2"]
+    designs: int
+
+
 class Spectrum(Group):
     """Group ``&spectrum``.
 
@@ -901,6 +963,10 @@ class Groups:
         Group ``&base_section``.
     limits : Limits
         Group ``&limits``.
+    sensitivity : Sensitivity
+        Group ``&sensitivity``.
+    design : Design
+        Group ``&design``.
     spectrum : Spectrum
         Group ``&spectrum``.
     """
@@ -927,6 +993,8 @@ class Groups:
     output: Output
     base_section: BaseSection
     limits: Limits
+    sensitivity: Sensitivity
+    design: Design
     spectrum: Spectrum
 
 
@@ -952,5 +1020,7 @@ TYPES: dict[str, type[Group]] = {
     "output": Output,
     "base_section": BaseSection,
     "limits": Limits,
+    "sensitivity": Sensitivity,
+    "design": Design,
     "spectrum": Spectrum,
 }

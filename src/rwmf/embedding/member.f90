@@ -9,6 +9,7 @@
 !> alone, along the straight path in u; so no sequence of trials changes the committed path.
 !> Assignment copies a member with its state.
 module rwmf_embedding_member
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_math_cantilever, only: deflection
@@ -19,7 +20,7 @@ module rwmf_embedding_member
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_model_restitution, only: restitution_t
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
-   use rwmf_problem_case, only: case_t, keep_numbers
+   use rwmf_problem_case, only: case_t, copy_without_frame, list_links, upward_ratio
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private
@@ -108,14 +109,9 @@ contains
          call fail(error, err_input, 'a member needs the group &wall')
          return
       end if
-      member%takes_vertical = allocated(case%vertical)
-      if (allocated(case%vertical)) then
-         if (allocated(case%vertical%ratio)) then
-            member%takes_vertical = .false.
-            member%vertical_ratio = case%vertical%ratio
-         end if
-      end if
-      call remove_frame(case, wall_alone)
+      member%takes_vertical = ieee_is_nan(upward_ratio(case))
+      if (.not. member%takes_vertical) member%vertical_ratio = upward_ratio(case)
+      call copy_without_frame(case, wall_alone)
       none = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
       call build_equation(wall_alone, none, member%equation)
       member%equation%motion => null()
@@ -132,42 +128,18 @@ contains
       member%committed = member%tried
    end subroutine create_member
 
-   !> Copy a case without its frame and its records.
-   subroutine remove_frame(case, wall_alone)
-      type(case_t), intent(in) :: case
-      type(case_t), intent(out) :: wall_alone
-      integer :: i
-
-      wall_alone%structure_t = case%structure_t
-      if (allocated(wall_alone%frame)) deallocate (wall_alone%frame)
-      if (allocated(wall_alone%storeys)) deallocate (wall_alone%storeys)
-      if (allocated(wall_alone%yielding)) deallocate (wall_alone%yielding)
-      if (.not. allocated(case%numbers)) return
-      deallocate (wall_alone%numbers)
-      do i = 1, size(case%numbers)
-         if (case%numbers(i)%group /= 'p_delta') call keep_numbers(wall_alone, &
-            case%numbers(i)%group, case%numbers(i)%values)
-      end do
-   end subroutine remove_frame
-
    !> Set the links to the frame of the host: one at the top, or one for each floor.
    subroutine set_links(member, case)
       type(wall_member_t), intent(inout) :: member
       type(case_t), intent(in) :: case
       integer :: i, j
 
-      member%share = [1.0_wp]
+      call list_links(case, member%share, member%k_link, member%frame_mass)
+      member%frame_mass = member%m_w*member%frame_mass
       member%n = 1 + member%equation%beam%n
-      if (allocated(case%storeys)) then
-         if (any(case%storeys%coupling == [character(11) :: 'every_floor', 'springs'])) then
-            associate (height => case%storeys%frame%height)
-               member%share = [(sum(height(:i)), i=1, size(height))]/sum(height)
-            end associate
-         end if
-         if (allocated(case%storeys%k_link)) then
-            member%k_link = member%m_w*case%storeys%k_link
-            member%n = member%n + size(member%k_link)
-         end if
+      if (allocated(member%k_link)) then
+         member%k_link = member%m_w*member%k_link
+         member%n = member%n + size(member%k_link)
       end if
       allocate (member%phi(size(member%share), member%equation%beam%n))
       do j = 1, member%equation%beam%n
@@ -177,24 +149,13 @@ contains
       end do
    end subroutine set_links
 
-   !> Set the rule of impacts, and the masses of the case's frame that take part in them.
+   !> Set the rule of impacts.
    subroutine set_impacts(member, case)
       type(wall_member_t), intent(inout) :: member
       type(case_t), intent(in) :: case
 
       member%restitution = impact_law(case, member%equation%p%alpha)
       if (allocated(case%impact)) member%balances = case%impact%rule == 'coupled'
-      allocate (member%frame_mass(size(member%share)), source=0.0_wp)
-      if (.not. allocated(case%frame)) return
-      if (.not. (case%frame%is_linked .and. allocated(case%frame%gamma))) return
-      if (size(member%share) > 1) then
-         associate (frame => case%storeys%frame)
-            member%frame_mass(:) = member%m_w*case%frame%gamma*frame%shape(size(frame%m), 1)**2 &
-               *frame%m
-         end associate
-      else
-         member%frame_mass(:) = member%m_w*case%frame%gamma
-      end if
    end subroutine set_impacts
 
    !> Return sizes and committed state.

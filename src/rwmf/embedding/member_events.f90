@@ -17,6 +17,7 @@ module rwmf_embedding_member_events
    use rwmf_model_hysteresis_spring_set, only: renew_window, turn_back
    use rwmf_model_restitution, only: factor_at, largest_factor
    use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_peak
+   use rwmf_simulation_transitions, only: reason_of_jump
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -35,14 +36,14 @@ module rwmf_embedding_member_events
    end type member_event_t
 
    !> Step of a host program.
-   type :: step_t
+   type :: member_step_t
       real(wp) :: dt
       !! length [s]
       real(wp) :: u(0:3)
       !! sigma u as a polynomial of tau/dt [m]
       logical :: has_branches
       !! branch ends are events
-   end type step_t
+   end type member_step_t
 
 contains
 
@@ -67,7 +68,7 @@ contains
       !! that would leave its base on both sides at once
       logical, intent(in), optional :: has_branches
       !! also report ends of branches and peaks; default false
-      type(step_t) :: step
+      type(member_step_t) :: step
       integer :: i
 
       call require_member(member, error)
@@ -95,7 +96,7 @@ contains
    !> Find the first impact, branch end or peak of a rocking or hinged wall.
    subroutine find_first(member, step, event)
       type(wall_member_t), intent(in) :: member
-      type(step_t), intent(in) :: step
+      type(member_step_t), intent(in) :: step
       type(member_event_t), intent(inout) :: event
       type(discrete_state_t) :: state
       real(wp) :: ends(0:3)
@@ -127,7 +128,7 @@ contains
    !> Find the end of a branch in a monotone piece, before an impact in it.
    subroutine find_branch(member, step, ends, direction, state, event)
       type(wall_member_t), intent(in) :: member
-      type(step_t), intent(in) :: step
+      type(member_step_t), intent(in) :: step
       real(wp), intent(in) :: ends(2)
       !! of the piece
       integer, intent(in) :: direction
@@ -181,9 +182,7 @@ contains
          demand(:, i) = [response%hold(1) - push(i), push(i) - response%hold(2)]
       end do
       if (any(minval(demand, dim=1) > 0)) then
-         call fail(error, err_numerical, 'the wall jumps: vertical motion or fuses take all of ' &
-            //'weight and cable force from the base, and a wall in the air is not in the model', &
-            'wall_jumps')
+         call fail(error, err_numerical, 'the wall jumps: '//reason_of_jump, 'wall_jumps')
          return
       end if
       do i = 1, 2

@@ -21,7 +21,7 @@ module rwmf_embedding_member_response
    use rwmf_model_equation, only: cable_at, discrete_state_t, enter_side
    use rwmf_model_hysteresis_spring_set, only: spring_forces
    use rwmf_model_kinematics, only: kinematics_of, kinematics_t
-   use rwmf_model_lanes, only: lane_motion_t
+   use rwmf_model_lanes, only: lane_motion_t, set_ground
    use rwmf_text_strings, only: integer_to_text
    implicit none
    private
@@ -160,8 +160,8 @@ contains
 
       call require_numbers(ground, [character(8) :: 'u_g_ddot', 'v_g_ddot'], error)
       if (allocated(error) .or. member%takes_vertical .or. .not. abs(ground(2)) > 0) return
-      call fail(error, err_input, 'v_g_ddot must be 0: only a case with a vertical record takes ' &
-         //'a vertical ground acceleration, and &vertical ratio follows u_g_ddot')
+      call fail(error, err_input, 'v_g_ddot must be 0: the case has no record of the upward ' &
+         //'acceleration of the ground; a ratio to u_g_ddot needs none')
    end subroutine require_ground
 
    !> Find side, rotation and its rates at a motion.
@@ -261,8 +261,7 @@ contains
       real(wp), dimension(member%equation%n) :: y, rates
       integer :: i
 
-      motion%ground = pose%ground(1)
-      motion%vertical = pose%ground(2)
+      call set_ground(motion, pose%ground)
       associate (beam => member%equation%beam, n => member%equation%beam%n, s => pose%side, &
                  R => member%equation%p%R)
          y(1:2) = s*z(0, :1)

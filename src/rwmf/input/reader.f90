@@ -100,10 +100,23 @@ contains
       call add_key('solver', 't_end', '1')
       if (find_group(given, 'frame') == 0) return
       call add_key('frame', 'xi_s', '0')
-      if (find_group(given, 'storeys') + find_group(given, 'spectrum') > 0) return
-      call add_key('frame', 'T_s', '1', instead='k_s')
+      ! only a frame with a mass has a period
+      if (has_key('gamma') .or. has_key('m_s')) call add_key('frame', 'T_s', '1', instead='k_s')
 
    contains
+
+      !> True if the frame is given a key.
+      logical function has_key(key)
+         character(*), intent(in) :: key
+         integer :: i
+
+         has_key = .false.
+         associate (entries => given(find_group(given, 'frame'))%entries)
+            do i = 1, size(entries)
+               has_key = has_key .or. entries(i)%key == key
+            end do
+         end associate
+      end function has_key
 
       !> Add a key unless it, or another in its place, is given.
       subroutine add_key(group, key, value, instead)

@@ -170,7 +170,8 @@ contains
    !> Find the steps that cannot contain an extremum of some values. Their three samples are below
    !> the largest value so far by more than a peak can exceed them. This excess is an eighth of the
    !> range for a parabola, or for a vibration through up to `longest_angle`. A value that falls
-   !> from the largest so far, by the parabola through the samples, has no other peak either.
+   !> from the largest so far, by the parabola through the samples, has no other peak either. Most
+   !> values are magnitudes, so the bounds hold for any sign of the samples.
    pure subroutine find_flat_steps(screen, angle, values, first, final, parts, is_flat)
       type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: angle(lane_count)
@@ -207,12 +208,13 @@ contains
             b = values(i, q, at_middle)
             c = values(i, q, at_end)
             top = max(a, b, c)
-            low = rise*(top - min(a, b, c))
+            low = min(a, b, c)
+            low = rise*max(top - low, a + b + c - low)
             level = values(i, q, so_far)
             range = level - values(i, q, least_so_far)
             ! slopes of the parabola at both ends
-            grows = merge(0.5_wp, 0.0_wp, min(3*c - 4*b + a, 4*b - 3*a - c) > low)
-            falls = merge(1.0_wp, 0.0_wp, max(3*c - 4*b + a, 4*b - 3*a - c) < -low)
+            grows = merge(0.5_wp, 0.0_wp, min(3*c - 4*b - abs(a), 4*b - 3*a - c) > low)
+            falls = merge(1.0_wp, 0.0_wp, max(3*c - 4*b + abs(a), 4*b - 3*a + abs(c)) < -low)
             falls = merge(falls, 0.0_wp, a <= level*(1 + same))
             top = top + low + slack*max(range, 0.0_wp)
             top = merge(1.0_wp, max(grows, falls), top <= level)
@@ -231,7 +233,7 @@ contains
          b = b*min(values(i, demand, at_middle), cap)
          c = c*min(values(i, demand, at_end), cap)
          top = max(a, b, c)
-         top = top + rise*(top - min(a, b, c)) + slack*abs(top)
+         top = top + rise*(a + b + c - min(a, b, c)) + slack*abs(top)
          level = min(values(i, demand, so_far), cap)
          ! a pivot that lifts has the largest possible demand
          top = merge(-1.0_wp, merge(top, 2*cap*cap, low > 0), level >= cap)

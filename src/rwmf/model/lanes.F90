@@ -12,7 +12,7 @@ module rwmf_model_lanes
    implicit none
    private
 
-   public :: lane_count, lane_motion_t
+   public :: lane_count, lane_motion_t, set_ground
    public :: wall_coefficients, frame_coefficients, cable_coefficients, link_coefficients
    public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
       add_straight_cable, cosine, sine
@@ -85,6 +85,16 @@ module rwmf_model_lanes
    end type lane_motion_t
 
 contains
+
+   !> Set the acceleration of the ground of all lanes.
+   pure subroutine set_ground(motion, ground)
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(in) :: ground(2)
+      !! horizontal and vertical [m/s2]
+
+      motion%ground = ground(1)
+      motion%vertical = ground(2)
+   end subroutine set_ground
 
    !> Compute the kinematics of a wall on a corner or on a hinge, with its own inertia and weight.
    !>

@@ -3,6 +3,7 @@
 !> An unallocated component means that the group or key is absent from the case; that effect is not
 !> simulated.
 module rwmf_problem_case
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_kinds, only: wp
    use rwmf_problem_group_values, only: group_values_t
    use rwmf_problem_quantity_table, only: key_length
@@ -16,6 +17,7 @@ module rwmf_problem_case
    public :: impact_t, motion_spec_t, inerter_t, vertical_t
    public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t, structure_t
    public :: keep_numbers, has_numbers, numbers_of, has_all_modes
+   public :: copy_without_frame, list_links, upward_ratio
 
    !> Rocking wall, `&wall`.
    type :: wall_t
@@ -366,6 +368,64 @@ contains
       has_numbers = .false.
       if (allocated(case%numbers)) has_numbers = any(case%numbers%group == group)
    end function has_numbers
+
+   !> Copy a case without its frame and its records, for a host that owns the frame.
+   subroutine copy_without_frame(case, wall_alone)
+      type(case_t), intent(in) :: case
+      type(case_t), intent(out) :: wall_alone
+      integer :: i
+
+      wall_alone%structure_t = case%structure_t
+      if (allocated(wall_alone%frame)) deallocate (wall_alone%frame)
+      if (allocated(wall_alone%storeys)) deallocate (wall_alone%storeys)
+      if (allocated(wall_alone%yielding)) deallocate (wall_alone%yielding)
+      if (.not. allocated(case%numbers)) return
+      deallocate (wall_alone%numbers)
+      do i = 1, size(case%numbers)
+         if (case%numbers(i)%group /= 'p_delta') call keep_numbers(wall_alone, &
+            case%numbers(i)%group, case%numbers(i)%values)
+      end do
+   end subroutine copy_without_frame
+
+   !> List the links between wall and frame: one at the roof, or one for each floor.
+   pure subroutine list_links(case, share, stiffness, mass)
+      type(case_t), intent(in) :: case
+      real(wp), allocatable, intent(out) :: share(:)
+      !! (links) height over that of the roof [-]
+      real(wp), allocatable, intent(out) :: stiffness(:)
+      !! (floors) stiffness of link springs over m_w [1/s2]; not allocated for rigid links
+      real(wp), allocatable, intent(out) :: mass(:)
+      !! (links) mass of the frame that moves with a rigid link, over m_w [-]
+      integer :: i
+
+      share = [1.0_wp]
+      if (allocated(case%storeys)) then
+         if (any(case%storeys%coupling == [character(11) :: 'every_floor', 'springs'])) then
+            associate (height => case%storeys%frame%height)
+               share = [(sum(height(:i)), i=1, size(height))]/sum(height)
+            end associate
+         end if
+         if (allocated(case%storeys%k_link)) stiffness = case%storeys%k_link
+      end if
+      allocate (mass(size(share)), source=0.0_wp)
+      if (.not. allocated(case%frame)) return
+      if (.not. (case%frame%is_linked .and. allocated(case%frame%gamma))) return
+      mass(:) = case%frame%gamma
+      if (size(share) == 1) return
+      associate (frame => case%storeys%frame)
+         mass(:) = case%frame%gamma*frame%shape(size(frame%m), 1)**2*frame%m
+      end associate
+   end subroutine list_links
+
+   !> Ratio of the vertical to the horizontal ground acceleration; NaN for a vertical record.
+   pure real(wp) function upward_ratio(case)
+      type(case_t), intent(in) :: case
+
+      upward_ratio = 0
+      if (.not. allocated(case%vertical)) return
+      upward_ratio = ieee_value(upward_ratio, ieee_quiet_nan)
+      if (allocated(case%vertical%ratio)) upward_ratio = case%vertical%ratio
+   end function upward_ratio
 
    !> Numbers of a group; the case must have them.
    pure function numbers_of(case, group) result(values)

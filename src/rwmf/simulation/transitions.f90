@@ -27,8 +27,12 @@ module rwmf_simulation_transitions
    implicit none
    private
 
+   public :: reason_of_jump
    public :: apply_event, begin_piece, change_storey, enter_rest, lift_off, observe_peak, negligible
 
+   character(*), parameter :: reason_of_jump = 'vertical motion or fuses take all of weight and ' &
+      //'cable force from the base, and a wall in the air is not in the model'
+   !! why a wall leaves its base with both corners
    real(wp), parameter :: negligible = 0.01_wp
    !! fraction of the tolerance below which a motion may be set to rest
    real(wp), parameter :: flight_margin = 2.2_wp
@@ -101,8 +105,7 @@ contains
       if (.not. equation%has_vertical) return
       if (.not. jumps(equation, interval_of(equation), hybrid%t)) return
       call fail(error, err_numerical, 'the wall jumps at t = '//trim(real_to_text(hybrid%t)) &
-         //' s: vertical motion or fuses take all of weight and cable force from the base, and a ' &
-         //'wall in the air is not in the model', 'wall_jumps')
+         //' s: '//reason_of_jump, 'wall_jumps')
    end subroutine check_ground
 
    !> Place both corners of the wall on the base.

@@ -251,7 +251,7 @@ contains
       real(wp), parameter :: slack = 0.01_wp
       !! tolerance over the range so far [-]
       real(wp), dimension(size(piece%y_b)) :: y, y_dot
-      real(wp) :: middle(size(self%largest)), low, slope(2)
+      real(wp) :: middle(size(self%largest)), low
       integer :: q
 
       associate (h => piece%t_b - piece%t_a)
@@ -263,11 +263,13 @@ contains
       do q = 1, size(middle)
          if (self%is_led(q)) cycle
          associate (a => self%at_ends(q, 1), b => middle(q), c => self%at_ends(q, 2))
-            low = rise*(max(a, b, c) - min(a, b, c))
+            ! most values are magnitudes, whose sign may change between the samples
+            low = min(a, b, c)
+            low = rise*max(max(a, b, c) - low, a + b + c - low)
             if (max(a, b, c) + low + slack*(self%largest(q) - self%smallest(q)) &
                 <= self%largest(q)) cycle
-            slope = [4*b - 3*a - c, 3*c - 4*b + a]
-            if (.not. (minval(slope) > low .or. maxval(slope) < -low)) return
+            if (min(4*b - 3*a - c, 3*c - 4*b - abs(a)) > low) cycle
+            if (.not. max(4*b - 3*a + abs(c), 3*c - 4*b + abs(a)) < -low) return
          end associate
       end do
       is_flat = .true.
