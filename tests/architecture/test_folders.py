@@ -68,6 +68,8 @@ LARGE: dict[str, str] = {
     "rwmf_embedding_element_events:next_impact": _STEP_OF_A_HOST,
     "rwmf_embedding_element_events:next_lift_off": _STEP_OF_A_HOST,
     "rwmf_bindings_c_element:c_respond": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_c_member:c_member_settles": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_c_member:c_next_member_event": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure_baseline": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_kernel:result_write": _CALLER_IS_NO_FORTRAN,
@@ -88,7 +90,7 @@ ASSEMBLY = re.compile(
     r"|rwmf_embedding_wall_instance:(size_to_expect|use_host_motion|hold_ground_acceleration"
     r"|restore_state)"
     r"|rwmf_embedding_stepping:advance_own"
-    r"|rwmf_embedding_element:create_element"
+    r"|rwmf_embedding_(element:create_element|member:create_member)"
 )
 
 

@@ -544,6 +544,10 @@ def _put(entries: Entries, key: Key, value: Value) -> None:
     target[same] = value
 
 
+# groups that leave short names to others: e and nu are keys of &impact and &motion
+_NEEDS_GROUP = ("base_section", "bending")
+
+
 @functools.cache
 def _table() -> dict[Key, _library.KeyRow]:
     """Return the rows of the kernel's table of keys."""
@@ -560,8 +564,7 @@ def _find_key(name: str, label: str) -> Key:
         and (known[0] == group.lower() if group else known[0] != "spectrum")
     ]
     if len(matches) > 1:
-        # the short names e and nu are keys of &impact and &motion
-        matches = [known for known in matches if known[0] != "bending"]
+        matches = [known for known in matches if known[0] not in _NEEDS_GROUP]
     if len(matches) == 1:
         return matches[0]
     if matches:

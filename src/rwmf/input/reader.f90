@@ -87,6 +87,8 @@ contains
    subroutine add_unused_keys(given)
       type(group_t), allocatable, intent(inout) :: given(:)
       type(group_t), allocatable :: groups(:)
+      logical :: has_mass
+      integer :: i
 
       if (find_group(given, 'solver') == 0) then
          ! element by element, as an array constructor of gfortran 12 loses keys
@@ -100,23 +102,16 @@ contains
       call add_key('solver', 't_end', '1')
       if (find_group(given, 'frame') == 0) return
       call add_key('frame', 'xi_s', '0')
+      associate (own => given(find_group(given, 'frame')))
+         has_mass = .false.
+         do i = 1, size(own%entries)
+            if (any(own%entries(i)%key == [character(5) :: 'gamma', 'm_s'])) has_mass = .true.
+         end do
+      end associate
       ! only a frame with a mass has a period
-      if (has_key('gamma') .or. has_key('m_s')) call add_key('frame', 'T_s', '1', instead='k_s')
+      if (has_mass) call add_key('frame', 'T_s', '1', instead='k_s')
 
    contains
-
-      !> True if the frame is given a key.
-      logical function has_key(key)
-         character(*), intent(in) :: key
-         integer :: i
-
-         has_key = .false.
-         associate (entries => given(find_group(given, 'frame'))%entries)
-            do i = 1, size(entries)
-               has_key = has_key .or. entries(i)%key == key
-            end do
-         end associate
-      end function has_key
 
       !> Add a key unless it, or another in its place, is given.
       subroutine add_key(group, key, value, instead)

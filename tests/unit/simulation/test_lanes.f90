@@ -73,6 +73,7 @@ contains
       real(wp) :: error(2), x, way, rate(2), span
       integer :: k, side, event
 
+      if (.not. checks%wants('crossing of a level')) return
       do side = -1, 1, 2
          do k = 1, 2
             ! sin(t) from t = 0.3 over the span; the level is passed at 0.37 of the span
