@@ -67,12 +67,15 @@ contains
       real(wp), intent(inout) :: values(lane_count, screen%n, value_count)
       !! reactions and demands, in the units of `lane_demands`, at both ends and in the middle;
       !! their extremes so far are kept
-      real(wp) :: angle(lane_count), at(lane_count, 2)
+      real(wp) :: angle(lane_count), at(lane_count, 2), turning(lane_count)
       real(wp) :: y_middle(lane_count, parts%through_link%n)
       integer :: i, m
 
       call begin_at_end(screen%n, ground(:, [1, last], :), mark, table, values)
-      angle = table(:, of_trial)*table(:, of_frequency)
+      turning = 0
+      ! forces of a wall contain sines and cosines of twice its rotation
+      if (parts%through_link%has_wall) turning = 2*max(abs(y(:, 2)), abs(y_new(:, 2)))
+      angle = table(:, of_trial)*max(table(:, of_frequency), turning)
       at = ground(:, last, :)
       call find_values(parts, screen, constants, coef, y_new, at, values(1, 1, at_end))
       if (screen%has_middle) then
@@ -98,7 +101,7 @@ contains
          end if
       end if
       if (.not. screen%has_demands) return
-      angle = table(:, of_trial)*table(:, of_fastest_demand)
+      angle = table(:, of_trial)*max(table(:, of_fastest_demand), turning)
       call find_flat_steps(screen, angle, values, reaction_count + 1, screen%n, parts, &
          table(1, of_calm))
       !$omp simd

@@ -10,7 +10,7 @@ module rwmf_simulation_events_step_view
 
    public :: step_view_t, view_step, until, from
    public :: count_parts, end_of_part, sample_state, accelerations
-   public :: fastest_angle, is_short
+   public :: fastest_angle, is_short, turning_frequency
 
    !> Piece of the last step, from a to b. Its pointers refer to data of other owners.
    type :: step_view_t
@@ -156,10 +156,19 @@ contains
 
       associate (equation => step%equation)
          is_short = (step%t_b - step%t_a)*max(equation%p%omega_s, equation%floors%max_frequency, &
-            frequency) < angle
+            frequency, turning_frequency(step)) < angle
          if (is_short) is_short = turning_point(equation%motion, interval_of(equation), step%t_a) &
             >= step%t_b
       end associate
    end function is_short
+
+   !> Frequency with which forces of a wall change because it turns: they contain sines and cosines
+   !> of twice its rotation. Near overturning this exceeds the frequencies of all vibrations.
+   pure real(wp) function turning_frequency(step) result(frequency)
+      type(step_view_t), intent(in) :: step
+
+      frequency = 0
+      if (step%equation%has_wall) frequency = 2*max(abs(step%y_a(2)), abs(step%y_b(2)))
+   end function turning_frequency
 
 end module rwmf_simulation_events_step_view

@@ -11,7 +11,8 @@ module rwmf_simulation_recorder_peak_search
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: climb, maximum_between, maximum_t, vertex_of_parabola
    use rwmf_model_assembly, only: equation_t, rates_at
-   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, step_view_t
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, &
+      step_view_t, turning_frequency
    use rwmf_simulation_recorder_reaction_estimates, only: fastest_of, inside, n_nodes, node, &
       place_of_peak
    use rwmf_simulation_recorder_step_states, only: fit_states, may_interpolate, state_inside, &
@@ -163,7 +164,7 @@ contains
 
       call sample_ends(self, piece)
       n = 1
-      angle = (piece%t_b - piece%t_a)*self%frequency
+      angle = (piece%t_b - piece%t_a)*max(self%frequency, turning_frequency(piece))
       if (may_interpolate(piece, self%frequency)) then
          if (is_plain(self, angle, max(self%at_ends(:, 1), self%at_ends(:, 2)))) return
          if (self%has_middle) then

@@ -23,7 +23,7 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_short, &
-      step_view_t
+      step_view_t, turning_frequency
    use rwmf_simulation_recorder_reaction_estimates, only: at_first, at_last, estimate_reactions, &
       fastest_of, has_estimate, inside, is_sharp, largest_quotient, n_nodes, node, nowhere, &
       place_of_peak, turns_of_quotient
@@ -211,7 +211,7 @@ contains
          values(1, :, so_far) = forces%largest
          values(1, :, least_so_far) = forces%smallest
          call find_plain_steps(equation%parts, n_quantities, [(piece%t_b - piece%t_a) &
-            *fastest_of(equation)], values, found)
+            *max(fastest_of(equation), turning_frequency(piece))], values, found)
          is_plain = found(1) > 0
       end associate
    end function is_plain
