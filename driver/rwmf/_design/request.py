@@ -80,7 +80,7 @@ def request_of(case: Case) -> DesignRequest | None:
         dict(zip(names, zip(group.low, group.high, strict=True), strict=True)),
         tuple(targets),
         dict(zip(names, group.cost, strict=True)),
-        tuple(located(folder, word) for word in group.get("records", ())),
+        tuple(located(folder, word) for word in (group.records if "records" in group else ())),
         tuple(located(folder, word) for word in group.left_out) if "left_out" in group else None,
         group.unit if "unit" in group else None,
         group.designs,
