@@ -354,7 +354,7 @@ contains
       end do
       call checks%that(index(text, tab//'m_over_m_w'//nl) > 0, 'a key that replaces another')
       call checks%that(index(text, tab//'height'//nl) == 0, 'a key that scales another')
-      call checks%that(size(group_names()) == 9 + effect_count, 'nine groups, and the effects')
+      call checks%that(size(group_names()) == 11 + effect_count, 'eleven groups, and the effects')
    end subroutine test_schema
 
    subroutine says(text, line)

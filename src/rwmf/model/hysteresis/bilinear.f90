@@ -268,7 +268,7 @@ contains
    !> Name of the active branch: 'yield', 'slack', 'rupture', or '' while elastic.
    pure function bilinear_word(branch) result(word)
       type(branch_t), intent(in) :: branch
-      character(:), allocatable :: word
+      character(8) :: word
 
       word = ''
       if (is_yielding(branch)) word = 'yield'

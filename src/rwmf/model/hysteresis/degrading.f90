@@ -411,7 +411,7 @@ contains
    !> ''.
    pure function degrading_word(branch) result(word)
       type(branch_t), intent(in) :: branch
-      character(:), allocatable :: word
+      character(8) :: word
 
       select case (branch%kind)
       case (hardens)

@@ -154,7 +154,7 @@ contains
    !> Name of the active branch: 'yield' on the upper line, else ''.
    pure function flag_word(branch) result(word)
       type(branch_t), intent(in) :: branch
-      character(:), allocatable :: word
+      character(8) :: word
 
       word = ''
       if (branch%kind == upper) word = 'yield'

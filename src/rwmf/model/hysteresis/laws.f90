@@ -258,7 +258,7 @@ contains
    pure function branch_word(spring, branch) result(word)
       type(spring_t), intent(in) :: spring
       type(branch_t), intent(in) :: branch
-      character(:), allocatable :: word
+      character(8) :: word
 
       select case (spring%law)
       case (law_flag)

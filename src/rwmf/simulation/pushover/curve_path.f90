@@ -13,7 +13,7 @@ module rwmf_simulation_pushover_curve_path
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
    use rwmf_simulation_events_storey_events, only: branch_limits, is_softening, &
       loading_direction_of, pass_storey_limit, storey_word
-   use rwmf_simulation_pushover_curve, only: add_mark, static_curve_t
+   use rwmf_simulation_pushover_curve, only: add_mark, mark_length, static_curve_t
    use rwmf_simulation_pushover_curve_row, only: record_row
    use rwmf_simulation_pushover_path_events, only: at_collapse, at_decompression, at_landing, &
       at_overturning, at_smooth_yield, at_storey, at_uplift, at_window, find_first_event, &
@@ -22,7 +22,6 @@ module rwmf_simulation_pushover_curve_path
       find_tangent, follow_positions, loaded_displacements, of_load, of_roof, of_uplift, &
       roof_can_move, static_forces, static_scene_t
    use rwmf_simulation_static_rest, only: directions, turn_springs
-   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
@@ -460,8 +459,7 @@ contains
             call pass_rotation(path, event%is_rising)
          case (at_storey)
             call pass_storey_limit(model, state, number, event%is_rising)
-            call mark_branch(path, 'storey_'//trim(integer_to_text(number)), &
-               storey_word(model, state, number))
+            call mark_branch(path, storey_name(number), storey_word(model, state, number))
             call rebalance(path)
          case (at_landing)
             scene%y(1) = 0
@@ -482,9 +480,9 @@ contains
          case (at_smooth_yield)
             path%has_yielded(number) = .true.
             if (model%has_loading_direction) then
-               call add_mark(path%curve, 'frame_yield')
+               call mark_branch(path, 'frame', 'yield')
             else
-               call add_mark(path%curve, 'storey_'//trim(integer_to_text(number))//'_yield')
+               call mark_branch(path, storey_name(number), 'yield')
             end if
          case default
             ! the step has reached its goal
@@ -497,7 +495,7 @@ contains
       type(curve_path_t), intent(inout) :: path
       logical, intent(in) :: is_rising
       type(discrete_state_t) :: before
-      character(:), allocatable :: name
+      character(mark_length) :: name
       integer :: i
 
       associate (model => path%scene%equation%model_t, state => path%scene%equation%state)
@@ -514,14 +512,22 @@ contains
                name = 'fuse_right'
             case default
                name = 'frame'
-               if (count(model%springs%place == model%springs(i)%place) > 1) name = 'storey_' &
-                  //trim(integer_to_text(i))
+               if (count(model%springs%place == model%springs(i)%place) > 1) name = storey_name(i)
             end select
             call mark_branch(path, name, branch_word(model%springs(i)%spring, state%springs(i)))
          end do
       end associate
       call rebalance(path)
    end subroutine pass_rotation
+
+   !> Name of a storey in marks.
+   pure function storey_name(number) result(name)
+      integer, intent(in) :: number
+      !! number of the storey, from the ground up
+      character(mark_length) :: name
+
+      write (name, '(a, i0)') 'storey_', number
+   end function storey_name
 
    !> Mark the beginning of a branch that has a name.
    subroutine mark_branch(path, name, word)
@@ -530,7 +536,7 @@ contains
       character(*), intent(in) :: word
       !! name of the branch, or ''
 
-      if (word /= '') call add_mark(path%curve, name//'_'//word)
+      if (word /= '') call add_mark(path%curve, trim(name)//'_'//trim(word))
    end subroutine mark_branch
 
    !> Find the equilibrium at the same displacement of the roof after a force has dropped.
@@ -594,8 +600,7 @@ contains
             ! a branch that has just begun ends within round-off of its beginning
             if (max(low - d(i), d(i) - high) <= 1.0e-12_wp*abs(d(i))) cycle
             call pass_storey_limit(model, state, i, d(i) > high)
-            call mark_branch(path, 'storey_'//trim(integer_to_text(i)), &
-               storey_word(model, state, i))
+            call mark_branch(path, storey_name(i), storey_word(model, state, i))
             is_settled = .false.
          end do
       end associate

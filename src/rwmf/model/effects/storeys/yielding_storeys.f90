@@ -180,7 +180,7 @@ contains
       type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: storey
       !! number of the storey, from the ground up
-      character(:), allocatable :: word
+      character(8) :: word
 
       word = branch_word(model%floors%springs(storey), state%storeys(storey))
    end function storey_word
