@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
     """
     case = Case.from_namelist(options.case)
     case = with_grid(case, quantities=options.quantity)
-    outputs = [options.plot, options.csv, *(options.checks or ())]
+    outputs = [options.csv, options.plot, *(options.checks or ())]
     files.check_outputs(outputs, case.inputs)
     figures.check_formats(options.plot)
     check_words(case, options.checks)

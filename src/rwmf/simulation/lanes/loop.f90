@@ -594,8 +594,7 @@ contains
       if (.not. is_found) at = x
    end function sharpened
 
-   !> Return whether a frame with smooth hysteresis moves against its loading direction, which is
-   !> possible from rest.
+   !> True if a frame with smooth hysteresis moves against its loading direction, as from rest.
    pure logical function is_against_loading(lane, i, batch) result(is_against)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
@@ -638,8 +637,7 @@ contains
       end associate
    end subroutine compare_with_further
 
-   !> Index of the further state whose window ends a piece: the state of smooth hysteresis; 1
-   !> without it.
+   !> Index of the further state whose window ends a piece; 1 without smooth hysteresis.
    pure integer function further_state(equation)
       type(equation_t), intent(in) :: equation
 
@@ -684,8 +682,7 @@ contains
       end associate
    end subroutine accept_step
 
-   !> Converge to the expected event at the end of a step, by Newton's method or by another trial
-   !> step.
+   !> Converge to the expected event, by Newton's method or by another trial step.
    subroutine converge_to_event(lane, i, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
@@ -709,8 +706,12 @@ contains
             if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, batch)
             if (lane%target_event == at_turn &
                 .and. (y(1) < table(i, of_low) .or. y(1) > table(i, of_high))) then
-               ! the turn lies beyond an end of the window, which is the earlier event
-               call find_event(lane, i, batch)
+               ! an end of the window is the earlier event, unless the step begins there
+               if (batch%y(i, 1) > table(i, of_low) .and. batch%y(i, 1) < table(i, of_high)) then
+                  call find_event(lane, i, batch)
+               else
+                  call inspect_step(lane, i, batch)
+               end if
                return
             end if
          end if
