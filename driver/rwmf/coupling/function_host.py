@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rwmf._numbers import show, to_array, to_items
+from rwmf._numbers import show, to_array, to_items, to_whole
 from rwmf.coupling.host import Reals, Wholes, end_rates
 from rwmf.errors import InputError, NumericalError
 
@@ -64,8 +64,10 @@ class FunctionHost:
             raise InputError(f"ground = {show(ground)}: must be callable")
         self._ground = ground
         self._on_commit = on_commit
-        numbers = to_items(links) or []
-        if not numbers or any(number not in range(n) for number in numbers):
+        if not (on_commit is None or callable(on_commit)):
+            raise InputError(f"on_commit = {show(on_commit)}: must be callable")
+        numbers = [to_whole("links", number, 0, n - 1) for number in to_items(links) or []]
+        if not numbers:
             raise InputError(f"links = {show(links)}: must be numbers in [0, {n - 1}]")
         self.links: Wholes = np.array(numbers, dtype=np.int64)
         self._t = 0.0
@@ -168,7 +170,10 @@ class FunctionHost:
 
 def _matrix(name: str, value: object, n: int | None = None) -> Reals:
     """Return a square matrix; a vector is its diagonal."""
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        raise InputError(f"{name} = {show(value)}: must be a matrix or its diagonal") from None
     flat = to_array(name, array.ravel(), least=1)
     square = np.diag(flat) if array.ndim == 1 else flat.reshape(array.shape)
     if square.ndim != 2 or square.shape[0] != square.shape[1] or n not in (None, len(square)):

@@ -156,6 +156,8 @@ def couple(
     end = to_number("t_end", t_end, above=0.0)
     if not callable(ground):
         raise InputError(f"ground = {show(ground)}: must be callable")
+    if not hasattr(host, "links") or not callable(getattr(host, "attempt", None)):
+        raise InputError(f"host = {show(host)}: must be an OpenSeesHost, a FunctionHost or a Host")
     shape = _shape(heights, len(host.links))
     accuracy = to_number("tolerance", tolerance, above=0.0)
     pair = _Pair(case_of(case), host, ground, step, shape, accuracy)

@@ -59,11 +59,24 @@ WRONG: dict[str, Any] = {
 _CLASSES = ("Case", "Cost", "Design", "Motion", "RecordFile", "Response")
 # results of other functions, and functions without arguments
 _NOT_CALLED = {"loops.Loop", "records.Record", "records.RecordPair", "records.Selection",
-               "plot.style", "records.list_records"}  # fmt: skip
+               "plot.style", "records.list_records", "Checks", "LimitCheck", "ElementEvent",
+               "ElementResponse", "ElementSnapshot", "WallEvent", "WallEvents", "WallForces",
+               "WallMaxima", "WallSnapshot", "WallState", "coupling.CoupledRun",
+               "coupling.CouplingEnergy", "coupling.Host"}  # fmt: skip
+# needs the package openseespy
+_NOT_CALLED |= {"coupling.OpenSeesHost"}
 
 
 def _motion() -> rwmf.Motion:
     return rwmf.Motion([0.0, 1.0, -1.0, 0.0] * 3, dt=0.05, unit="m/s2", name="short")
+
+
+def _still(_: float) -> float:
+    return 0.0
+
+
+def _host() -> rwmf.coupling.FunctionHost:
+    return rwmf.coupling.FunctionHost([5.0], [[0.1]], [[40.0]], _still, [0])
 
 
 @functools.cache
@@ -107,6 +120,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
     case, found, records = _case(), _found(), [_motion()]
     grid = {"T_s": [0.5]}
     limit = float(found["stripes"]["u_s_max"].median())
+    limited = case.replace(limits={"u_s_max_m": 1.0})
     samples = folder / "samples.txt"
     _motion().write(samples)
     ax, both = plt.figure().subplots(), plt.figure().subplots(1, 2)
@@ -144,6 +158,18 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
                      "over": "record", "threads": 1, "unit": None, "dt": None},
         "pushover": {"case": case, "drifts": [0.01], "pattern": "floors", "forces": [1.0],
                      "steps": 2},
+        "Element": {"case": case},
+        "Wall": {"case": case, "t_begin": 0.0, "peak": None},
+        "Walls": {"cases": case, "n": 1, "t_begin": 0.0, "peak": None, "threads": 1},
+        "base_section": {"N": [1e6], "theta": [0.01], "width": 4.0, "thickness": 0.3, "k": 1e10,
+                         "E": None},
+        "checks": {"case": limited, "result": found["run"]},
+        "ufp_force": {"stress": 3e8, "width": 0.1, "thickness": 0.01, "diameter": 0.1},
+        "coupling.FunctionHost": {"mass": [1.0], "damping": [[0.1]], "restoring": [[40.0]],
+                                  "ground": _still, "links": [0], "on_commit": None},
+        "coupling.couple": {"case": case, "host": _host(), "ground": _still, "dt": 0.05,
+                            "t_end": 0.1, "heights": None, "tolerance": 1e-6},
+        "plot.checks": {"found": rwmf.checks(limited, found["run"]), "axes": None},
         "explore": {"case": str(folder / "none.nml"), "port": 0, "open_browser": False},
         "cost": {"case": "none.nml", "target": 1e-6, "progress": None, "quantities": None},
         "loops.check_springs": {"case": case},

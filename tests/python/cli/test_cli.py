@@ -194,6 +194,7 @@ def test_check(command: Runner, case_file: Path) -> None:
     assert "spectrum: 3 simulations" in found.stdout
     groups = dict.fromkeys(row[0] for row in _library.schema())
     given = ["wall", "frame", "cable", "impact", "motion", "model", "solver", "output", "spectrum"]
+    given += ["base_section", "limits", "sensitivity", "design"]
     absent = ", ".join(group for group in groups if group not in given)
     assert absent.startswith("storeys, link, damper")
     assert f"not simulated: {absent}\n" in found.stdout

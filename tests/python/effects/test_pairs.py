@@ -17,7 +17,7 @@ sys.path.append(str(ROOT / "bench"))
 import pairs
 
 # groups of the solver and the output, which are no effects
-_NO_EFFECTS = {"solver", "output", "spectrum"}
+_NO_EFFECTS = {"solver", "output", "spectrum", "base_section", "limits", "sensitivity", "design"}
 _PAIRS = list(combinations(pairs.EFFECTS, 2))
 
 

@@ -22,7 +22,7 @@ module rwmf_simulation_lanes_batch
 
    public :: lane_state_t, batch_t, create_batch, leave_batch, tabulate_lines, line_row
    public :: longest_step, find_steps_to_inspect, follow_curves, follow_interval
-   public :: turns_in_step
+   public :: turns_in_step, may_shorten
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
    !! phase angle of the vibration in a step that still shows its events; second value for a motion
@@ -397,6 +397,14 @@ contains
          if (turns > one_change) turns = unclear
       end associate
    end function plain_turns
+
+   !> True for a spectrum of peaks by the pairs of `auto`; all others have the bits of single runs.
+   pure logical function may_shorten(lane, batch)
+      type(lane_state_t), intent(in) :: lane
+      type(batch_t), intent(in) :: batch
+
+      may_shorten = lane%hybrid%settled_angle > 0 .and. batch%pair%order < 8
+   end function may_shorten
 
    !> Update the run's interval of the motion.
    subroutine follow_interval(lane, i, batch)

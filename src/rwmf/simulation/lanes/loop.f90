@@ -37,7 +37,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
    use rwmf_simulation_lanes_batch, only: create_batch, find_steps_to_inspect, &
-      follow_curves, follow_interval, lane_state_t, line_row, longest_step, turns_in_step, batch_t
+      follow_curves, follow_interval, lane_state_t, line_row, longest_step, may_shorten, &
+      turns_in_step, batch_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
@@ -532,8 +533,7 @@ contains
             batch%k(i, 2, 1))
          turns = turns_in_step(batch, i)
          x = 0
-         ! outputs of more than peaks keep the bits of the bracketed search
-         if (turns == no_change .and. lane%hybrid%settled_angle > 0) call cross_window( &
+         if (turns == no_change .and. may_shorten(lane, batch)) call cross_window( &
             table(i, of_trial)*[y(i, 2), y_new(i, 2)], y_new(i, 1) - y(i, 1), &
             [table(i, of_low), table(i, of_high)] - y(i, 1), lane%target_event, x)
          if (.not. (x > 0 .and. x <= 1)) call first_event(quartic, [table(i, of_low), &
@@ -756,7 +756,7 @@ contains
       type(batch_t), intent(in) :: batch
       real(wp), parameter :: few = 10
 
-      suffices = lane%hybrid%settled_angle > 0 .and. abs(lane%target_event) == 1
+      suffices = may_shorten(lane, batch) .and. abs(lane%target_event) == 1
       if (suffices) suffices = abs(time_to_event(lane, i, y, rates, batch)*rates(2)) &
          <= few*lane%integrator%tolerance%rtol*abs(y(2))
    end function last_stage_suffices
