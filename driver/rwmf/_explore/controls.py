@@ -358,6 +358,8 @@ _TITLES = {
     "output": "Output of runs",
     "spectrum": "Spectrum of runs",
 }
+# requests with numbers that only the user knows: shown where the case has them, never added
+_OF_THE_USER = ("base_section", "limits", "sensitivity", "design")
 # the page must not set file names: an uploaded record has a number
 _NOT_EDITABLE = {("motion", "file"), ("vertical", "file")}
 
@@ -385,7 +387,8 @@ def describe() -> dict[str, Any]:
     Returns
     -------
     dict
-        ``groups`` (name, title, needs, needed_too, keys), exclusions and requirements.
+        ``groups`` (name, title, needs, needed_too, can_be_added, keys), exclusions and
+        requirements.
     """
     keys: dict[str, list[dict[str, Any]]] = {}
     for row in _library.schema():
@@ -399,6 +402,7 @@ def describe() -> dict[str, Any]:
                 "title": _TITLES.get(name, name.replace("_", " ").capitalize()),
                 "needs": needs.get(name, []),
                 "needed_too": _NEEDED_TOO.get(name, ()),
+                "can_be_added": name not in _OF_THE_USER,
                 "keys": found,
             }
             for name, found in keys.items()

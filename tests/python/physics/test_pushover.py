@@ -200,8 +200,16 @@ LAWS: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("law", LAWS, ids=lambda law: str(law.get("law", "elastic_plastic")))
-@pytest.mark.parametrize("coupling", ["single", "every_floor", "full", "springs", "bending"])
+# a frame held straight has no smooth springs
+LOOPS = [
+    (coupling, law)
+    for coupling in ("single", "every_floor", "full", "springs", "bending")
+    for law in LAWS
+    if (coupling, law.get("law")) != ("every_floor", "bouc_wen")
+]
+
+
+@pytest.mark.parametrize(("coupling", "law"), LOOPS)
 def test_loops_dissipate_the_ledger(coupling: str, law: dict[str, Any]) -> None:
     """Cyclic, with fuses and a tendon that yields: work = stored + dissipated energy.
 
@@ -209,8 +217,6 @@ def test_loops_dissipate_the_ledger(coupling: str, law: dict[str, Any]) -> None:
     distance, and is extrapolated.
     """
     case = _yielding(coupling, law)
-    if case is None:
-        pytest.skip("the case refuses this law")
     if coupling in ("full", "springs", "bending"):
         # a drop of the force moves floors that are free, and gives them kinetic energy
         law = {key: value for key, value in law.items() if key != "breakaway"}
@@ -232,8 +238,8 @@ def test_loops_dissipate_the_ledger(coupling: str, law: dict[str, Any]) -> None:
     assert abs(errors[1][-1]) < 4e-3 * size
 
 
-def _yielding(coupling: str, law: dict[str, Any]) -> rwmf.Case | None:
-    """Return a scene in which all springs yield; None where the case refuses the law."""
+def _yielding(coupling: str, law: dict[str, Any]) -> rwmf.Case:
+    """Return a scene in which all springs yield."""
     changes: dict[str, Any] = {
         "cable": {"law": "truss", "eta_y": 1.2, "hardening": 0.05},
         "fuse": {"eta_y": 0.3, "stroke_y": 0.004, "hardening": 0.02},
@@ -246,8 +252,6 @@ def _yielding(coupling: str, law: dict[str, Any]) -> rwmf.Case | None:
     changes["yielding"] = {"storey_u_y": 0.008} | hardening | law
     if coupling == "bending":
         changes |= {"bending": {"EI_over_m_w": 2e4, "modes": 2}, "impact": {"rule": "coupled"}}
-    if coupling == "every_floor" and law.get("law") == "bouc_wen":
-        return None
     return _storeys("springs" if coupling == "bending" else coupling, **changes)
 
 

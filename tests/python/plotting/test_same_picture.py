@@ -131,7 +131,12 @@ def _explorer(case: rwmf.Case, figure: Figure) -> None:
     answer = model.history(question, lambda _: None)
     curves = dict(answer["columns"])
     for loop in answer["loops"]:
-        curves |= {f"{loop['spring']} {key}": loop[key] for key in ("displacement", "force")}
+        for key in ("displacement", "force"):
+            values = np.frombuffer(base64.b64decode(loop[key]), "<f4")
+            if loop["kind"] == "frame" and key == "force":
+                # a mass makes kilonewtons of ratios
+                values = values / np.abs(values).max()
+            curves[f"{loop['spring']} {key}"] = base64.b64encode(values.tobytes()).decode()
     if "T_s" in case.kernel.axes():
         (own,) = _own_period(case)["T_s"]
         own = case.replace(spectrum={"T_s": [own, 2 * own]})

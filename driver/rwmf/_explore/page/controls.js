@@ -40,7 +40,7 @@ export class Controls {
       ...scene.description.groups.filter((group) => scene.has(group.name))
         .map((group) => this.group(group)));
     byId("absent").replaceChildren(
-      ...scene.description.groups.filter((group) => !scene.has(group.name)).map((group) =>
+      ...scene.description.groups.filter((group) => group.can_be_added && !scene.has(group.name)).map((group) =>
         element("button", { type: "button", id: `add-${group.name}`, title: `&${group.name}`,
           onclick: () => {
             this.open.add(group.name);
