@@ -219,7 +219,7 @@ class Wall(_Stepping):
 
     @property
     def maxima(self) -> WallMaxima[float]:
-        """Largest |u_s| [m], |theta| [rad] and |theta_dot| [rad/s] so far."""
+        """Largest ``|u_s|`` [m], ``|theta|`` [rad] and ``|theta_dot|`` [rad/s] so far."""
         with self._guard as kernel:
             u_s, theta, theta_dot = kernel.states()[0][8:, 0].tolist()
         return WallMaxima(u_s, theta, theta_dot)
@@ -396,7 +396,7 @@ class Walls(_Stepping):
 
     @property
     def maxima(self) -> WallMaxima[Reals]:
-        """Largest |u_s| [m], |theta| [rad] and |theta_dot| [rad/s] of each wall so far."""
+        """Largest ``|u_s|`` [m], ``|theta|`` [rad] and ``|theta_dot|`` [rad/s] of each wall."""
         with self._guard as kernel:
             return WallMaxima(*kernel.states()[0][8:])
 
