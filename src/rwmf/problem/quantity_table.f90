@@ -234,6 +234,13 @@ module rwmf_problem_quantity_table
       quantity_t(id%link_i_force_over_m_w_g, 'link_{i}_force_over_m_w_g', &
       'link_{i}_force_over_m_w_g', '1', 'real', 'row', 'history', 'frame', of_envelopes, &
       '`&wall`', 'axial force of the link at floor {i} over weight of wall'), &
+      quantity_t(id%contact_length_m, 'contact_length_m', 'contact_length', 'm', 'real', 'row', &
+      'history', 'base_section', of_envelopes, '', 'contact length of the base'), &
+      quantity_t(id%toe_stress_Pa, 'toe_stress_Pa', 'toe_stress', 'Pa', 'real', 'row', &
+      'history', 'base_section', of_envelopes, '', 'compressive stress at the toe of the wall'), &
+      quantity_t(id%toe_strain, 'toe_strain', 'toe_strain', '1', 'real', 'row', 'history', &
+      'base_section', of_envelopes, '`E` or `length`', &
+      'compressive strain at the toe of the wall'), &
       quantity_t(id%frame_force_N, 'frame_force_N', 'frame_force', 'N', 'real', 'row', 'history', &
       'yielding', of_rows, 'a mass; not with `full`, `springs`', &
       'force of the yielding frame', id%frame_force_over_m_s_g), &
@@ -264,13 +271,7 @@ module rwmf_problem_quantity_table
       'bending moment in the wall at its base', id%wall_moment_base_over_m_w_g_m), &
       quantity_t(id%link_i_force_N, 'link_{i}_force_N', 'link_{i}_force', 'N', 'real', 'row', &
       'history', 'frame', of_envelopes, 'a mass; `&wall`', &
-      'axial force of the link at floor {i}', id%link_i_force_over_m_w_g), &
-      quantity_t(id%contact_length_m, 'contact_length_m', 'contact_length', 'm', 'real', 'row', &
-      'history', 'base_section', of_envelopes, '', 'contact length of the base'), &
-      quantity_t(id%toe_stress_Pa, 'toe_stress_Pa', 'toe_stress', 'Pa', 'real', 'row', &
-      'history', 'base_section', of_envelopes, '', 'compressive stress at the toe of the wall'), &
-      quantity_t(id%toe_strain, 'toe_strain', 'toe_strain', '1', 'real', 'row', 'history', &
-      'base_section', of_envelopes, '`E` or `length`', 'compressive strain at the toe of the wall')]
+      'axial force of the link at floor {i}', id%link_i_force_over_m_w_g)]
 
    !> Scalars of a run.
    type(quantity_t), parameter :: scalars(*) = [ &

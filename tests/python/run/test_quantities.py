@@ -30,6 +30,10 @@ _FURTHER: list[pairs.Groups] = [
     {"output": {"reactions": True, "friction_limit": 0.01}},
     {"wall": {"h": 2.0, "b": 0.5, "shear_key": True, "m_w": 1000.0}},
     {"solver": {"t_end": 1.0, "verify": True}},
+    {
+        "wall": {"h": 2.0, "b": 0.5, "density": 2400.0, "thickness": 0.2},
+        "base_section": {"E": 3e10, "length": 0.5},
+    },
 ]
 Report = tuple[dict[str, Any], list[str]]
 
