@@ -37,8 +37,6 @@ const STOPS = new Set(("a all an and are as at be between by can do does each ev
   + "if in is it its me much many my of on one or see show should some than that the their there this to use "
   + "want was we what when where which who why will with you your").split(" "));
 // Pages for users before those for developers
-// the page of outputs before the sections that repeat its words
-const PAGES = { "reference/outputs.html": 2 };
 const FOLDERS = { tutorials: 1.3, howto: 1.3, developer: 0.5 };
 const SHOWN = 30;
 const EXCERPT = 240;
@@ -98,8 +96,7 @@ function rank(terms) {
   // sections with all terms first; a section that misses one may still follow
   const found = sections.filter((section) => section.met > 0 && 2 * section.met >= terms.length);
   for (const section of found) {
-    section.score *= (section.met / terms.length) ** 3 * (FOLDERS[section.address.split("/")[0]] || 1)
-      * (PAGES[section.address.split("#")[0]] || 1);
+    section.score *= (section.met / terms.length) ** 3 * (FOLDERS[section.address.split("/")[0]] || 1);
   }
   return found.sort((one, other) => other.score - one.score).slice(0, SHOWN);
 }

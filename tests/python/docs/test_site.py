@@ -118,7 +118,7 @@ QUESTIONS = {
     "demand capacity ratio": ("howto/checks.html", "limit"),
     "UFP": ("howto/checks.html", "plate"),
     "will the wall slide": ("howto/studies.html#required-friction", "friction"),
-    "residual drift of the roof": ("reference/outputs.html", "residual"),
+    "residual drift of the roof": ("reference/glossary.html#demands", "residual"),
     "moment in the wall": ("tutorials/six-storeys.html#forces-in-the-wall", "moment"),
     "which tolerance": ("tutorials/method.html", "tolerance"),
     "run on a cluster": ("howto/sweeps.html", "cluster"),
