@@ -609,8 +609,11 @@ class _Run:
         def drawn(x: Array) -> Array:
             return 4 * self.wall.b * side * np.sin(x[:, 0] / 2)
 
-        return [("yield 1", lambda t, x, v: drawn(x) - fuse.limit(1)),
-                ("yield -1", lambda t, x, v: fuse.limit(-1) - drawn(x))]  # fmt: skip
+        loads = ("yield 1", lambda t, x, v: drawn(x) - fuse.limit(1))
+        if self.power:
+            # the stroke grows from zero, where a fuse that closed in yielding has its lower limit
+            return [loads]
+        return [loads, ("yield -1", lambda t, x, v: fuse.limit(-1) - drawn(x))]
 
     def _rotation(self, piece: Piece, t: Array) -> Array:
         """Return the rotation over time or its square, for a start at zero."""
