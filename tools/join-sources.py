@@ -25,7 +25,11 @@ def main() -> None:
     text = "".join(parts)
     for module in MODULE.findall(text) if options.suffix else []:
         text = re.sub(rf"\b{module}\b", module + options.suffix, text)
-    options.target.write_text(text, encoding="utf-8")
+    # sources may be newer without another text, and these units are slow to compile
+    if not options.target.exists() or options.target.read_text(encoding="utf-8") != text:
+        options.target.write_text(text, encoding="utf-8")
+        # the compiler appends to its report on the loops of this text
+        options.target.with_suffix(".vec").unlink(missing_ok=True)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ module rwmf_input_reader
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_values_t, has_group, has_key, key_line, text_of
+   use rwmf_problem_key, only: key_t
    use rwmf_problem_record, only: record_source_t, record_t, set_factor
    use rwmf_problem_units, only: unit_mass
    use rwmf_text_atomic_file, only: join_path
@@ -62,6 +63,7 @@ contains
       !! end of the simulation may be absent; default false
       type(group_t), allocatable :: given(:)
       type(case_group_t), allocatable :: groups(:)
+      type(key_t), allocatable :: keys(:)
 
       call parse_namelist(text, given, error)
       if (allocated(error)) return
@@ -69,9 +71,10 @@ contains
          if (is_for_host) call add_unused_keys(given)
       end if
       groups = all_groups()
-      call collect_values(given, keys_of(groups), case%values, error)
+      keys = keys_of(groups)
+      call collect_values(given, groups, keys, case%values, error)
       if (.not. allocated(error)) call check_groups(case%values, groups, error)
-      if (.not. allocated(error)) call check_units(case%values, keys_of(groups), error)
+      if (.not. allocated(error)) call check_units(case%values, keys, error)
       if (.not. allocated(error)) call convert_units(case%values, groups, error)
       if (.not. allocated(error)) call check_values(case%values, groups, error)
       if (allocated(error)) return

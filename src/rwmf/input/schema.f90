@@ -19,7 +19,7 @@ module rwmf_input_schema
    implicit none
    private
 
-   public :: all_groups, all_keys, keys_of, group_names, find_key, write_schema, write_groups
+   public :: all_groups, all_keys, keys_of, names_of, find_key, write_schema, write_groups
 
 contains
 
@@ -86,19 +86,16 @@ contains
       end do
    end function keys_of
 
-   !> Names of the groups in the order of the documentation.
-   function group_names() result(names)
+   !> Names of groups, once each; an effect may add its keys to a group that exists.
+   pure function names_of(groups) result(names)
+      type(case_group_t), intent(in) :: groups(:)
+      !! `all_groups`
       character(12), allocatable :: names(:)
-      type(case_group_t), allocatable :: groups(:)
       integer :: i
 
-      groups = all_groups()
-      allocate (names(0))
-      do i = 1, size(groups)
-         if (.not. any(names == groups(i)%name)) names = [character(12) :: &
-            names, groups(i)%name]
-      end do
-   end function group_names
+      names = pack(groups%name, [(.not. any(groups(:i - 1)%name == groups(i)%name), &
+         i=1, size(groups))])
+   end function names_of
 
    !> Index of a key of a group; 0 if there is none of that name.
    pure integer function find_key(keys, group, name)

@@ -4,11 +4,11 @@ module rwmf_input_schema_check
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
    use rwmf_input_namelist, only: entry_t, group_t
-   use rwmf_input_schema, only: find_key, group_names
+   use rwmf_input_schema, only: names_of
    use rwmf_input_value_check, only: check_value, default_number, requirement, usual_bounds
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_place_t, group_values_t, has_group, has_key, &
-      key_code, key_values_t, text_of
+      key_code, key_place, key_values_t, text_of
    use rwmf_problem_key, only: belongs_to, key_t
    use rwmf_problem_rules, only: append_value, check_needs, fail_at_group, fail_at_key, fail_key
    use rwmf_text_strings, only: integer_to_text, nearest_name, shown, to_lower
@@ -25,8 +25,11 @@ contains
    !>
    !> Errors: unknown or repeated group, unknown or repeated key, wrong type, value out of range,
    !> missing required key. The message names group, key, value, line and the allowed values.
-   subroutine collect_values(groups, keys, values, error)
-      type(group_t), intent(in) :: groups(:)
+   subroutine collect_values(given, groups, keys, values, error)
+      type(group_t), intent(in) :: given(:)
+      !! groups of the text
+      type(case_group_t), intent(in) :: groups(:)
+      !! `all_groups`
       type(key_t), intent(in) :: keys(:)
       !! `all_keys`
       type(group_values_t), intent(out) :: values
@@ -35,11 +38,11 @@ contains
       !! number of values so far
       integer :: i
 
-      call make_room(groups, keys, values)
+      call make_room(given, names_of(groups), keys, values)
       n = 0
-      do i = 1, size(groups)
-         call enter_group(groups(i), values, error)
-         if (.not. allocated(error)) call enter_entries(groups(i), keys, values, n, error)
+      do i = 1, size(given)
+         call enter_group(given(i), values, error)
+         if (.not. allocated(error)) call enter_entries(given(i), keys, values, n, error)
          if (allocated(error)) return
       end do
       call enter_defaults(keys, values, n)
@@ -121,11 +124,12 @@ contains
    end subroutine check_kinds
 
    !> Allocate space for all values: the given ones, and one default for each key.
-   subroutine make_room(groups, keys, values)
+   subroutine make_room(groups, names, keys, values)
       type(group_t), intent(in) :: groups(:)
+      character(12), intent(in) :: names(:)
+      !! names of all groups
       type(key_t), intent(in) :: keys(:)
       type(group_values_t), intent(inout) :: values
-      character(12), allocatable :: names(:)
       integer :: n
       integer :: length
       integer :: i, j, k
@@ -143,7 +147,6 @@ contains
       allocate (values%numbers(n + size(keys)), values%ends(0:n + size(keys)))
       allocate (character(2*length + len(keys%default)*size(keys)) :: values%texts)
       values%ends(0) = 0
-      names = group_names()
       allocate (values%groups(size(names)), values%keys(size(keys)), values%codes(size(keys)))
       values%groups(:) = [(group_place_t(names(i), .false., 0, key_code(names(i), '')), &
          i=1, size(names))]
@@ -214,7 +217,7 @@ contains
       integer :: i
 
       do i = 1, size(group%entries)
-         at = find_key(keys, group%name, group%entries(i)%key)
+         at = key_place(values, group%name, group%entries(i)%key)
          if (at == 0) then
             call fail_unknown_key(group, group%entries(i), keys, error)
          else if (values%keys(at)%is_given) then
@@ -317,7 +320,7 @@ contains
       do i = 1, size(keys)
          if (values%keys(i)%is_given .or. keys(i)%default == '') cycle
          source = 0
-         if (scan(keys(i)%default(1:1), letters) > 0) source = find_key(keys, &
+         if (scan(keys(i)%default(1:1), letters) > 0) source = key_place(values, &
             trim(keys(i)%group), trim(keys(i)%default))
          if (source == 0) then
             call append(values, i, n, default_number(keys(i)), &
@@ -341,6 +344,7 @@ contains
       integer :: i
 
       text = keys(at)%default
+      if (keys(at)%type /= 'choice') return
       do i = 1, size(keys)
          if (.not. is_given(i) .or. keys(i)%group /= keys(at)%group) cycle
          equals = index(keys(i)%implies, '=')

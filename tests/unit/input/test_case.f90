@@ -5,7 +5,7 @@ program test_case
    use rwmf_core_kinds, only: dp, i8, pi, wp
    use rwmf_input_describe, only: describe_case
    use rwmf_input_reader, only: read_case_file, read_case_text
-   use rwmf_input_schema, only: all_keys, group_names, write_schema
+   use rwmf_input_schema, only: all_groups, all_keys, names_of, write_schema
    use rwmf_model_effects_numbers, only: effect_count
    use rwmf_problem_case, only: case_t
    use rwmf_problem_key, only: key_t
@@ -354,7 +354,8 @@ contains
       end do
       call checks%that(index(text, tab//'m_over_m_w'//nl) > 0, 'a key that replaces another')
       call checks%that(index(text, tab//'height'//nl) == 0, 'a key that scales another')
-      call checks%that(size(group_names()) == 11 + effect_count, 'eleven groups, and the effects')
+      call checks%that(size(names_of(all_groups())) == 11 + effect_count, &
+         'eleven groups, and the effects')
    end subroutine test_schema
 
    subroutine says(text, line)

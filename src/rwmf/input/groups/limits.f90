@@ -28,17 +28,16 @@ contains
 
    !> Group `&limits` with its keys and hooks.
    type(case_group_t) function limits_group() result(group)
-      integer :: i, n
+      integer, allocatable :: rows(:)
+      integer :: i
 
       group%name = name
       group%is_of_scene = .false.
-      allocate (group%keys(count(is_limited(all_quantities))))
-      n = 0
-      do i = 1, size(all_quantities)
-         associate (quantity => all_quantities(i))
-            if (.not. is_limited(quantity)) cycle
-            n = n + 1
-            group%keys(n) = optional_key(name, trim(limit_key(quantity)), &
+      rows = pack([(i, i=1, size(all_quantities))], is_limited(all_quantities))
+      allocate (group%keys(size(rows)))
+      do i = 1, size(rows)
+         associate (quantity => all_quantities(rows(i)))
+            group%keys(i) = optional_key(name, trim(limit_key(quantity)), &
                trim(merge('real list', 'real     ', has_levels(quantity))), &
                trim(merge('-     ', quantity%unit(:6), quantity%unit == '1')), '', positive, &
                trim(help_of(quantity)))
