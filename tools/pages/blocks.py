@@ -34,6 +34,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 FIGURES = "figures"
+INSTALLED = ROOT / "build" / "pages" / "installed"
 
 _FENCE = re.compile(
     r"(?:^`(?P<name>[\w./-]+)`\n\n)?^```(?P<language>[\w{}-]*)\n(?P<text>.*?)^```$",
@@ -212,8 +213,7 @@ def _environment(words: str) -> dict[str, str]:
 @cache
 def _installed_library() -> Path:
     """Install the library for host programs as `meson install` does, below the build."""
-    target = ROOT / "build" / "pages" / "installed"
-    shutil.rmtree(target, ignore_errors=True)
+    target = INSTALLED / str(os.getpid())  # pages run in several processes
     words: list[str | Path] = [ROOT / ".venv/bin/meson", "install", "-C", ROOT / "build"]
     words += ["--no-rebuild", "--quiet", "--tags", "devel", "--destdir", target]
     subprocess.run(words, check=True)
