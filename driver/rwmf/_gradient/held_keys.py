@@ -253,7 +253,7 @@ def followers(case: Case, item: Parameter) -> list[tuple[str, str]]:
 
 
 def allowed_changes(case: Case, item: Parameter, value: float, scale: float) -> dict[bool, float]:
-    """Find how far the kernel lets a parameter decrease and increase.
+    """Find the allowed decrease and increase of a parameter.
 
     Parameters
     ----------
