@@ -107,6 +107,23 @@ def blocks_of(text: str) -> list[Block]:
     return blocks
 
 
+def code_of(page: Path) -> str:
+    """Text of the blocks of a page and names of its figures, without the prose.
+
+    Parameters
+    ----------
+    page : Path
+        The page.
+
+    Returns
+    -------
+    str
+        The text, which changes when the blocks must run again.
+    """
+    text = page.read_text(encoding="utf-8")
+    return "\n".join(map(str, [*blocks_of(text), *_figures_of(page, text)]))
+
+
 def run_page(page: Path, folder: Path) -> None:
     """Run every block of a page.
 
@@ -328,7 +345,10 @@ def keep_figures(page: Path, folder: Path) -> None:
         Where its blocks were run.
     """
     target = page.parent / FIGURES / page.stem
-    text = page.read_text(encoding="utf-8")
-    for name in re.findall(rf"\]\({FIGURES}/{page.stem}/([\w.-]+)\)", text):
+    for name in _figures_of(page, page.read_text(encoding="utf-8")):
         target.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(folder / name, target / name)
+
+
+def _figures_of(page: Path, text: str) -> list[str]:
+    return re.findall(rf"\]\({FIGURES}/{page.stem}/([\w.-]+)\)", text)

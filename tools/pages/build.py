@@ -99,10 +99,10 @@ def run_blocks(page: Path) -> None:
             blocks.run_page(page, Path(name))
             blocks.keep_figures(page, Path(name))
 
-    step(f"blocks of {page.relative_to(ROOT)}", run, [page, *_program()])
+    step(f"blocks of {page.relative_to(ROOT)}", run, _program(), blocks.code_of(page))
 
 
-def step(name: str, run: Callable[[], None], inputs: Iterable[Path]) -> None:
+def step(name: str, run: Callable[[], None], inputs: Iterable[Path], text: str = "") -> None:
     """Do one step unless its inputs are those of its last success.
 
     Parameters
@@ -113,6 +113,8 @@ def step(name: str, run: Callable[[], None], inputs: Iterable[Path]) -> None:
         Its work.
     inputs : iterable of Path
         Files that it depends on.
+    text : str
+        Text that it depends on.
 
     Raises
     ------
@@ -120,7 +122,7 @@ def step(name: str, run: Callable[[], None], inputs: Iterable[Path]) -> None:
         From the work, with the name of the step.
     """
     BUILD.mkdir(parents=True, exist_ok=True)
-    key = hashlib.sha256()
+    key = hashlib.sha256(text.encode())
     for path in sorted(set(inputs)):
         key.update(f"{path} {_digest(path)}\n".encode())
     stamp = BUILD / (name.replace("/", "-").replace(" ", "-") + ".key")

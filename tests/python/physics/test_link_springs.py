@@ -91,7 +91,7 @@ def _apart(run: xr.Dataset, limit: xr.Dataset) -> float:
 
 @pytest.mark.parametrize("coupling", ["every_floor", "full"])
 def test_stiff_springs_tend_to_rigid_links(coupling: str) -> None:
-    """The difference goes as 1/k_link, of all links or of the roof's beside two soft ones."""
+    """The difference falls as 1/k_link: of all links, or of the roof's beside two soft ones."""
     limit = rwmf.simulate(_case(coupling), dt=0.005)
     stiffnesses = [1e4, 1e5, 1e6, 1e7]
     apart = []
