@@ -46,10 +46,10 @@ async ({ name, seconds, rate }) => {
   const stopped = performance.now();
   const pictures = performance.getEntriesByName('history').length;
   const first = {};
-  const wait = async (what, test) => {
+  const wait = async (name, test) => {
     while (!test() && performance.now() - stopped < 30000)
       await new Promise((done) => setTimeout(done, 5));
-    first[what] = performance.now() - stopped;
+    first[name] = performance.now() - stopped;
   };
   const { explorer } = window;
   await wait('history', () => explorer.shown.history === explorer.version);
@@ -67,10 +67,10 @@ async ({ name, by }) => {
   performance.clearMeasures();
   slider.value = Number(slider.value) + by;
   slider.dispatchEvent(new Event('input', { bubbles: true }));
-  const last = (what) => performance.getEntriesByName(what).at(-1);
+  const last = (name) => performance.getEntriesByName(name).at(-1);
   while (!(last('history') && last('spectrum')?.detail.points === 200))
     await new Promise((done) => setTimeout(done, 2));
-  return ['history', 'spectrum'].map((what) => [last(what).duration, last(what).detail.kernel]);
+  return ['history', 'spectrum'].map((name) => [last(name).duration, last(name).detail.kernel]);
 }
 """
 SETTLE = """
@@ -128,9 +128,9 @@ def _print_steps(page: Page, quantity: str) -> None:
         page.evaluate(SETTLE)
     shown = page.locator("#quantity").input_value()
     print(f"step of {name}, median of {STEPS} [ms]: to the screen, of it in the kernel; aim")
-    for i, (what, aim) in enumerate((("history", 50), (f"spectrum of {shown}", 100))):
+    for i, (picture, aim) in enumerate((("history", 50), (f"spectrum of {shown}", 100))):
         total, kernel = (statistics.median(row[i][j] for row in found) for j in (0, 1))
-        print(f"  {what:28s} {total:7.1f} {kernel:7.1f}  {aim}")
+        print(f"  {picture:28s} {total:7.1f} {kernel:7.1f}  {aim}")
 
 
 def _print_drags(page: Page) -> None:
@@ -145,7 +145,7 @@ def _print_drags(page: Page) -> None:
         }  # fmt: skip
         found = page.evaluate(DRAG, words)
         page.evaluate(SETTLE)
-        times = " ".join(f"{found[what]:6.0f}" for what in ("history", "spectrum", "full"))
+        times = " ".join(f"{found[picture]:6.0f}" for picture in ("history", "spectrum", "full"))
         print(f"  {name:26s} {times}  {found['pictures']:3d} pictures  {found['problem'][:60]}")
 
 

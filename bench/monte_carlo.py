@@ -60,10 +60,10 @@ def main() -> None:
         points["record"] = names[chance.integers(RECORDS, size=n)]
         side = max(2, int((min(n, GRID_RUNS) / RECORDS) ** 0.5))
         grid = {"T_s": np.linspace(0.3, 3.0, side), "gamma": np.linspace(2.0, 100.0, side)}
-        how = {"records": records, "unit": "g", "dt": 0.01}
-        run = _cost(lambda: rwmf.sweep(case, grid, file=Path(folder) / "grid.nc", **how))
+        options = {"records": records, "unit": "g", "dt": 0.01}
+        run = _cost(lambda: rwmf.sweep(case, grid, file=Path(folder) / "grid.nc", **options))
         before = _memory()
-        row = _cost(lambda: rwmf.sweep(case, points=points, file=Path(folder) / "p.nc", **how))
+        row = _cost(lambda: rwmf.sweep(case, points=points, file=Path(folder) / "p.nc", **options))
         size = (Path(folder) / "p.nc").stat().st_size / n
     cores = len(os.sched_getaffinity(0))
     print(

@@ -106,7 +106,7 @@ EFFECTS = [
     ),
     *(
         Effect(
-            f"`&storeys`, {coupling}, {what}",
+            f"`&storeys`, {coupling}, {part}",
             NO_PERIOD
             | {
                 "storeys": STOREYS | LINKS.get(coupling, {}) | {"coupling": coupling},
@@ -114,7 +114,7 @@ EFFECTS = [
             },
             "yielding" if law == "bouc_wen" else "storeys",
         )
-        for coupling, what, law in (
+        for coupling, part, law in (
             ("every_floor", "each yields", "elastic_plastic"),
             ("full", "each yields", "elastic_plastic"),
             ("full", "Bouc-Wen", "bouc_wen"),

@@ -66,7 +66,7 @@ def _measure(name: str, rounds: int) -> None:
     print(f"{name}: the least of {rounds} rounds")
     print("| call | rwmf [ms] | kernel [ms] | ratio | between [ms] | xarray.Dataset [ms] |")
     print("|---|---|---|---|---|---|")
-    for what, call, bare in [
+    for label, call, bare in [
         ("simulate", lambda: rwmf.simulate(case), _bare(case)),
         (
             "simulate with history",
@@ -87,7 +87,7 @@ def _measure(name: str, rounds: int) -> None:
         turns = max(rounds // 10, rounds // made.sizes.get("T_s", 1))
         mine, own, labels = _least((call, bare, _labelling(made)), turns)
         ratios = f"{mine / own:.2f} | {mine - own:.3f} | {labels:.3f}"
-        print(f"| {what} | {mine:.3f} | {own:.3f} | {ratios} |")
+        print(f"| {label} | {mine:.3f} | {own:.3f} | {ratios} |")
     change = _least((lambda: case.replace(frame={"T_s": 0.7}),), rounds)[0]
     text = _least((lambda: case.replace(model={"formulation": "exact"}),), rounds)[0]
     print(f"a change of a number {change:.3f} ms, an edit of the text {text:.3f} ms")

@@ -1,4 +1,4 @@
-"""Spectra of random scenes with any effects: how many ordinates err by more than rtol allows.
+"""Spectra of random scenes with any effects: number of ordinates with errors above rtol.
 
     .venv/bin/python bench/random_ordinates.py [--count 5000] [--first 0] [--periods 10]
                                                [--rtol 1e-7] [--processes 2]
@@ -72,7 +72,7 @@ def check_scene(number: int, n_periods: int, rtol: float) -> list[Ordinate]:
     number : int
         Of the scene.
     n_periods : int
-        How many ordinates.
+        Number of ordinates.
     rtol : float
         Relative tolerance of the spectrum.
 

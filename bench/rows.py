@@ -29,7 +29,7 @@ from rwmf._library import KernelCase
 RECORD = Path(__file__).resolve().parent.parent / "inputs" / "records" / "elcentro.csv"
 REPEATS = 5
 YIELDING: dict[str, object] = {"u_y": 0.02, "hardening": 0.05}
-# a scene, its columns beside the period, with how far they are spread, and its quantities
+# a scene, its columns beside the period with their ranges, and its quantities
 WALL = {
     "gamma": 0.2,
     "b": 0.1,

@@ -146,7 +146,7 @@ def _print_linear(rows: Sequence[Row], T_s: Array) -> None:
 
 
 def _print_against_recursion(record: Record, T_s: Array, linear: Sequence[Row]) -> None:
-    """Print how much dearer the wall is than the exact recursion of the bare frame."""
+    """Print the cost of the wall over the exact recursion of the bare frame."""
     recursions = [row for row in linear if row.program.startswith("exact recursion")]
     if not recursions:
         return
@@ -161,11 +161,11 @@ def _print_against_recursion(record: Record, T_s: Array, linear: Sequence[Row]) 
     _table(heads, lines)
 
 
-def _print_points(what: str, points: scaling.Points) -> None:
+def _print_points(name: str, points: scaling.Points) -> None:
     """Print one dependence."""
     first = points[0][1]
     lines = [(f"{x:g}", f"{1e6 * y:.3g}", f"{first / y:.3g}") for x, y in points]
-    _table((what, "us an ordinate", "first line over this"), lines)
+    _table((name, "us an ordinate", "first line over this"), lines)
 
 
 def _scaling(
@@ -177,8 +177,8 @@ def _scaling(
         "seconds of motion": scaling.lengths(record, T_s[T_s >= LONG], repeats),
         "threads": scaling.threads(record, min(most, 2000), repeats),
     }
-    for what, points in found.items():
-        _print_points(what, points)
+    for name, points in found.items():
+        _print_points(name, points)
     found["tolerances"] = scaling.tolerances(record, T_s, truth, repeats)
     _print_rocking(found["tolerances"], T_s.size)
     heads = ("formulation, cable", "gamma", *(f"T_s {low:g}-{high:g}" for low, high in BANDS))

@@ -125,7 +125,7 @@ contains
             print '(2a, f7.3, a, f7.3, a)', merge('at rest, ', 'rocking, ', pass == 1), &
                methods(j), &
                1.0e6_wp*whole/(n - 1), ' us per step,', 1.0e6_wp*(pieces - whole)/(n - 1), &
-               ' us more as a call of its own'
+               ' us more as a separate call'
          end do
       end do
    end subroutine time_calls

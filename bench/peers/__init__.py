@@ -1,4 +1,4 @@
-"""Programs that solve the same problem, one file each, and how they are measured.
+"""Programs that solve the same problem, one file each, and their measurement.
 
 A peer is optional: its package is imported when it is used. `problem.py` states the problem,
 `walk.py` is the hybrid loop of those that know flights only.

@@ -40,14 +40,14 @@ def spectra(rows: Sequence[Row], dependence: dict[str, Any], path: Path) -> None
         precision = [figure.add_subplot(grid[i, :]) for i in range(len(GAMMAS))]
         for ax, gamma in zip(precision, GAMMAS, strict=True):
             _work_precision(ax, rows, dependence["tolerances"], gamma)
-        for i, what in enumerate(("ordinates", "seconds of motion", "threads")):
+        for i, name in enumerate(("ordinates", "seconds of motion", "threads")):
             axes = figure.add_subplot(grid[2, i])
-            x, y = np.array(dependence[what]).T
+            x, y = np.array(dependence[name]).T
             axes.loglog(x, 1e6 * y, "o-", color=COLOURS[0])
-            axes.set_xlabel("seconds of motion (s)" if "seconds" in what else what)
+            axes.set_xlabel("seconds of motion (s)" if "seconds" in name else name)
             axes.set_ylabel("" if i else "µs an ordinate")
             axes.set_ylim(bottom=0.5e6 * y.min(), top=2e6 * y.max())
-            if what == "threads":
+            if name == "threads":
                 axes.set_xticks(x, [f"{count:g}" for count in x])
                 axes.xaxis.set_minor_locator(NullLocator())
             label_plainly(axes.yaxis)

@@ -32,12 +32,19 @@ const EQUIVALENTS = [
   ["coupling", "co simulation", "cosimulation", "hybrid simulation", "substructure"],
   ["time loop", "time step", "stepping", "step by step"],
   ["cluster", "slurm", "mpi", "hpc"],
+  ["design", "optimise", "optimize", "optimisation", "optimization", "optimum"],
 ];
-const STOPS = new Set(("a all an and are as at be between by can do does each every for from get give has have how i "
-  + "if in is it its me much many my of on one or see show should some than that the their there this to use "
+const STOPS = new Set(("a all an and are as at be between by can could do does each every find for from get give go going has have how i "
+  + "if in is it its me much many my need of on one or see show should some tell than that the their there this to use "
   + "want was we what when where which who why will with you your").split(" "));
-// Pages for users before those for developers
-const FOLDERS = { tutorials: 1.3, howto: 1.3, developer: 0.5 };
+// A section without the unit of a query answers it all the same.
+const UNITS = new Set("kn knm n nm pa kpa mpa gpa mm cm m s kg t rad deg percent".split(" "));
+// Pages for users before those that prove or that are for developers
+const FOLDERS = { tutorials: 1.3, howto: 1.3, validation: 0.7, developer: 0.5 };
+// Questions that the glossary answers first
+const MEANING = /^\s*(what (is|are|does)|define|definition|meaning)\b/i;
+// Points of a term beside another one in a passage, and of one that fills a cell of a table
+const TOGETHER = 2, CELL = 4;
 const SHOWN = 30;
 const EXCERPT = 240;
 
@@ -67,38 +74,99 @@ function termsOf(query) {
   }
   for (const word of rest.split(" ")) {
     if (word && !STOPS.has(word) && !/^\d+$/.test(word))
-      terms.push({ own: finder([word]), any: finder([word]) });
+      terms.push({ own: finder([word]), any: finder([word]), isUnit: UNITS.has(word) });
   }
   return terms;
 }
 
 const count = (text, expression) => (text.match(expression) || []).length;
 
-function rank(terms) {
-  const sections = SECTIONS.map(([page, heading, address, text]) => ({
+// Sections with their plain words; a passage is a paragraph or a row of a table, a list of its cells.
+let prepared = null;
+function prepare() {
+  prepared = prepared || SECTIONS.map(([page, heading, address, text]) => ({
     page, heading, address, text,
     words: [plain(page), plain(heading), plain(text)],
-    score: 0, met: 0,
+    passages: text.split("\n").map((line) => line.split("\t").map((cell) => plain(cell).trim())),
   }));
+  return prepared;
+}
+
+// The part of a text that an expression matches, by letters.
+function share(text, expression) {
+  const matched = (text.match(expression) || []).reduce((sum, match) => sum + match.length, 0);
+  return matched / Math.max(text.trim().length, 1);
+}
+
+// The weight of the terms in a title or cell, and the part of its letters that they fill.
+function match(text, terms) {
+  let weight = 0, part = 0;
+  for (const term of terms) {
+    const own = share(text, term.own), other = own ? 0 : 0.6 * share(text, term.any);
+    part += own + other;
+    weight += term.weight * (own ? 1 : other ? 0.6 : 0);
+  }
+  return [weight, Math.min(1, part)];
+}
+
+function rank(terms, isMeaning) {
+  const sections = prepare().map((section) => ({ ...section, score: 0, met: 0 }));
+  const needed = terms.filter((term) => !term.isUnit).length || terms.length;
   for (const term of terms) {
     const hits = sections.map((section) => {
-      const [page, heading, text] = section.words;
-      const value = (expression) => (count(page, expression) ? 3 : 0) + (count(heading, expression) ? 6 : 0)
-        + 2 * Math.log1p(count(text, expression)) / (1 + text.length / 8000);
+      const text = section.words.join(" ");
+      const value = (expression) => 2 * Math.log1p(count(text, expression)) / (1 + text.length / 8000);
       return Math.max(value(term.own), 0.6 * value(term.any));
     });
-    const weight = Math.log1p(sections.length / (1 + hits.filter((hit) => hit > 0).length));
+    term.weight = Math.log1p(sections.length / (1 + hits.filter((hit) => hit > 0).length));
     hits.forEach((hit, i) => {
-      sections[i].score += weight * hit;
-      sections[i].met += hit > 0;
+      sections[i].score += term.weight * hit;
+      sections[i].met += hit > 0 && !(term.isUnit && needed < terms.length);
     });
   }
   // sections with all terms first; a section that misses one may still follow
-  const found = sections.filter((section) => section.met > 0 && 2 * section.met >= terms.length);
+  const found = sections.filter((section) => section.score > 0 && 2 * section.met >= needed);
   for (const section of found) {
-    section.score *= (section.met / terms.length) ** 3 * (FOLDERS[section.address.split("/")[0]] || 1);
+    section.score += title(section.words[0], 3, terms) + title(section.words[1], 6, terms) + passage(section, terms);
+    section.score *= (section.met / needed) ** 3 * (FOLDERS[section.address.split("/")[0]] || 1);
+    if (isMeaning && section.address.startsWith("reference/glossary")) section.score *= 2;
   }
-  return found.sort((one, other) => other.score - one.score).slice(0, SHOWN);
+  return spread(found).slice(0, SHOWN);
+}
+
+// Sort by score; from the third section of a page on, a section counts half.
+function spread(found) {
+  const byScore = (one, other) => other.score - one.score;
+  const shown = {};
+  for (const section of found.sort(byScore)) {
+    const page = section.address.split("#")[0];
+    shown[page] = (shown[page] || 0) + 1;
+    if (shown[page] > 2) section.score /= 2;
+  }
+  return found.sort(byScore);
+}
+
+// Points of a title; one that says little else gets twice as many.
+function title(text, points, terms) {
+  const [weight, part] = match(text, terms);
+  return points * weight * Math.min(1, 0.5 + part);
+}
+
+// Points of the best passage: for terms that occur together, and for a cell that holds little else.
+function passage(section, terms) {
+  let most = 0;
+  for (const cells of section.passages) {
+    const line = cells.join(" ");
+    const met = terms.filter((term) => line.search(term.any) >= 0);
+    if (!met.length) continue;
+    const weights = met.map((term) => term.weight);
+    let points = TOGETHER * (weights.reduce((sum, weight) => sum + weight, 0) - Math.max(...weights));
+    if (cells.length > 1) {
+      points += CELL * Math.max(...cells.map((cell) => match(cell, met)).map(([weight, part]) => weight * part));
+    }
+    most = Math.max(most, points);
+  }
+  return most;
 }
 
 // Expressions for text as it is printed: anything but letters may separate the words of a phrase.
@@ -130,7 +198,7 @@ function excerpt(text, expression) {
 function show(query) {
   const target = document.getElementById("search-results");
   const terms = termsOf(query);
-  const found = terms.length ? rank(terms) : [];
+  const found = terms.length ? rank(terms, MEANING.test(query)) : [];
   const summary = document.createElement("p");
   summary.className = "search-summary";
   summary.textContent = found.length ? `Best ${found.length} sections for "${query}":`

@@ -159,7 +159,7 @@ def cost(
     progress: Progress | None = None,
     quantities: str | Sequence[str] | None = None,
 ) -> Cost:
-    """Measure how long each method takes for a given accuracy.
+    """Measure the time of each method for a given accuracy.
 
     Every method runs at tolerances from 1e-2 to 1e-13; the procedures of current practice run once.
     Errors are relative to a run in quadruple precision. The method, tolerances and output of the
@@ -275,18 +275,18 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
         if time.monotonic() - started > _MOST_REFERENCE_SECONDS:
             raise _TooSlowError
 
-    how = "extrapolation of order 18 in quadruple precision"
+    method = "extrapolation of order 18 in quadruple precision"
     tolerances = _QUAD
     try:
         found = _measure.solve_reference(case, *_QUAD, poll)
     except (_TooSlowError, NumericalError) as error:
         cause = "takes too long" if isinstance(error, _TooSlowError) else f"failed ({error})"
-        how = f"extrapolation of order 10 in double precision: quadruple precision {cause}"
+        method = f"extrapolation of order 10 in double precision: quadruple precision {cause}"
         tolerances = _DOUBLE
         found = _double_reference(case)
     peak = _peak_name(case, found)
     facts = {
-        "method": how,
+        "method": method,
         "rtol": tolerances[1],
         "relative_error": _ratio(found.differences[peak], found.values[peak]),
         "error_estimate": f"difference from a run at rtol {tolerances[0]:.0e}",

@@ -158,9 +158,9 @@ def _residual(summary: Mapping[str, Any]) -> str:
         where = _where(summary, "storey_{i}_residual_drift", "storey")
         roof = _percent(summary, unloaded, ", {} at the roof")
         return _percent(summary, "storey_residual_drift_max", f"{{}}{where}{roof}")
-    for key, how in ((unloaded, "at the roof"), (at_rest, "at the roof, at rest")):
+    for key, place in ((unloaded, "at the roof"), (at_rest, "at the roof, at rest")):
         if key in summary:
-            return _percent(summary, key, f"{{}} {how}")
+            return _percent(summary, key, f"{{}} {place}")
     if "residual_displacement_m" in summary:
         return f"{1e3 * abs(summary['residual_displacement_m']):.3g} mm"
     if "theta_end_over_alpha" in summary:

@@ -85,7 +85,7 @@ def pushover(
         An `xarray.Dataset` over ``step``: ``roof_drift``, ``base_shear_over_weight`` and
         ``overturning_moment_over_weight``. Displacements and forces have the names of a history,
         with masses also in N. The coordinates ``mark``, ``mark_step`` and
-        ``mark_roof_drift`` name the events. The attribute ``weight`` says which weight is meant;
+        ``mark_roof_drift`` name the events. The attribute ``weight`` names the weight;
         ``ending`` is ``complete``, ``overturned``, ``collapsed`` (a drift limit of the case),
         ``no_equilibrium`` or ``no_contact``.
 

@@ -66,9 +66,9 @@ class Judgement:
     published, exact : Measured
         Results for the shipped cable in both forms.
     held : int
-        For how many of `tried` cables the claim holds in the published form.
+        Number of `tried` cables for which the claim holds in the published form.
     tried : int
-        For how many cables the claim has a meaning.
+        Number of cables for which the claim has a meaning.
     """
 
     claim: Claim

@@ -220,7 +220,7 @@ _WORTH = """The push of a leaning column is exact in OpenSees and linear here. T
 the squared drift, is 6e-4 of the push at a drift of 3.5 %; it shows under the pulse and vanishes
 without P-Delta. The next table gives the largest values with and without yielding and P-Delta:
 """
-_MISSING = """## What is not validated here
+_MISSING = """## Limits of the validation
 
 * The deformable wall over the later impacts of `g5`, and in `block`, `free` and `disc`.
 * Sliding of the base, which the model excludes. `slip_max_m` is the range of the position of the

@@ -3,8 +3,8 @@
 A second family has the laws that slip, come back and lose strength, gravity on the frame and shear
 keys, and every check looks at all demands there.
 
-RWMF_COMBINATIONS sets how many numbers each check goes through, RWMF_COMBINATIONS_FIRST the first
-one; the default keeps the suite short. 4,000 is the full run.
+RWMF_COMBINATIONS is the number of rounds of each check, RWMF_COMBINATIONS_FIRST the first one; the
+default keeps the suite short. 4,000 is the full run.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ def survive(start: int, stop: int, folder: Path) -> dict[str, int]:
     Returns
     -------
     dict
-        How many attacks were refused, failed numerically and answered.
+        Numbers of attacks that were refused, failed numerically and answered.
     """
     outcome = {"refused": 0, "failed": 0, "answered": 0}
     for number in range(start, stop):
@@ -150,7 +150,7 @@ def command_survives(kind: str, start: int, stop: int, folder: Path) -> dict[int
     Returns
     -------
     dict
-        How many calls ended with which exit status.
+        Number of calls by exit status.
     """
     os.chdir(folder)
     os.environ.pop("RWMF_TRACEBACK", None)

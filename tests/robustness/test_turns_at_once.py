@@ -31,7 +31,7 @@ OTHERS: dict[str, dict[str, Any]] = {
 
 @cache
 def _run(law: str, other: str, method: str, rtol: float) -> tuple[float, int, int]:
-    """Return the peak of the frame [m], and how many peaks and impacts the wall has."""
+    """Return the peak of the frame [m] and the numbers of peaks and impacts of the wall."""
     case = rwmf.Case(
         wall={"h": 2.0, "b": 0.5},
         impact={"e": 0.8},

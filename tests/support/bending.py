@@ -185,7 +185,7 @@ class BentWall:
         return u, wide * s + high * c, wide * c - high * s
 
     def _jacobian(self, x: Array, v: Array, side: int) -> tuple[Array, Array, Array]:
-        """Return linked displacements, their gradient by (theta, q), and what velocities add."""
+        """Return linked displacements, their gradient by (theta, q), and velocity terms."""
         theta, n = x[:, 0], self.n
         u, slope, bend = self.roof(theta, side)
         s, c = np.sin(theta)[:, None], np.cos(theta)[:, None]
@@ -298,7 +298,7 @@ class BentWall:
         return new, -side, float(loss), bool(goes)
 
     def _energy_matrix(self, x: Array, side: int) -> Array:
-        """Return inertia of the wall with what is rigidly linked to it."""
+        """Return inertia of the wall and of the masses rigidly linked to it."""
         matrix = self.inertia(x, side)[0]
         if not self.frame.link_k.size:
             _, d, _ = self._jacobian(x, 0 * x, side)
@@ -417,7 +417,7 @@ class BentWall:
         return np.diff(self._floors(x, side), prepend=0.0) / self.frame.heights
 
     def powers(self, piece: Piece, t: Array, basis: tuple[Array, Array, Array]) -> dict[str, Array]:
-        """Return the powers of the ground and of what dissipates."""
+        """Return the powers of the ground and of dissipation."""
         x, v = piece.at(basis, t)
         flow = self.flow(piece, t, x, v)
         time, n = piece.t + piece.h * t, self.n
@@ -445,7 +445,7 @@ class BentWall:
                                held=piece.held)  # fmt: skip
 
     def energies(self, course: Course, piece: Piece, share: float = 1.0) -> dict[str, float]:
-        """Return what is stored and dissipated at a share of a piece [J/kg]."""
+        """Return stored and dissipated energies at a share of a piece [J/kg]."""
         at = np.array([share])
         x, v = piece.at(basis_at(at), at)
         flow, n, side = self.flow(piece, at, x, v), self.n, piece.side
@@ -476,7 +476,7 @@ class BentWall:
         return {name: float(value) for name, value in found.items()}
 
     def balance(self, course: Course, piece: Piece, share: float = 1.0) -> float:
-        """Return what the ledger misses [J/kg]."""
+        """Return the residual of the ledger [J/kg]."""
         first = self.energies(course, course.pieces[0], 0.0)
         now = self.energies(course, piece, share)
         gone = ("viscous", "bending_damping", "hysteretic", "impact")

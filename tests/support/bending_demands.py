@@ -142,7 +142,7 @@ class Demands:
         s, c = np.sin(theta), np.cos(theta)
         pivot = np.array([c * shear[:, 0, 0] + s * axial, c * axial - s * shear[:, 0, 0]])
         across, along = self._anchor(theta, side)
-        # momentum of the wall: what comes from below, the links and the cable make it
+        # momentum of the wall: forces from below, of the links and of the cable change it
         push = pivot[0] - flow.links.sum(axis=1) + c * across + s * along
         push = push + flow.u_tt @ self.frame.push + self.frame.total * piece.a_g(time)
         found["base_shear_max_over_weight"] = push / (g * (1 + self.frame.total))
@@ -171,7 +171,7 @@ class Demands:
         return {float(z): str(i + 1) for i, z in enumerate(np.cumsum(self.frame.heights))}
 
     def corner(self, piece: Piece, x: Array, v: Array, flow: Flow) -> Array:
-        """Return what devices under the corners add to the reaction of the pivot."""
+        """Return the part of the pivot reaction due to devices under the corners."""
         half, side = x[:, 0] / 2, piece.side
         rate, turn = side * v[:, 0], side * flow.a[:, 0]
         opens = 2 * self.b * np.cos(half)

@@ -91,7 +91,7 @@ def _frame(rng: np.random.Generator, coupling: str, h: float) -> Groups:
 def _motion(
     rng: np.random.Generator, groups: Groups
 ) -> tuple[Groups, dict[str, list[float]] | None]:
-    # in proportion to what lifts the wall, roughly
+    # roughly in proportion to the acceleration at uplift
     h, b = groups["wall"]["h"], groups["wall"]["b"]
     size = b / h * (1 + groups.get("cable", {}).get("eta_0", 0.0)) * rng.uniform(0.8, 1.6)
     if rng.random() < 0.6:

@@ -393,7 +393,7 @@ class Building:
         return names + self._force_keys()
 
     def _force_keys(self) -> list[str]:
-        """Return the names of what `forces` returns."""
+        """Return the names of the values of `forces`."""
         numbers = range(1, self.n + 1)
         names = [f"floor_{i}_velocity_max" for i in numbers]
         if not self.wall:

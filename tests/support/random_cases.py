@@ -18,7 +18,7 @@ def random_cases(n: int, seed: int, records: Path) -> Iterator[rwmf.Case]:
     Parameters
     ----------
     n
-        How many.
+        Number of cases.
     seed
         The same seed gives the same cases.
     records

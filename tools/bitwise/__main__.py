@@ -43,15 +43,15 @@ def _read_options() -> argparse.Namespace:
         prog="tools/bits", description="A digest of the numbers that rwmf gives."
     )
     parser.add_argument("--root", type=Path, required=True, help="the checkout to look at")
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument(
+    action = parser.add_mutually_exclusive_group()
+    action.add_argument(
         "--compare", nargs="?", type=Path, const=_DIGEST, metavar="FILE", help="list changed rows"
     )
-    what.add_argument(
+    action.add_argument(
         "--write", nargs="?", type=Path, const=_DIGEST, metavar="FILE", help="write the digest"
     )
-    what.add_argument("--show", metavar="KEY", help="print the text behind a row")
-    what.add_argument("--list", action="store_true", help="print the keys only")
+    action.add_argument("--show", metavar="KEY", help="print the text behind a row")
+    action.add_argument("--list", action="store_true", help="print the keys only")
     parser.add_argument("--only", metavar="PATTERN", help="rows with this in their key, or fitting")
     parser.add_argument("--quick", action="store_true", help="a representative part, within 45 s")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="save the text of every row there")

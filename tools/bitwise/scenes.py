@@ -1,4 +1,4 @@
-"""The frozen scenes, and how a scene's text is given another method."""
+"""Frozen scenes, and their texts with another method."""
 
 from __future__ import annotations
 

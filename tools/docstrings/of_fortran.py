@@ -97,9 +97,9 @@ def check(path: Path) -> tuple[int, list[Finding]]:
             n += 1
             missing = _of_type(scope) if scope.kind == "type" else _of_procedure(scope)
             found += [
-                Finding(path, line, f"{scope.name}: {what}")
-                for line, what in missing
-                if has_units or not what.endswith("has no unit")
+                Finding(path, line, f"{scope.name}: {fault}")
+                for line, fault in missing
+                if has_units or not fault.endswith("has no unit")
             ]
     return n, found
 

@@ -51,7 +51,7 @@ def check(path: Path) -> tuple[int, list[Finding]]:
             explained |= {in_common} - {""}
         missing += _missing_shapes(text)
         missing = missing if text else ["no docstring"]
-        found += [Finding(path, node.lineno, f"{name}: {what}") for what in missing]
+        found += [Finding(path, node.lineno, f"{name}: {fault}") for fault in missing]
     return n, found
 
 

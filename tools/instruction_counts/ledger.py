@@ -16,7 +16,7 @@ NOISE = 1.01
 
 _HEAD = """\
 # Instructions of the standard calls, counted by valgrind's callgrind; written by tools/counts, see
-# developer/bench.md. First what they depend on. Below a count: when it grew, from what, and the
+# developer/bench.md. Their conditions come first. Below a count: date, earlier count and
 # reason.
 """
 _ARROW = " -> "

@@ -34,6 +34,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 FIGURES = "figures"
+INSTALLED = ROOT / "build" / "pages" / "installed"
 
 _FENCE = re.compile(
     r"(?:^`(?P<name>[\w./-]+)`\n\n)?^```(?P<language>[\w{}-]*)\n(?P<text>.*?)^```$",
@@ -104,6 +105,23 @@ def blocks_of(text: str) -> list[Block]:
             printed = after["text"]
         blocks.append(Block(fence["name"] or "", fence["language"], fence["text"], printed))
     return blocks
+
+
+def code_of(page: Path) -> str:
+    """Text of the blocks of a page and names of its figures, without the prose.
+
+    Parameters
+    ----------
+    page : Path
+        The page.
+
+    Returns
+    -------
+    str
+        The text, which changes when the blocks must run again.
+    """
+    text = page.read_text(encoding="utf-8")
+    return "\n".join(map(str, [*blocks_of(text), *_figures_of(page, text)]))
 
 
 def run_page(page: Path, folder: Path) -> None:
@@ -212,8 +230,7 @@ def _environment(words: str) -> dict[str, str]:
 @cache
 def _installed_library() -> Path:
     """Install the library for host programs as `meson install` does, below the build."""
-    target = ROOT / "build" / "pages" / "installed"
-    shutil.rmtree(target, ignore_errors=True)
+    target = INSTALLED / str(os.getpid())  # pages run in several processes
     words: list[str | Path] = [ROOT / ".venv/bin/meson", "install", "-C", ROOT / "build"]
     words += ["--no-rebuild", "--quiet", "--tags", "devel", "--destdir", target]
     subprocess.run(words, check=True)
@@ -328,7 +345,10 @@ def keep_figures(page: Path, folder: Path) -> None:
         Where its blocks were run.
     """
     target = page.parent / FIGURES / page.stem
-    text = page.read_text(encoding="utf-8")
-    for name in re.findall(rf"\]\({FIGURES}/{page.stem}/([\w.-]+)\)", text):
+    for name in _figures_of(page, page.read_text(encoding="utf-8")):
         target.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(folder / name, target / name)
+
+
+def _figures_of(page: Path, text: str) -> list[str]:
+    return re.findall(rf"\]\({FIGURES}/{page.stem}/([\w.-]+)\)", text)

@@ -50,7 +50,7 @@ print_creation_date: false
 sort: alpha
 max_frontpage_items: 0
 ---
-Every module of the kernel with what it makes public. A host program needs the facade
+Every module of the kernel with its public names. A host program needs the facade
 [[rwmf(module)]] alone. [Back to the documentation of rwmf](../index.html)
 """
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import re
 import subprocess
+import textwrap
 from collections.abc import Callable, Iterator
 from functools import cache
 
@@ -16,15 +17,23 @@ from rwmf.cli.parser import make_parser
 from pages import group_types, key_page, output_page
 from pages.blocks import DOCS, ROOT
 
+_WIDTH = 100
 _COMMANDS = """\
 # Commands
 
 For users of a terminal: this page lists every command with its arguments and options.
-`rwmf COMMAND --help` prints the same. `tools/docs --made` generates the page from the parser.
+`rwmf COMMAND --help` prints the same. The batch program `rwmf-batch CASE.nml ...` needs no
+Python; its options are at the end. `tools/docs --made` generates the page from the parser.
 
-Exit status: 0 success, 1 numerical failure, 2 wrong input or output, 3 internal error
-(`RWMF_TRACEBACK=1` prints the traceback), 130 interrupted. The batch program
-`rwmf-batch CASE.nml ...` needs no Python; its options are at the end.
+## Exit status
+
+| status | meaning |
+|---|---|
+| 0 | success; an overturning or a collapse is a result |
+| 1 | numerical failure |
+| 2 | wrong input or output |
+| 3 | internal error; `RWMF_TRACEBACK=1` prints the traceback |
+| 130 | interrupted |
 """
 _FACADE = """\
 # Fortran interface
@@ -55,7 +64,8 @@ def command_page() -> str:
     """
     parts = [_COMMANDS]
     for name, parser in _commands("rwmf", make_parser()):
-        parts.append(f"\n## `{name}`\n\n{parser.description}\n")
+        about = textwrap.fill(parser.description or "", _WIDTH, break_on_hyphens=False)
+        parts.append(f"\n## `{name}`\n\n{about}\n")
         rows = [row for action in parser._actions for row in _row(action)]
         if rows:
             parts.append("| word | meaning |\n|---|---|\n" + "\n".join(rows) + "\n")

@@ -97,7 +97,7 @@ def _mathml(node: nodes.Node, text: str, *, as_block: bool) -> str:
 
 
 def _mended(formula: str) -> str:
-    """Mend what docutils leaves: indices of accented letters, primes, spaces, bars, tables."""
+    """Mend the MathML of docutils: indices of accented letters, primes, spaces, bars, tables."""
 
     def mend_function(found: re.Match[str]) -> str:
         kind = "function-of" if found["argument"] else "function"

@@ -2,7 +2,8 @@
 
 Browsers refuse to fetch pages of a site without a server. The text of every section is therefore
 one script, `_static/sections.js`, which the search page loads; `docs/search/search.js` ranks the
-sections and shows excerpts. Code comes after the prose of its section.
+sections and shows excerpts. A line of a text is a paragraph or a row of a table, whose cells a tab
+separates; words that occur together count more. Code comes after the prose of its section.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 Section: TypeAlias = tuple[str, str, str, str]
 _PARTS = (nodes.section, addnodes.desc)
 _NO_TEXT = (*_PARTS, nodes.title, nodes.comment, nodes.math_block, nodes.raw, addnodes.toctree)
-_BLOCKS = (nodes.paragraph, nodes.term, nodes.literal_block, nodes.entry, nodes.caption)
+_BLOCKS = (nodes.paragraph, nodes.term, nodes.literal_block, nodes.row, nodes.caption)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -65,9 +66,9 @@ def _sections_of(tree: nodes.document, address: str) -> Iterator[Section]:
         place = f"{address}#{label}" if page and label else address
         page = page or heading
         texts = sorted(_texts(part), key=lambda text: text[0])
-        text = " ".join(words for _, words in texts)
+        text = "\n".join(words for _, words in texts)
         if heading and (text or heading != page):
-            yield page, heading, place, re.sub(r"\s+", " ", text)
+            yield page, heading, place, text
 
 
 def _heading(part: nodes.Element) -> tuple[str, str]:
@@ -86,7 +87,12 @@ def _texts(node: nodes.Element) -> Iterator[tuple[bool, str]]:
         if isinstance(child, _NO_TEXT):
             continue
         if isinstance(child, _BLOCKS):
-            words = re.sub(r"</?a\b[^<>]*>", " ", child.astext())  # raw links of made pages
-            yield isinstance(child, nodes.literal_block), words
+            cells = child.children if isinstance(child, nodes.row) else [child]
+            yield isinstance(child, nodes.literal_block), "\t".join(map(_words, cells))
         elif isinstance(child, nodes.Element):
             yield from _texts(child)
+
+
+def _words(node: nodes.Node) -> str:
+    """Join the words of a node in one line, without the raw links of made pages."""
+    return " ".join(re.sub(r"</?a\b[^<>]*>", " ", node.astext()).split())

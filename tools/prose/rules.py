@@ -13,16 +13,17 @@ LONGEST_SENTENCE = 25
 _WIDTH, _CODE_WIDTH = 120, 100
 
 _WORD = re.compile(r"[^\W\d_][\w'-]*")
-_WHAT = re.compile(r"\bwhat\b", re.IGNORECASE)
+# the brackets keep the patterns from finding themselves
+_WHAT = re.compile(r"\bwha[t]\b", re.IGNORECASE)
 _BANNED = re.compile(
-    r"\b(whoever|nobody|somebody|stands? for"
-    r"|as it stands"
-    r"|in the end"
-    r"|comes? to"
-    r"|what\b[^.;:]{0,40}\b(?:is|are) about"
-    r"|of (?:its|their) own"
-    r"|to be had"
-    r"|company)\b",
+    r"\b(whoeve[r]|nobod[y]|somebod[y]|stands?\s+for"
+    r"|as\s+it\s+stands"
+    r"|in\s+the\s+end"
+    r"|comes?\s+to(?!\s+rest)"
+    r"|wha[t]\b[^.;:]{0,40}\b(?:is|are)\s+about"
+    r"|of\s+(?:its|their)\s+own"
+    r"|to\s+be\s+had"
+    r"|compan[y])\b",
     re.IGNORECASE,
 )
 _QUESTION = re.compile(

@@ -78,10 +78,10 @@ class Target:
     def text(self) -> str:
         """The target in words."""
         sign = ">=" if self.is_least else "<="
-        what = f"{self.quantity} {sign} {self.limit:g}"
-        what = what if self.quantity != COLLAPSE else "no collapse"
+        goal = f"{self.quantity} {sign} {self.limit:g}"
+        goal = goal if self.quantity != COLLAPSE else "no collapse"
         factor = f", motions times {self.scale:g}" if self.scale != 1 else ""
-        return f"{what} in {100 * self.share:g} % of the motions{factor}"
+        return f"{goal} in {100 * self.share:g} % of the motions{factor}"
 
     def value_of(self, values: Array, fallen: npt.NDArray[np.bool_]) -> float:
         """Return the quantile that the limit is for, or the share of collapses.

@@ -201,7 +201,7 @@ def compare_with_frame(quantity: Quantity, value: float, alone: float | None) ->
     if alone is None or not (math.isfinite(value) and math.isfinite(alone) and alone > 0.0):
         return ""
     change = 100.0 * (value / alone - 1.0)
-    how = f"{_percent(abs(change) / 100)} {'less' if change < 0 else 'more'} than"
+    comparison = f"{_percent(abs(change) / 100)} {'less' if change < 0 else 'more'} than"
     if abs(change) < 0.05:
-        how = "as much as"
-    return f"At the period of the case, {quantity.meaning}: {how} the frame alone."
+        comparison = "as much as"
+    return f"At the period of the case, {quantity.meaning}: {comparison} the frame alone."

@@ -385,7 +385,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Read the body of the request."""
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdigit()) or "Transfer-Encoding" in self.headers:
-            raise _RefusedError(411, "a question says how long it is")
+            raise _RefusedError(411, "the request has no valid Content-Length")
         # reject more digits than any valid length has
         if len(length) > 12 or int(length) > most:
             raise _RefusedError(413, f"too long: at most {most // 1024} KiB are taken")

@@ -250,8 +250,8 @@ def _end_of(process: subprocess.Popen[bytes]) -> str:
         status = process.wait(_PATIENCE)
     except subprocess.TimeoutExpired:
         status = 0
-    how = signal.Signals(-status).name if status < 0 else f"status {status}"
+    ending = signal.Signals(-status).name if status < 0 else f"status {status}"
     return (
-        f"the computation ended with {how} and without an answer, perhaps for lack of memory; "
+        f"the computation ended with {ending} and without an answer, perhaps for lack of memory; "
         "the server goes on. Try a smaller or shorter case, and report this one"
     )

@@ -123,7 +123,7 @@ def _find(case: Case, name: str, columns: Sequence[str]) -> Parameter:
     if reason and item.key != ("solver", "t_end"):
         raise InputError(f"parameters: {name}: {reason}, no number of the structure or the motion")
     if has_records and item.key[0] == "motion" and column != SCALE:
-        raise InputError(f"parameters: {name}: the records replace &motion: ask for scale")
+        raise InputError(f"parameters: {name}: the records replace &motion: use scale")
     if column in columns:
         return item
     numbers = value_of(case, item)
@@ -177,8 +177,7 @@ def value_of(case: Case, item: Parameter) -> Array:
     if key in group.derived:
         givers = ", ".join(_givers(case, name, key)) or ", ".join(sorted(group.given))
         raise InputError(
-            f"parameters: {item.name}: follows from the given keys of &{name}: ask for one of "
-            f"{givers}"
+            f"parameters: {item.name}: follows from the given keys of &{name}: use one of {givers}"
         )
     given = group.as_given()
     # a list given as one number for all stays one number
@@ -253,7 +252,7 @@ def followers(case: Case, item: Parameter) -> list[tuple[str, str]]:
 
 
 def allowed_changes(case: Case, item: Parameter, value: float, scale: float) -> dict[bool, float]:
-    """Find how far the kernel lets a parameter decrease and increase.
+    """Find the allowed decrease and increase of a parameter.
 
     Parameters
     ----------

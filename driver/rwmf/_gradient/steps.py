@@ -175,7 +175,7 @@ class Steps:
         return self._statistic.of(centre), self._statistic.of(values), values
 
     def of_cells(self, values: Array) -> Array:
-        """Return what all scenes of a cell have in common.
+        """Reduce values of scenes to the common value of each cell.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Values that a host asks of its walls. Those of `Wall` are numbers, those of `Walls` arrays."""
+"""Values that a host queries from its walls: numbers of a `Wall`, arrays of `Walls`."""
 
 from __future__ import annotations
 

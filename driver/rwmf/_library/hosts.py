@@ -228,7 +228,7 @@ class KernelWalls:
 
 
 class KernelMember:
-    """A wall in the kernel that answers the motions of a host, with the state of its springs.
+    """A wall in the kernel with the state of its springs; returns forces to motions of a host.
 
     Parameters
     ----------

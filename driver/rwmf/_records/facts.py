@@ -97,7 +97,7 @@ def _interval(wave: Waveform) -> float | None:
 
 
 def _doubts(wave: Waveform, peak: float, velocity: float, displacement: float) -> list[str]:
-    """List what makes a record doubtful."""
+    """List reasons to doubt a record."""
     found = []
     h = wave.h
     i = int(np.argmax(h))

@@ -104,7 +104,7 @@ def ida(
     limits: Mapping[str, float] | None = None,
     tolerance: float = _TOLERANCE,
     highest: float | None = None,
-    **how: Unpack[AnalysisOptions],
+    **further: Unpack[AnalysisOptions],
 ) -> xr.Dataset:
     """Run an incremental dynamic analysis: levels of intensity, then each record's capacity.
 
@@ -129,7 +129,7 @@ def ida(
         Relative width of the interval that contains the capacity.
     highest : float, optional
         Highest intensity of the search; otherwise four times the highest level.
-    **how
+    **further
         ``intensity``, ``period`` [s], ``damping`` [-] and ``periods`` [s] (the measure), ``file``,
         ``restart``, and ``threads``, ``executor``, ``progress``, ``chunk``, ``unit`` and ``dt`` as
         for `rwmf.sweep`.
@@ -152,7 +152,7 @@ def ida(
     """
     found = _limits(limits)
     names = [] if quantities is None else texts_of("quantities", quantities)
-    suite, options = _suite("ida", case, records, [*names, *found], how)
+    suite, options = _suite("ida", case, records, [*names, *found], further)
     ladder = levels_of(levels)
     top = _HIGHEST * float(ladder[-1])
     if highest is not None:
@@ -170,7 +170,7 @@ def stripes(
     records: Records,
     levels: Sequence[float],
     quantities: str | Sequence[str] | None = None,
-    **how: Unpack[AnalysisOptions],
+    **further: Unpack[AnalysisOptions],
 ) -> xr.Dataset:
     """Run all records at all levels of intensity.
 
@@ -178,7 +178,7 @@ def stripes(
     ----------
     case, records, levels, quantities
         As for `rwmf.ida`.
-    **how
+    **further
         As for `rwmf.ida`.
 
     Returns
@@ -191,7 +191,7 @@ def stripes(
     InputError, OutputError, Interrupted
         As `rwmf.ida`.
     """
-    suite, options = _suite("stripes", case, records, quantities, how)
+    suite, options = _suite("stripes", case, records, quantities, further)
     return _run(suite, options, {"levels": levels_of(levels).tolist()})
 
 
@@ -202,7 +202,7 @@ def cloud(
     quantities: str | Sequence[str] | None = None,
     *,
     factors: Sequence[float] = (1.0,),
-    **how: Unpack[AnalysisOptions],
+    **further: Unpack[AnalysisOptions],
 ) -> xr.Dataset:
     """Run records with their own intensities.
 
@@ -212,7 +212,7 @@ def cloud(
         As for `rwmf.ida`.
     factors : sequence of float
         Factors on all records [-].
-    **how
+    **further
         As for `rwmf.ida`.
 
     Returns
@@ -225,7 +225,7 @@ def cloud(
     InputError, OutputError, Interrupted
         As `rwmf.ida`.
     """
-    suite, options = _suite("cloud", case, records, quantities, how)
+    suite, options = _suite("cloud", case, records, quantities, further)
     found = np.unique(to_array("factors", factors, above=0.0, least=1))
     return _run(suite, options, {"factors": found.tolist()})
 
@@ -354,10 +354,10 @@ def _suite(
     case: Designs,
     records: Records,
     quantities: str | Sequence[str] | None,
-    how: AnalysisOptions,
+    further: AnalysisOptions,
 ) -> tuple[Suite, dict[str, Any]]:
     """Read designs and records, and scale the records to one measure of intensity."""
-    options: dict[str, Any] = dict(how)
+    options: dict[str, Any] = dict(further)
     known = AnalysisOptions.__annotations__
     unknown = [name for name in options if name not in known]
     if unknown:

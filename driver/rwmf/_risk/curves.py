@@ -369,15 +369,15 @@ def _check_some(rows: xr.Dataset, question: _Question, label: str) -> None:
         )
     if question.method == "cloud":
         return
-    what = "collapses" if question.quantity == COLLAPSE else "exceeds the limit"
+    failure = "collapses" if question.quantity == COLLAPSE else "exceeds the limit"
     if none:
         raise InputError(
-            f"{label}: no run {what}{largest}: the median is above the highest intensity "
+            f"{label}: no run {failure}{largest}: the median is above the highest intensity "
             f"{x.max():g}: give higher levels or a lower limit"
         )
     if every:
         raise InputError(
-            f"{label}: every run {what}{smallest}: the median is below the lowest intensity "
+            f"{label}: every run {failure}{smallest}: the median is below the lowest intensity "
             f"{x.min():g}: give lower levels or a higher limit"
         )
 

@@ -96,16 +96,16 @@ def demand_percentiles(
 
 
 def _curves(rows: xr.Dataset, name: str, levels: Array) -> Array:
-    """Interpolate the demand of every record at the levels; NaN above its last run that stands."""
+    """Interpolate the demand of every record at the levels; NaN above its last standing run."""
     found = []
     names = rows["record"].values
     for record in dict.fromkeys(names.tolist()):
         own = rows.isel(row=np.flatnonzero(names == record))
         x, y, down = own["intensity"].values, own[name].values, fallen(own)
         first = x[down].min() if down.any() else math.inf
-        stands = (x < first) & ~np.isnan(y)
-        order = np.argsort(x[stands], kind="stable")
-        px, py = x[stands][order], y[stands][order]
+        upright = (x < first) & ~np.isnan(y)
+        order = np.argsort(x[upright], kind="stable")
+        px, py = x[upright][order], y[upright][order]
         curve = np.full(levels.size, math.nan)
         if px.size:
             inside = levels <= px[-1]

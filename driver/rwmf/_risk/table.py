@@ -223,7 +223,7 @@ def _read_file(path: Path) -> xr.Dataset:
 
 
 def read_columns(
-    path: Path, texts: set[str], what: str
+    path: Path, texts: set[str], content: str
 ) -> tuple[dict[str, npt.NDArray[Any]], npt.NDArray[np.int64]]:
     """Read the columns of a CSV file.
 
@@ -233,7 +233,7 @@ def read_columns(
         The file: a line of names, then one line per row; lines with # are comments.
     texts : set of str
         Names of the columns of texts.
-    what : str
+    content : str
         Content of the file, for messages.
 
     Returns
@@ -249,7 +249,7 @@ def read_columns(
         When the file does not exist, cannot be read or is malformed.
     """
     if not path.is_file():
-        raise InputError(f"{path}: the {what} does not exist, or is no regular file")
+        raise InputError(f"{path}: the {content} does not exist, or is no regular file")
     return read_csv(path, lambda name: name not in texts)
 
 

@@ -289,7 +289,7 @@ def _entry(item: Coordinate) -> dict[str, Any]:
 
 
 def difference(old: str, new: str) -> str:
-    """Show how two layouts differ.
+    """Show the difference of two layouts.
 
     Parameters
     ----------

@@ -122,8 +122,8 @@ def _read_rows(
     names = [name.strip() for name in head[1]]
     twice = [name for name in names if names.count(name) > 1]
     if twice or "" in names:
-        what = f"the column {twice[0]} is given twice" if twice else "a column has no name"
-        raise InputError(f"{path}, line {head[0]}: {what}")
+        fault = f"the column {twice[0]} is given twice" if twice else "a column has no name"
+        raise InputError(f"{path}, line {head[0]}: {fault}")
     numeric = [is_number(name) for name in names]
     numbers: list[npt.NDArray[np.int64]] = []
     parts: list[list[npt.NDArray[np.generic]]] = [[] for _ in names]
@@ -131,13 +131,13 @@ def _read_rows(
         for number, cells in block:
             if len(cells) != len(names):
                 lacks = len(cells) < len(names)
-                what = (
+                fault = (
                     f"{names[len(cells)]}: no value"
                     if lacks
                     else f"{shorten(cells[len(names)])!r}: a value without a column"
                 )
                 raise InputError(
-                    f"{path}, line {number}: {what}: {len(cells)} values for {len(names)} columns"
+                    f"{path}, line {number}: {fault}: {len(cells)} values for {len(names)} columns"
                 )
         numbers.append(np.array([number for number, _ in block]))
         for i, name in enumerate(names):

@@ -155,7 +155,7 @@ def _read(points: Points) -> _Columns:
     return _Columns(_same_length({name: _column(name, item) for name, item in points.items()}))
 
 
-def _column(name: object, values: Any) -> Column:  # noqa: ANN401 (what makes an array)
+def _column(name: object, values: Any) -> Column:  # noqa: ANN401 (anything that becomes an array)
     if np.ma.is_masked(values):
         raise InputError(f"points: {show(name)}: has masked values: must have one value a row")
     try:

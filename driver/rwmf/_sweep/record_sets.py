@@ -277,7 +277,7 @@ def _with_unique_names(records: list[RecordFile]) -> list[RecordFile]:
         unique.append(replace(record, name=name))
     if len({record.name for record in unique}) < len(unique):
         raise InputError(
-            "records: two have the same name (of files: and folder): one stands twice, or needs "
-            "another name"
+            "records: two have the same name (of files: and folder): one appears twice, or "
+            "needs another name"
         )
     return unique

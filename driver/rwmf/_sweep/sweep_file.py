@@ -118,7 +118,7 @@ def _axis(path: str, key: str, items: list[Item]) -> Sequence[Item | tuple[Item,
     return list(zip(items[::2], items[1::2], strict=True))
 
 
-def _checked(path: str, key: str, items: list[Item]) -> Any:  # noqa: ANN401 (as `_KEYS` says)
+def _checked(path: str, key: str, items: list[Item]) -> Any:  # noqa: ANN401 (a type of `_KEYS`)
     if key not in _KEYS:
         raise InputError(f"{path}, &sweep: unknown key {key}; allowed are {', '.join(_KEYS)}")
     kind, several = _KEYS[key]
@@ -174,7 +174,7 @@ def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
         if kind == "group":
             if group is not None or word.lower() in groups:
                 raise InputError(
-                    f"{where}: &{word}: the group before has no end, or it stands twice"
+                    f"{where}: &{word}: the group before has no end, or it appears twice"
                 )
             group = groups.setdefault(word.lower(), {})
             items = None
@@ -183,7 +183,7 @@ def _parse(text: str, path: str) -> dict[str, dict[str, list[Item]]]:
         elif kind == "key":
             # keys match in upper and lower case
             if group is None or word.lower() in map(str.lower, group):
-                raise InputError(f"{where}: {word}: outside of a group, or it stands twice")
+                raise InputError(f"{where}: {word}: outside of a group, or it appears twice")
             items = group.setdefault(word, [])
         elif kind not in ("comment", "comma"):
             if items is None:

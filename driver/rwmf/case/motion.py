@@ -89,11 +89,11 @@ class Motion:
         except InputError as error:
             raise self._problem(str(error)) from None
 
-    def _kept(self, what: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    def _kept(self, name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
         """Copy an array into a read-only one."""
         try:
             # the kernel reports the position of a sample that is not finite
-            array = to_array(what, values, wanted=_ARRAY, is_finite=False)
+            array = to_array(name, values, wanted=_ARRAY, is_finite=False)
         except InputError as error:
             raise self._problem(str(error)) from None
         array.flags.writeable = False

@@ -288,13 +288,13 @@ def _add_reproduce(commands: Subcommands) -> None:
     parser.add_argument(
         "--docs", type=Path, metavar="DIR", help="write claims.md and validation.md there"
     )
-    for name, what in (
+    for name, content in (
         ("out", "of the results (default: plots"),
         ("inputs", "of the cases (default: inputs"),
         ("validation", "of the engines' cases (default: validation"),
     ):
         parser.add_argument(
-            f"--{name}", type=Path, metavar="DIR", help=f"folder {what} of the checkout)"
+            f"--{name}", type=Path, metavar="DIR", help=f"folder {content} of the checkout)"
         )
 
 

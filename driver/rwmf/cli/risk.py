@@ -53,20 +53,20 @@ def analyse(options: argparse.Namespace) -> int:
     inputs += [Path(record.path) for record in records if record.path]
     files.check_outputs([options.plot, options.file], inputs)
     figures.check_formats(options.plot)
-    how: dict[str, Any] = {name: getattr(options, name) for name in _SHARED}
+    further: dict[str, Any] = {name: getattr(options, name) for name in _SHARED}
     names = options.quantities
     if names is None and options.pelicun:
         names = loss_quantities(cases[0])
     with open_executor(options.engine, options.workers) as executor, progress() as report:
-        how |= {"executor": executor, "progress": report}
+        further |= {"executor": executor, "progress": report}
         if options.analysis == "cloud":
-            table = rwmf.cloud(cases, records, names, factors=options.factors, **how)
+            table = rwmf.cloud(cases, records, names, factors=options.factors, **further)
         elif options.analysis == "stripes":
-            table = rwmf.stripes(cases, records, options.levels, names, **how)
+            table = rwmf.stripes(cases, records, options.levels, names, **further)
         else:
-            how |= {"tolerance": options.tolerance, "highest": options.highest}
+            further |= {"tolerance": options.tolerance, "highest": options.highest}
             limits = _limits(options.limits)
-            table = rwmf.ida(cases, records, options.levels, names, limits=limits, **how)
+            table = rwmf.ida(cases, records, options.levels, names, limits=limits, **further)
     print_warnings(options.analysis, str(table.attrs["warnings"]).splitlines())
     _print_table(table)
     written: list[str | Path | None] = [options.file]

@@ -83,8 +83,8 @@ def _overturning(options: argparse.Namespace, case: Case, report: Report) -> xr.
 
 
 def _spectra(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    grid, how = _grid(options, case), _how(options, report)
-    return studies.suite_spectra(case, grid, options.records, options.quantity, **how)
+    grid, sweep_options = _grid(options, case), _sweep_options(options, report)
+    return studies.suite_spectra(case, grid, options.records, options.quantity, **sweep_options)
 
 
 def _fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
@@ -98,20 +98,20 @@ def _fragility(options: argparse.Namespace, case: Case, report: Report) -> xr.Da
         period=options.period,
         damping=options.damping,
         periods=options.periods,
-        **_how(options, report),
+        **_sweep_options(options, report),
     )
     curve = studies.fragility(analysis, options.limit, quantity)
     return curve.assign({quantity: analysis[quantity]})
 
 
 def _wall(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    grid, how = _grid(options, case), _how(options, report)
-    return studies.wall_effect(case, grid, options.records, options.quantity, **how)
+    grid, sweep_options = _grid(options, case), _sweep_options(options, report)
+    return studies.wall_effect(case, grid, options.records, options.quantity, **sweep_options)
 
 
 def _friction(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
-    grid, how = _grid(options, case), _how(options, report)
-    return studies.friction_spectra(case, grid, options.records, **how)
+    grid, sweep_options = _grid(options, case), _sweep_options(options, report)
+    return studies.friction_spectra(case, grid, options.records, **sweep_options)
 
 
 def _bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Dataset:
@@ -144,7 +144,7 @@ def _bands(options: argparse.Namespace, case: Case, report: Report) -> xr.Datase
         uncertain,
         options.records,
         options.quantity,
-        **_how(options, report),
+        **_sweep_options(options, report),
     )
 
 
@@ -186,7 +186,7 @@ def _grid(options: argparse.Namespace, case: Case) -> dict[str, Sequence[object]
     return grid if options.gamma is None else grid | {"gamma": options.gamma}
 
 
-def _how(options: argparse.Namespace, report: Report) -> dict[str, Any]:
+def _sweep_options(options: argparse.Namespace, report: Report) -> dict[str, Any]:
     return {"unit": options.unit, "threads": options.threads, "progress": report}
 
 

@@ -119,7 +119,7 @@ def envelope(
 
 
 def has_envelopes(dataset: xr.Dataset) -> bool:
-    """Tell whether a run has what `envelope` draws.
+    """Tell whether a run has the envelopes of wall and links.
 
     Parameters
     ----------

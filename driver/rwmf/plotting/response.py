@@ -170,8 +170,8 @@ def _draw_panel(
     elif case is not None and name == "u_s" and case.storeys is None:
         draw_levels(ax, levels_of_frame(dataset, case), factor, "m")
     if len(found) > 1:
-        what, columns = name.split("_")[0], -(-len(found) // _ROWS)
-        legend_beside(ax, what, columns, is_tight=True)
+        title, columns = name.split("_")[0], -(-len(found) // _ROWS)
+        legend_beside(ax, title, columns, is_tight=True)
     ax.set_ylabel(_axis_label(dataset[found[0]], name))
     ax.margins(x=0)
     _mark_impacts(ax, dataset)

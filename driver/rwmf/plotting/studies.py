@@ -132,13 +132,13 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
     curves = [_curves(ratio, ("T_s",)) for ratio in values]
     n = len(curves[0])
     for k, (name, found) in enumerate(zip(names, curves, strict=True)):
-        what = _SYMBOLS.get(name, name.replace("_", " ")) if len(names) > 1 else ""
+        symbol = _SYMBOLS.get(name, name.replace("_", " ")) if len(names) > 1 else ""
         for i, (label, curve) in enumerate(found):
             # one colour per response, one line style per frame
             line_style = series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
             if len(names) == 1:
                 line_style = series(i, n)
-            parts = [part for part in (what, label) if part]
+            parts = [part for part in (symbol, label) if part]
             ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **line_style)
     ax.axhline(1.0, **LEVEL)
     _finish(ax, dataset["ratio"])
@@ -231,7 +231,7 @@ def _draw_lines(ax: Axes, values: xr.DataArray) -> None:
 
 
 def _draw_bands(
-    ax: Axes, bands: Sequence[tuple[str, xr.DataArray, xr.DataArray, xr.DataArray]], what: str
+    ax: Axes, bands: Sequence[tuple[str, xr.DataArray, xr.DataArray, xr.DataArray]], interval: str
 ) -> None:
     """Draw lines with their bands: label, lower end, line, upper end."""
     ends = [values.values[np.isfinite(values.values)] for band in bands for values in band[1:]]
@@ -243,7 +243,7 @@ def _draw_bands(
         ax.plot(x, middle, label=label, **line_style)
         closed = np.isfinite(high.values)
         ax.fill_between(x, low, high.where(closed), color=colour, alpha=_BAND, linewidth=0,
-                        label=f"{label}: {what}" if len(bands) > 1 else what)  # fmt: skip
+                        label=f"{label}: {interval}" if len(bands) > 1 else interval)  # fmt: skip
         # from the last period with an upper end: the hatched region extends beyond the figure
         rest = ~closed & np.isfinite(low.values)
         rest[:-1] |= rest[1:] & closed[:-1]

@@ -29,7 +29,7 @@ def sensitivity_bands(
     uncertain: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
     quantities: str | Sequence[str] | None = None,
-    **how: Unpack[SweepOptions],
+    **sweep_options: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compute the range of a response over uncertain parameters.
 
@@ -45,7 +45,7 @@ def sensitivity_bands(
         Ground motions, otherwise that of the case.
     quantities : str, optional
         The response; otherwise ``u_s_max``, or ``theta_max_over_alpha`` for a wall without a frame.
-    **how
+    **sweep_options
         Further arguments of `rwmf.sweep`.
 
     Returns
@@ -76,10 +76,10 @@ def sensitivity_bands(
     if any(group == "cable" and key in _TENSIONS for name in vague
            for group, key in keys_of_axis(name)):  # fmt: skip
         varied = _with_tensions(varied)
-    found = sweep(varied, vague | clear, records, quantities=(quantity,), **how)
+    found = sweep(varied, vague | clear, records, quantities=(quantity,), **sweep_options)
     values = with_overturning(found, quantity)
     over = [name for name in values.dims if name in {name.split(".")[-1] for name in vague}]
-    plain = sweep(case, grid, records, quantities=(quantity,), **how)
+    plain = sweep(case, grid, records, quantities=(quantity,), **sweep_options)
     bands = {
         "lowest": values.min(over),
         "highest": values.max(over),

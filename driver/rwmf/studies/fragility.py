@@ -41,7 +41,7 @@ def incremental_dynamic_analysis(
     period: float | None = None,
     damping: float | None = None,
     periods: Sequence[float] | None = None,
-    **how: Unpack[SweepOptions],
+    **sweep_options: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Scale every record of a suite to common intensities; use `rwmf.stripes` or `rwmf.ida`.
 
@@ -70,7 +70,7 @@ def incremental_dynamic_analysis(
         axes change the structure.
     periods : sequence of float, optional
         Periods of an ``average_acceleration`` [s].
-    **how
+    **sweep_options
         Further arguments of `rwmf.sweep`.
 
     Returns
@@ -110,7 +110,7 @@ def incremental_dynamic_analysis(
         period=measure.period,
         damping=measure.damping,
         periods=measure.periods or None,
-        **how,
+        **sweep_options,
     )
     return found.squeeze([name for name in ("T_s", "gamma", "b") if found.sizes.get(name) == 1])
 

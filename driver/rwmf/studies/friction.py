@@ -31,7 +31,7 @@ def friction_spectra(
     case: CaseLike,
     grid: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
-    **how: Unpack[SweepOptions],
+    **sweep_options: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compute required friction, pivot reaction, base shear and cable force for many frames.
 
@@ -43,7 +43,7 @@ def friction_spectra(
         ``T_s`` [s], ``gamma`` [-] and others as for `rwmf.sweep`.
     records : sequence of str or RecordFile
         Ground motions, otherwise that of the case.
-    **how
+    **sweep_options
         Further arguments of `rwmf.sweep`.
 
     Returns
@@ -63,7 +63,7 @@ def friction_spectra(
     if case.wall is None:
         raise InputError("friction: the case has no &wall whose base could slide")
     wanted = _FOUNDATION if case.cable is None else (*_FOUNDATION, _INCREMENT)
-    found = sweep(case, grid, records, quantities=wanted, **how)
+    found = sweep(case, grid, records, quantities=wanted, **sweep_options)
     found = found.assign({DEMAND: with_overturning(found, DEMAND)})
     if case.cable is None:
         return found

@@ -24,7 +24,7 @@ def suite_spectra(
     records: Sequence[str | RecordFile],
     quantities: str | Sequence[str] | None = None,
     q: Sequence[float] = USUAL_PERCENTILES,
-    **how: Unpack[SweepOptions],
+    **sweep_options: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compute spectra of every record and their percentiles.
 
@@ -42,7 +42,7 @@ def suite_spectra(
         the displacement, or the rotation for a wall without a frame.
     q : sequence of float
         Percentages [%].
-    **how
+    **sweep_options
         Further arguments of `rwmf.sweep`.
 
     Returns
@@ -57,7 +57,7 @@ def suite_spectra(
     """
     case = case_of(case)
     names = list(find_quantities(tuple(quantities or (default_quantity(case),))))
-    found = sweep(case, grid, records, quantities=names, **how)
+    found = sweep(case, grid, records, quantities=names, **sweep_options)
     return found.assign(
         {f"{name}_percentiles": percentiles(with_overturning(found, name), q) for name in names}
     )

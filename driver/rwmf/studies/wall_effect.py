@@ -51,7 +51,7 @@ def wall_effect(
     grid: Mapping[str, object],
     records: Sequence[str | RecordFile] = (),
     quantities: str | Sequence[str] | None = None,
-    **how: Unpack[SweepOptions],
+    **sweep_options: Unpack[SweepOptions],
 ) -> xr.Dataset:
     """Compare the responses of the frame with and without the wall.
 
@@ -68,7 +68,7 @@ def wall_effect(
     quantities : str or sequence of str, optional
         The compared responses; otherwise ``u_s_max``, and for storeys also ``storey_drift_max`` and
         ``floor_acceleration_max_g``.
-    **how
+    **sweep_options
         Further arguments of `rwmf.sweep`.
 
     Returns
@@ -94,13 +94,13 @@ def wall_effect(
     of_wall = [name for name in names if QUANTITIES[name].group in groups_of_wall()]
     if of_wall:
         raise InputError(f"wall effect: {of_wall[0]}: the frame alone has no such response")
-    both = sweep(case, grid, records, quantities=names, **how)
+    both = sweep(case, grid, records, quantities=names, **sweep_options)
     frame = without_wall(case)
     joined, free = (item.kernel.axes()["T_s"].value for item in (case, frame))
     # a period in the grid is that of the frame restrained by the wall
     factor = free / joined if free and joined else 1.0
     shared = _shared_axes(grid) | {"T_s": factor * both["T_s"].values}
-    alone = sweep(frame, shared, records, quantities=names, **how)
+    alone = sweep(frame, shared, records, quantities=names, **sweep_options)
     alone = alone.assign_coords(T_s=both["T_s"])
     found: dict[str, xr.DataArray] = {}
     for name in names:

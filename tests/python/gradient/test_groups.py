@@ -1,4 +1,4 @@
-"""The groups `&sensitivity` and `&design`: the commands compute what the functions do."""
+"""The groups `&sensitivity` and `&design`: the commands give the results of the functions."""
 
 from __future__ import annotations
 

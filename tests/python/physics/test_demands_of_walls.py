@@ -3,7 +3,7 @@
 `tests/support/bodies.py` has the program, `building_scenes.py` makes scenes from numbers: frames
 alone and beside rocking walls with every coupling, elastic, bilinear, softening, slipping and
 self-centring, with cables, dampers, fuses, vertical motion and gravity on the frame.
-RWMF_BUILDINGS sets how many numbers the slow test goes through, RWMF_BUILDINGS_FIRST the first one.
+RWMF_BUILDINGS is the number of rounds of the slow test, RWMF_BUILDINGS_FIRST the first one.
 """
 
 from __future__ import annotations

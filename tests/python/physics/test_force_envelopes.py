@@ -132,7 +132,7 @@ def test_wall_that_stands_under_a_ramp() -> None:
 
 @pytest.mark.parametrize("number", range(0, 40, 3))
 def test_base_forces_are_the_pivots(number: int, tmp_path: Path) -> None:
-    """At the base the wall bears what the pivot exerts, to 1e-12, in any scene without devices."""
+    """Section forces at the base equal the pivot's to 1e-12 in any scene without devices."""
     made = further_combination(number)
     groups = {
         name: keys
@@ -203,7 +203,7 @@ def _names(item: Quantity, run: xr.Dataset) -> list[str]:
 
 @pytest.mark.parametrize("coupling", ["full", "every_floor"])
 def test_rows_stay_below_the_peaks(coupling: str) -> None:
-    """No row of a history of 0.1 ms exceeds what has been located, and some come close."""
+    """Rows of a history of 0.1 ms stay below the located peaks, and some come close."""
     run = rwmf.simulate(_storeys(coupling, output={"reactions": True}), dt=1e-4)
     columns = {f"wall_{what}_base": f"wall_{what}_base_max" for what in ("shear", "moment")}
     columns |= {"pivot_normal": "pivot_normal_max", "cable_force": "tendon_force_max"}

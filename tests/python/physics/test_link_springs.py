@@ -91,7 +91,7 @@ def _apart(run: xr.Dataset, limit: xr.Dataset) -> float:
 
 @pytest.mark.parametrize("coupling", ["every_floor", "full"])
 def test_stiff_springs_tend_to_rigid_links(coupling: str) -> None:
-    """The difference goes as 1/k_link, of all links or of the roof's beside two soft ones."""
+    """The difference falls as 1/k_link: of all links, or of the roof's beside two soft ones."""
     limit = rwmf.simulate(_case(coupling), dt=0.005)
     stiffnesses = [1e4, 1e5, 1e6, 1e7]
     apart = []
@@ -121,7 +121,7 @@ def test_one_spring_for_all_floors() -> None:
 
 
 def test_impacts_leave_the_floors_alone() -> None:
-    """The wall loses what a free block loses; velocities of floors do not jump."""
+    """The wall loses as much as a free block; velocities of floors do not jump."""
     dt = 1e-4
     run = rwmf.simulate(_case("springs", 3e3, solver={"t_end": 0.9}), dt=dt)
     assert float(run["impacts"]) >= 1
@@ -175,7 +175,7 @@ def test_methods_agree(method: str) -> None:
 @pytest.mark.parametrize("n", [1, 2, 40])
 @pytest.mark.parametrize("k", [1e-3, 1e3, 1e5])
 def test_sizes(n: int, k: float) -> None:
-    """The base of the wall bears what the links, its own weight and inertia exert."""
+    """The base of the wall bears the links, its own weight and inertia."""
     storeys = {"n": n, "m_over_m_w": 4 / n, "T_1": 0.8, "k_over_m_w": 1.0, "height": 2 * H / n}
     storeys |= {"coupling": "springs", "k_link_over_m_w": k / n}
     fewer = dict.fromkeys(STOREYS) | storeys

@@ -98,7 +98,7 @@ def test_the_command_gives_all_and_no_verdict(
     ids=["bands", "suite", "equal", "ida"],
 )
 def test_quantities_is_the_name_everywhere(call: object) -> None:
-    """Its old name works for one version and warns."""
+    """The old name of the study works for one version and warns."""
     case = coupled(solver={"t_end": 0.5, "rtol": 1e-4})
     name = "theta_max_over_alpha"
     expected = call(case, {"quantities": name})  # type: ignore[operator]

@@ -43,7 +43,7 @@ def test_a_key_in_two_spellings_stands_twice(folder: Path, command: Runner) -> N
     _write(folder, "case='case.nml', CASE='other.nml'", "e=0.9")
     found = command("sweep", "s.nml")
     assert (found.returncode, found.stdout) == (2, "")
-    assert found.stderr == "rwmf: s.nml, line 1: CASE: outside of a group, or it stands twice\n"
+    assert found.stderr == "rwmf: s.nml, line 1: CASE: outside of a group, or it appears twice\n"
 
 
 def test_names_that_are_no_utf8(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -127,16 +127,16 @@ export class Controls {
 
   // A slider with its value in words; `moved` receives the value.
   slider(id, label, key, range, value, moved) {
-    const says = (x) => `${fromSi(x, key.unit)} ${unit(key.unit)}`.trim();
+    const inWords = (x) => `${fromSi(x, key.unit)} ${unit(key.unit)}`.trim();
     const slider = element("input", { type: "range", id, min: 0, max: STEPS, step: 1,
-      value: range.position(value), "aria-label": label, "aria-valuetext": says(value) });
+      value: range.position(value), "aria-label": label, "aria-valuetext": inWords(value) });
     slider.show = (x) => {
       if (range.position(x) !== Number(slider.value)) slider.value = range.position(x);
-      slider.setAttribute("aria-valuetext", says(x));
+      slider.setAttribute("aria-valuetext", inWords(x));
     };
     slider.addEventListener("input", () => {
       const found = range.value(Number(slider.value));
-      slider.setAttribute("aria-valuetext", says(found));
+      slider.setAttribute("aria-valuetext", inWords(found));
       moved(found);
     });
     return slider;

@@ -1,4 +1,4 @@
-// What accuracy costs: error over time of every method for this case, with the axes of `rwmf cost`.
+// Cost of accuracy: error over time of every method for this case, with the axes of `rwmf cost`.
 
 import { follow } from "./bridge.js";
 import { panel } from "./figure.js";

@@ -39,7 +39,7 @@ export class Scene {
     this.changed(true);
   }
 
-  // Are these groups with keys, of values with the types of the keys?
+  // True for groups of known keys whose values have the right types.
   fits(groups) {
     const isObject = (x) => typeof x === "object" && x !== null && !Array.isArray(x);
     const types = { real: "number", integer: "number", logical: "boolean" };
@@ -69,13 +69,13 @@ export class Scene {
   set(name, value) {
     const before = this.names();
     if (name === "wall.h" && this.has("storeys")) this.stretchStoreys(value);
-    this.say(name, value);
+    this.put(name, value);
     if (name === "storeys.height" && this.has("wall")) this.stretchWall();
     this.settle();
     this.changed(name in this.description.belonging || this.names() !== before);
   }
 
-  // A key with what it starts with.
+  // Set a key to its first value.
   begin(name) { this.set(name, this.startOf(name)); }
 
   unset(name) {
@@ -84,14 +84,14 @@ export class Scene {
     this.changed(true);
   }
 
-  // Which keys are given, in one text.
+  // The given keys in one text.
   names() {
     const { groups } = this;
     return Object.keys(groups).map((group) => `${group} ${Object.keys(groups[group])}`).join();
   }
 
-  // Set a key, take out what says the same, bring what it cannot do without.
-  say(name, value) {
+  // Set a key, remove keys of the same quantity and add the keys that it requires.
+  put(name, value) {
     const [group, key] = name.split(".");
     this.groups[group][key] = value;
     this.bring(name);
@@ -106,11 +106,11 @@ export class Scene {
       const either = this.either(needed);
       if (either.some((other) => this.get(other) !== undefined)) continue;
       const first = either.find((other) => this.possible(other));
-      if (first && this.has(first.split(".")[0])) this.say(first, this.startOf(first));
+      if (first && this.has(first.split(".")[0])) this.put(first, this.startOf(first));
     }
   }
 
-  // Take a key out, and those that cannot do without it.
+  // Remove a key and those that require it.
   leave(name) {
     if (!this.drop(name)) return;
     for (const [other, needed] of Object.entries(this.description.brings)) {
@@ -121,7 +121,7 @@ export class Scene {
     this.refill(name);
   }
 
-  // Where a key has gone, another way to say the same may have to come.
+  // After a key is removed, another key of the same quantity may be required.
   refill(name) {
     for (const other of this.others(name)) {
       const [group, key] = other.split(".");
@@ -131,7 +131,7 @@ export class Scene {
     }
   }
 
-  // Does the value of a choice need this key, or another way to say the same?
+  // True if the value of a choice requires this key or another one of the same quantity.
   chosen(group, key) {
     return Object.entries(this.description.belonging).some(([choice, table]) =>
       choice.startsWith(`${group}.`) && Object.entries(table[this.get(choice)] ?? {})
@@ -143,19 +143,19 @@ export class Scene {
     return words.split("|").map((key) => `${group}.${key}`);
   }
 
-  // Other ways to say the same.
+  // Other keys of the same quantity.
   others(name) {
     return this.description.alternatives.filter((same) => same.includes(name)).flat()
       .filter((other) => other !== name);
   }
 
-  // Does a group stand in this scene that says it in another way?
+  // True if a group of this scene replaces the key.
   replaced(name) {
     return Object.entries(this.description.instead_of)
       .some(([group, keys]) => this.has(group) && keys.includes(name));
   }
 
-  // 'group.key', or with '=value', or '!group.key' where it must not be.
+  // Test a condition: 'group.key', 'group.key=value', or '!group.key' for an absent key.
   holds(condition) {
     if (condition.startsWith("!")) return this.get(condition.slice(1)) === undefined;
     const [name, value] = condition.split("=");
@@ -163,7 +163,7 @@ export class Scene {
     return value === undefined ? own !== undefined : String(own) === value;
   }
 
-  // May a key be set beside the others?
+  // True if a key may be set beside the others.
   possible(name) {
     const { belonging, implied, only_beside: beside, only_with: groups } = this.description;
     const [group, key] = name.split(".");
@@ -181,7 +181,7 @@ export class Scene {
     return true;
   }
 
-  // Keys that stand where they cannot stay leave.
+  // Remove keys that the present scene excludes.
   settle() {
     this.neighbours();
     for (const name of Object.keys(this.description.only_beside)) {
@@ -191,7 +191,7 @@ export class Scene {
     }
   }
 
-  // What the printed equation does not have comes with the exact one.
+  // Keys that the published equation excludes select the exact one.
   unpublish(...names) {
     if (this.get("model.formulation") === "published"
       && names.some((name) => this.description.not_published.includes(name))) {
@@ -253,7 +253,7 @@ export class Scene {
     return height.length === 1 ? sum * (n ?? 1) : sum;
   }
 
-  // Keys that belong to other values of a choice leave, those that this value needs come.
+  // Remove keys of other values of a choice, and add those that this value requires.
   follow(name, value) {
     const [group] = name.split(".");
     const table = this.description.belonging[name];
@@ -301,7 +301,7 @@ export class Scene {
       if (value === null) this.leave(key);
       else {
         this.put(key.split(".")[0]);
-        this.say(key, value);
+        this.put(key, value);
       }
     }
     this.neighbours();
@@ -346,7 +346,7 @@ export class Scene {
     this.recordMotion = copy(answer.motion);
     // a run lasts as long as its record; a slider makes it longer
     if (this.has("solver") && answer.end > 0) this.groups.solver.t_end = answer.end;
-    // a vertical record belongs to the one that has gone
+    // a vertical record belongs to the removed one
     if (this.has("vertical") && this.get("vertical.ratio") === undefined) delete this.groups
       .vertical;
     this.changed(true);
