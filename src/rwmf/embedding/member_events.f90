@@ -215,15 +215,18 @@ contains
       !! couple the wall with floors on link springs, and for numbers that are not finite
       real(wp), intent(in), optional :: host_mass(:, :)
       !! (dofs, dofs) masses of the host; default: those of the case's frame [kg]
+      real(wp), allocatable :: given(:, :)
+      !! masses of the host; not allocated: those of the case's frame [kg]
       real(wp) :: after(size(velocities))
       integer :: side
 
-      call require_landing(member, displacements, velocities, error, host_mass)
+      if (present(host_mass)) given = host_mass
+      call require_landing(member, displacements, velocities, given, error)
       if (allocated(error)) return
       side = -member%committed%side
       after = velocities
       if (member%balances) then
-         call balance_momentum(member, displacements, after, error, host_mass)
+         call balance_momentum(member, displacements, after, given, error)
       else
          after(1) = velocities(1)*factor_at(member%restitution, abs(velocities(1) &
             /(2*member%equation%p%R*member%equation%p%cos_alpha)))
@@ -235,12 +238,13 @@ contains
    end subroutine land_member
 
    !> Check the arguments of a landing.
-   subroutine require_landing(member, displacements, velocities, error, host_mass)
+   subroutine require_landing(member, displacements, velocities, given, error)
       type(wall_member_t), intent(in) :: member
       real(wp), intent(in) :: displacements(:)
       real(wp), intent(in) :: velocities(:)
+      real(wp), allocatable, intent(in) :: given(:, :)
+      !! as in `land_member`
       type(error_t), allocatable, intent(out) :: error
-      real(wp), intent(in), optional :: host_mass(:, :)
       real(wp) :: motion(size(displacements), 3)
 
       call require_on_base(member, error)
@@ -253,7 +257,7 @@ contains
       motion(:, 2) = velocities
       motion(:, 3) = 0
       call require_motion(member, motion, error)
-      call require_masses(member, error, host_mass)
+      call require_masses(member, given, error)
       if (allocated(error)) return
       if (member%committed%side == 0) then
          call fail(error, err_input, 'the wall is at rest: it has no impact')
@@ -264,39 +268,41 @@ contains
    end subroutine require_landing
 
    !> Check the masses of the host. An earlier `error` is kept.
-   subroutine require_masses(member, error, host_mass)
+   subroutine require_masses(member, given, error)
       type(wall_member_t), intent(in) :: member
+      real(wp), allocatable, intent(in) :: given(:, :)
+      !! as in `land_member`
       type(error_t), allocatable, intent(inout) :: error
-      real(wp), intent(in), optional :: host_mass(:, :)
       integer :: i, n
 
-      if (allocated(error) .or. .not. present(host_mass)) return
-      if (any(shape(host_mass) /= member%n)) then
+      if (allocated(error) .or. .not. allocated(given)) return
+      if (any(shape(given) /= member%n)) then
          call fail(error, err_input, 'host_mass must have one row and one column for each degree ' &
             //'of freedom')
          return
       end if
       n = 1 + member%equation%beam%n
-      if (.not. all(is_number(host_mass))) then
+      if (.not. all(is_number(given))) then
          call fail(error, err_input, 'host_mass has a number that is not finite, or exceeds 1e30 ' &
             //'in size')
-      else if (any(abs(host_mass - transpose(host_mass)) > 1.0e-9_wp*maxval(abs(host_mass)))) then
+      else if (any(abs(given - transpose(given)) > 1.0e-9_wp*maxval(abs(given)))) then
          call fail(error, err_input, 'host_mass is not symmetric')
-      else if (any([(host_mass(i, i) < 0, i=1, member%n)])) then
+      else if (any([(given(i, i) < 0, i=1, member%n)])) then
          call fail(error, err_input, 'host_mass has a negative mass')
-      else if (any(abs(host_mass(:n, n + 1:)) > 0)) then
+      else if (any(abs(given(:n, n + 1:)) > 0)) then
          call fail(error, err_input, 'host_mass couples the wall with floors on link springs: ' &
             //'their velocities are continuous at an impact')
       end if
    end subroutine require_masses
 
    !> Balance the momentum of wall, modes and host masses at an impact.
-   subroutine balance_momentum(member, displacements, velocities, error, host_mass)
+   subroutine balance_momentum(member, displacements, velocities, given, error)
       type(wall_member_t), intent(in) :: member
       real(wp), intent(in) :: displacements(:)
       real(wp), intent(inout) :: velocities(:)
+      real(wp), allocatable, intent(in) :: given(:, :)
+      !! as in `land_member`
       type(error_t), allocatable, intent(out) :: error
-      real(wp), intent(in), optional :: host_mass(:, :)
       real(wp), dimension(1 + member%equation%beam%n, 1 + member%equation%beam%n) :: mass, host
       real(wp), dimension(1 + member%equation%beam%n) :: momentum, after
       real(wp) :: leverage, before
@@ -304,7 +310,7 @@ contains
       integer :: n
 
       n = size(momentum)
-      call find_masses(member, displacements, mass, host, error, host_mass)
+      call find_masses(member, displacements, mass, host, given, error)
       if (allocated(error)) return
       associate (model => member%equation%model_t, beam => member%equation%beam, &
                  R => member%equation%p%R, v => velocities(:n))
@@ -325,12 +331,13 @@ contains
    end subroutine balance_momentum
 
    !> Find the masses of the wall after an impact, and of the host or of the case's frame.
-   subroutine find_masses(member, displacements, mass, host, error, host_mass)
+   subroutine find_masses(member, displacements, mass, host, given, error)
       type(wall_member_t), intent(in) :: member
       real(wp), intent(in) :: displacements(:)
       real(wp), intent(out) :: mass(:, :), host(:, :)
+      real(wp), allocatable, intent(in) :: given(:, :)
+      !! as in `land_member`
       type(error_t), allocatable, intent(out) :: error
-      real(wp), intent(in), optional :: host_mass(:, :)
       type(wall_member_t) :: landed
       type(member_response_t) :: response
       type(link_motion_t) :: links
@@ -347,8 +354,8 @@ contains
       if (.not. allocated(error)) call query_links(landed, motion, links, error)
       if (allocated(error)) return
       mass = response%mass(:n, :n)
-      if (present(host_mass)) then
-         host = host_mass(:n, :n)
+      if (allocated(given)) then
+         host = given(:n, :n)
          return
       end if
       do j = 1, n
@@ -379,6 +386,8 @@ contains
       !! `err_input` for a hinged wall or a wall away from its base, and as in `respond_member`
       real(wp), intent(in), optional :: host_mass(:, :)
       !! (dofs, dofs) masses of the host; default: those of the case's frame [kg]
+      real(wp), allocatable :: given(:, :)
+      !! masses of the host; not allocated: those of the case's frame [kg]
       type(wall_member_t) :: resting
       type(member_response_t) :: response
       real(wp), dimension(1 + member%equation%beam%n, 1 + member%equation%beam%n) :: mass, host
@@ -386,31 +395,33 @@ contains
       !! acceleration towards the base [m/s2]; velocity factor of the next impact [-]
 
       settles = .false.
+      if (present(host_mass)) given = host_mass
       call require_on_base(member, error)
       call require_number(dt, 'dt', not_negative, error)
       call require_number(push, 'push', any_number, error)
       call require_motion(member, motion, error)
       call require_ground(member, ground, error)
-      call require_masses(member, error, host_mass)
+      call require_masses(member, given, error)
       if (allocated(error)) return
       resting = member
-      call find_masses(member, motion(:, 1), mass, host, error, host_mass)
+      call find_masses(member, motion(:, 1), mass, host, given, error)
       if (.not. allocated(error)) call place_member(resting, 0, error)
       if (.not. allocated(error)) call respond_member(resting, motion, ground, response, error, &
          has_tangents=.false.)
-      if (.not. allocated(error)) call next_factor(member, motion, e, error, host_mass)
+      if (.not. allocated(error)) call next_factor(member, motion, e, given, error)
       if (allocated(error)) return
       pull = -max(response%hold(1) - push, push - response%hold(2))/(mass(1, 1) + host(1, 1))
       settles = pull > 0 .and. 2*abs(motion(1, 2)) <= pull*(1 - e)*dt
    end function member_settles
 
    !> Velocity factor of the next impact, at least 0 [-].
-   subroutine next_factor(member, motion, e, error, host_mass)
+   subroutine next_factor(member, motion, e, given, error)
       type(wall_member_t), intent(in) :: member
       real(wp), intent(in) :: motion(:, :)
       real(wp), intent(out) :: e
+      real(wp), allocatable, intent(in) :: given(:, :)
+      !! as in `land_member`
       type(error_t), allocatable, intent(out) :: error
-      real(wp), intent(in), optional :: host_mass(:, :)
       real(wp) :: v(size(motion, 1))
 
       if (.not. member%balances) then
@@ -422,7 +433,7 @@ contains
       v(1) = -member%committed%side
       e = 0
       if (member%committed%side == 0) return
-      call balance_momentum(member, motion(:, 1), v, error, host_mass)
+      call balance_momentum(member, motion(:, 1), v, given, error)
       e = abs(v(1))
    end subroutine next_factor
 

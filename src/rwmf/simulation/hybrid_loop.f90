@@ -27,8 +27,9 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_free_vibration, only: follow_free_vibration
-   use rwmf_simulation_hybrid_state, only: count_steps, has_ended, hybrid_t, mode_collapsed, &
-      mode_held, mode_no_impacts, mode_overturned, mode_rest, mode_rocking, advance_interval
+   use rwmf_simulation_hybrid_state, only: advance_interval, check_progress, count_steps, &
+      has_ended, hybrid_t, mode_collapsed, mode_held, mode_no_impacts, mode_overturned, mode_rest, &
+      mode_rocking, progress_t
    use rwmf_simulation_recorder_recorder, only: observe_piece, observe_rest, recorder_t, sees_rest
    use rwmf_simulation_result, only: event_lift_off
    use rwmf_simulation_transitions, only: apply_event, begin_piece, change_storey, enter_rest, &
@@ -108,6 +109,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! as `advance`
 
+      hybrid%progress = progress_t()
       do while (hybrid%t < t_target .and. .not. (has_ended(hybrid) .or. hybrid%is_stopped))
          if (hybrid%mode == mode_rest) then
             call stay_at_rest(hybrid, equation, recorder, t_target, error)
@@ -120,14 +122,16 @@ contains
       end do
    end subroutine advance_hybrid
 
-   !> Check the number of steps and the caller's request to stop.
+   !> Check the number of steps, the progress in time and the caller's request to stop.
    subroutine check_work(hybrid, integrator, control, error)
-      type(hybrid_t), intent(in) :: hybrid
+      type(hybrid_t), intent(inout) :: hybrid
       class(integrator_t), intent(in) :: integrator
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
       !! `err_interrupt` on the caller's request, `err_numerical` after too many steps
 
+      call check_progress(hybrid%progress, hybrid%t, error)
+      if (allocated(error)) return
       if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
       if (is_cancelled(control)) then
          call fail(error, err_interrupt, 'interrupted at t = '//trim(real_to_text(hybrid%t))//' s')

@@ -1,13 +1,16 @@
 !> State of the hybrid system and its change at knots of the motion.
 module rwmf_simulation_hybrid_state
+   use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_model_restitution, only: restitution_t
    use rwmf_motion_ground_motion, only: has_jump, interval_end
+   use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
-   public :: hybrid_t, hybrid_state_t, count_steps, has_ended, is_at_rest, advance_interval
+   public :: hybrid_t, hybrid_state_t, progress_t, count_steps, has_ended, is_at_rest
+   public :: advance_interval, check_progress
    public :: mode_rest, mode_held, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
 
    integer, parameter :: mode_rest = 0
@@ -35,6 +38,14 @@ module rwmf_simulation_hybrid_state
       !! the integrator must restart at (t, y)
    end type hybrid_state_t
 
+   !> Progress of a run in time, over a number of steps and events.
+   type :: progress_t
+      integer :: count = 0
+      !! number of steps and events since `t`
+      real(wp) :: t = -huge(1.0_wp)
+      !! [s]
+   end type progress_t
+
    !> State of the hybrid system with the parameters of its transitions.
    type, extends(hybrid_state_t) :: hybrid_t
       type(restitution_t) :: restitution
@@ -60,6 +71,8 @@ module rwmf_simulation_hybrid_state
       !! is then known, despite round-off in the rate [s]
       integer(i8) :: steps_at_knot = 0_i8
       !! number of steps of the integrator at the start of the current interval
+      type(progress_t) :: progress
+      !! progress in the present advance
       logical :: stops_at_impact = .false.
       !! an advance ends at the first impact
       logical :: is_stopped = .false.
@@ -74,6 +87,25 @@ contains
 
       has_ended = hybrid%mode == mode_overturned .or. hybrid%mode == mode_collapsed
    end function has_ended
+
+   !> Count a step or an event, and fail if round-off holds the run at nearly the same time.
+   !>
+   !> The shortest flights last 64 spacings of the time and take a few steps each.
+   subroutine check_progress(progress, t, error)
+      type(progress_t), intent(inout) :: progress
+      real(wp), intent(in) :: t
+      !! [s]
+      type(error_t), allocatable, intent(out) :: error
+      integer, parameter :: most = 1000
+      !! number of steps and events in which the time must advance by as many of its spacings
+
+      progress%count = progress%count + 1
+      if (progress%count < most) return
+      if (t - progress%t <= most*spacing(t)) call fail(error, err_numerical, &
+         'no step leads on from t = '//trim(real_to_text(t)) &
+         //' s: the motion is lost in round-off; raise rtol', 'too_many_steps')
+      progress = progress_t(t=t)
+   end subroutine check_progress
 
    !> Return whether both corners of the wall are on the base.
    elemental logical function is_at_rest(hybrid)

@@ -213,6 +213,22 @@ def test_methods_agree(method: str) -> None:
         assert _value(found, key) == pytest.approx(_value(expected, key), rel=1e-7)
 
 
+@pytest.mark.parametrize("method", ["adams", "bdf"])
+def test_methods_pass_a_lift_off_beside_smooth_storeys(method: str) -> None:
+    """The first step after this lift-off lasts a hundred spacings of the time."""
+    groups, record = bending_scene(98)
+    groups["bending"]["modes"] = 2
+    groups["cable"] = {"eta_0": 0.5, "eta_alpha": 2.0, "eta_y": 0.993}
+    groups["yielding"] = {"storey_u_y": [0.0466, 0.0189], "law": "bouc_wen"}
+    peaks = []
+    for given in (method, "dop853"):
+        case = _case(groups, record, method=given, rtol=1e-9, t_end=1.0, max_steps=10_000)
+        run = rwmf.simulate(case)
+        assert int(run["lift_offs"]) == 1
+        peaks.append([float(run[name]) for name in ("theta_dot_max", "tip_deflection_max")])
+    assert peaks[0] == pytest.approx(peaks[1], rel=1e-8)
+
+
 def test_lanes_agree_with_runs() -> None:
     groups, record = bending_scene(2)
     case = _case(groups, record, rtol=1e-9)

@@ -12,7 +12,7 @@ program test_hybrid
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, initial_t, output_t
    use rwmf_simulation_elastic_chatter, only: skip_chatter
-   use rwmf_simulation_hybrid_state, only: hybrid_t
+   use rwmf_simulation_hybrid_state, only: check_progress, hybrid_t, progress_t
    use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run
@@ -36,6 +36,7 @@ program test_hybrid
       if (checks%wants('history_is_passive')) call check_history_is_passive(trim(methods(i)))
    end do
    if (checks%wants('bound_on_work')) call check_bound_on_work()
+   if (checks%wants('time_stands')) call check_time_stands()
    if (checks%wants('bare_frame')) call check_bare_frame()
    if (checks%wants('ground_at_rest')) call check_ground_at_rest()
    if (checks%wants('averaged_bounces')) call check_averaged_bounces()
@@ -255,6 +256,31 @@ contains
       call simulate(case, result, error)
       call checks%has_error(error, err_numerical, 'max_steps', 'bound on the work')
    end subroutine check_bound_on_work
+
+   !> Let the time advance by two, by half and by none of its spacings per step on average: a run
+   !> that stands fails.
+   subroutine check_time_stands()
+      type(progress_t) :: progress
+      type(error_t), allocatable :: error
+      integer, parameter :: half_spacings(3) = [4, 1, 0]
+      real(wp) :: t
+      integer :: i, k
+
+      do k = 1, size(half_spacings)
+         progress = progress_t()
+         do i = 0, 2500
+            t = 1 + (i*half_spacings(k)/2)*spacing(1.0_wp)
+            call check_progress(progress, t, error)
+            if (allocated(error)) exit
+         end do
+         if (k == 1) then
+            call checks%no_error(error, 'a run whose time advances')
+         else
+            call checks%has_error(error, err_numerical, 'no step leads on', &
+               'a run whose time stands')
+         end if
+      end do
+   end subroutine check_time_stands
 
    !> Compare a frame without wall, at the end of the sine pulse, with the closed form of an
    !> undamped linear oscillator from rest.

@@ -52,10 +52,6 @@ module rwmf_simulation_lanes_batch
       !! length of the step that contains the event [s]
       integer :: trials = 0
       !! number of trial steps to this event
-      integer :: idle = 0
-      !! number of inspections since the time last advanced
-      real(wp) :: t_last = -huge(1.0_wp)
-      !! time of the last inspection [s]
    end type lane_state_t
 
    !> Batch of lanes that step together.

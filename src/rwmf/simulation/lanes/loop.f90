@@ -33,7 +33,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_free_vibration, only: long_rest
    use rwmf_simulation_hybrid_loop, only: begin_step, check_work, end_step, &
       may_stand_on_fuses, stands_on_fuses, stay_at_rest
-   use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, mode_held, mode_rest, mode_rocking
+   use rwmf_simulation_hybrid_state, only: check_progress, has_ended, hybrid_t, mode_held, &
+      mode_rest, mode_rocking, progress_t
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
    use rwmf_simulation_lanes_batch, only: create_batch, find_steps_to_inspect, &
@@ -99,8 +100,8 @@ contains
       type(batch_t), intent(inout) :: batch
 
       batch%is_busy(i) = .true.
-      lane%idle = 0
       if (.not. allocated(lane%error)) then
+         lane%hybrid%progress = progress_t()
          associate (tolerance => lane%integrator%tolerance)
             batch%tolerance(i, :) = step_tolerance(batch%pair, tolerance%rtol)/tolerance%rtol &
                *[tolerance%rtol, tolerance%atol]
@@ -277,7 +278,7 @@ contains
       end associate
       do i = 1, batch%width
          if (batch%mark(i) == is_done .or. .not. batch%is_busy(i)) cycle
-         call check_progress(lanes(i), i, batch)
+         call check_lane(lanes(i), i, batch)
          select case (batch%mark(i))
          case (needs_inspection)
             ! an event may prevent this in the next step
@@ -461,24 +462,18 @@ contains
       call follow_interval(lane, i, batch)
    end subroutine catch_up
 
-   !> Fail if round-off keeps a lane at the same time for too many inspections.
-   subroutine check_progress(lane, i, batch)
+   !> Fail if round-off holds a lane at nearly the same time.
+   subroutine check_lane(lane, i, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
       type(batch_t), intent(inout) :: batch
-      integer, parameter :: most_looks = 1000
 
-      lane%idle = lane%idle + 1
-      if (abs(batch%table(i, of_time) - lane%t_last) > 0) lane%idle = 0
-      lane%t_last = batch%table(i, of_time)
-      if (lane%idle <= most_looks) return
+      call check_progress(lane%hybrid%progress, batch%table(i, of_time), lane%error)
+      if (.not. allocated(lane%error)) return
       call catch_up(lane, i, batch)
       batch%table(i, of_length) = 0
       batch%mark(i) = is_done
-      call fail(lane%error, err_numerical, 'no step leads on from t = ' &
-         //trim(real_to_text(batch%table(i, of_time))) &
-         //' s: the motion is lost in round-off; raise rtol', 'too_many_steps')
-   end subroutine check_progress
+   end subroutine check_lane
 
    !> Fail if a step is below the resolution of the time.
    subroutine check_length(lane, i, batch)
