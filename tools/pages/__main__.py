@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from pages import blocks, check, explorer, made, sketches
+from pages import blocks, check, explorer, made, notebooks, sketches
 
 ROOT = blocks.ROOT
 BUILD = ROOT / "build" / "pages"
@@ -25,6 +25,7 @@ _SHOWN = (
     "tests/unit",
     "tests/export",
     "tools/pages/blocks.py",
+    "tools/pages/notebooks.py",
     "tools/requirements.lock",
 )
 
@@ -97,7 +98,8 @@ def run_blocks(page: Path) -> None:
 
     def run() -> None:
         with tempfile.TemporaryDirectory() as name:
-            blocks.run_page(page, Path(name))
+            run_page = notebooks.run_page if notebooks.is_offered(page) else blocks.run_page
+            run_page(page, Path(name))
             blocks.keep_figures(page, Path(name))
 
     _step(f"blocks of {page.relative_to(ROOT)}", run, [page, *_program()])
