@@ -6,6 +6,7 @@ import hashlib
 import os
 import re
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -142,3 +143,38 @@ def test_the_install_section_gives_two_lines() -> None:
 @pytest.mark.parametrize("tool", ["wheel", "lint", "bootstrap"])
 def test_tools_are_valid_shell(tool: str) -> None:
     subprocess.run(["bash", "-n", ROOT / "tools" / tool], check=True)
+
+
+def _interface(folder: Path, header: str) -> subprocess.CompletedProcess[str]:
+    (folder / "host.h").write_text(header, encoding="utf-8")
+    return subprocess.run(
+        [
+            sys.executable,
+            ROOT / "tools/fortran-interface.py",
+            folder / "host.h",
+            folder / "host.f90",
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_every_function_of_the_header_has_a_fortran_interface(tmp_path: Path) -> None:
+    """The foreign project `other-compiler` of tests/export compiles and uses it."""
+    header = _text("include/rwmf.h")
+    names = set(re.findall(r"\b(rwmf_\w+)\(", re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)))
+    done = _interface(tmp_path, header)
+    assert done.returncode == 0, done.stderr
+    made = (tmp_path / "host.f90").read_text(encoding="utf-8")
+    assert set(re.findall(r"(?:function|subroutine) (rwmf_\w+)\(.*", made)) == names
+    assert max(map(len, made.splitlines())) <= 100
+
+
+@pytest.mark.parametrize(
+    "line", ["int rwmf_set(long x);", "int rwmf_set(double *const *x[2]);", "long rwmf_get(int i);"]
+)
+def test_a_header_of_another_form_is_refused(line: str, tmp_path: Path) -> None:
+    done = _interface(tmp_path, line)
+    assert done.returncode
+    assert "that this program knows" in done.stderr
