@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -178,3 +179,22 @@ def test_a_header_of_another_form_is_refused(line: str, tmp_path: Path) -> None:
     done = _interface(tmp_path, line)
     assert done.returncode
     assert "that this program knows" in done.stderr
+
+
+def test_pip_knows_the_optional_packages_in_a_checkout(tmp_path: Path) -> None:
+    """`pip install 'rwmf[suites]'` finds the package installed, and adds that purpose."""
+    tool = [sys.executable, ROOT / "tools/checkout-metadata.py", tmp_path]
+    for _ in range(2):  # the second call replaces the metadata
+        subprocess.run(tool, check=True)
+    (found,) = metadata.distributions(path=[str(tmp_path)])
+    assert (found.name, found.version) == ("rwmf", VERSION)
+    optional = PYPROJECT["project"]["optional-dependencies"]
+    assert found.metadata.get_all("Provides-Extra") == list(optional)
+    assert found.requires == [
+        *PYPROJECT["project"]["dependencies"],
+        *(
+            f'{wanted}; extra == "{purpose}"'
+            for purpose in optional
+            for wanted in optional[purpose]
+        ),
+    ]
