@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from reproduce.formulations import FORMULATIONS, PUBLISHED
+from rwmf._progress import progress_bar
 from rwmf._spectrum import spectrum, start, to_dataset
 from rwmf.case import Case
-from rwmf.cli.progress import progress_bar
 from rwmf.errors import InputError, Interrupted, OutputError, RwmfError
 from rwmf.plotting import image_files as figures
 from rwmf.plotting.response import spectrum as draw_spectrum

@@ -183,9 +183,9 @@ def _truth(name: str, value: object) -> bool:
     return bool(value)
 
 
-def _callable(name: str, value: object) -> object:
-    if not callable(value):
-        raise InputError(f"{name} = {show(value)}: must be a function (done, total)")
+def _reports(name: str, value: object) -> object:
+    if not callable(value) and not isinstance(value, bool):
+        raise InputError(f"{name} = {show(value)}: must be True, or a function (done, total)")
     return value
 
 
@@ -274,7 +274,7 @@ _CHECKS: dict[str, Check] = {
     "period": _positive,
     "periods": _positives,
     "port": lambda name, value: to_whole(name, value, 0, 65535),
-    "progress": _callable,
+    "progress": _reports,
     "quantities": texts_of,
     "quantity": _text,
     "records": _sequence,

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from rwmf._arguments import case_of, checked
 from rwmf._library import measure as _measure
 from rwmf._library.measure import Measurement, Reference
+from rwmf._progress import Progress, Reports, reporting
 from rwmf._sweep.kept_quantities import find_quantities
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError, NumericalError
@@ -47,7 +48,6 @@ _ODE45_RTOL = 1e-3
 # settings whose times differ by less than this factor count as equally fast
 _SAME_TIME = 1.05
 
-Progress = Callable[[int, int], None]
 _Task = tuple[str, float, Callable[[float], Measurement]]
 
 
@@ -156,7 +156,7 @@ def count_tasks() -> int:
 def cost(
     case: CaseLike,
     target: float = 1e-6,
-    progress: Progress | None = None,
+    progress: Reports = None,
     quantities: str | Sequence[str] | None = None,
 ) -> Cost:
     """Measure the time of each method for a given accuracy.
@@ -171,9 +171,10 @@ def cost(
         The case.
     target : float
         Relative error of the peak for which a method is recommended [-].
-    progress : callable, optional
-        Called with the numbers of finished and of all units of work. During the reference it is
-        called about 20 times a second; an exception that it raises stops the kernel.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all units of work. During the reference it is called about 20 times a
+        second; an exception that it raises stops the kernel.
     quantities : str, optional
         Peak whose error is compared, by its key or its name in a dataset. The default is the
         largest displacement of the frame, or without a frame the largest rotation. The time
@@ -198,8 +199,13 @@ def cost(
     if quantities is not None and len(quantities) != 1:
         raise InputError(f"cost: quantities = {', '.join(quantities)}: must be one quantity")
     case = _asked(case_of(case), None if quantities is None else quantities[0])
+    with reporting(progress, "step") as report:
+        return _compared(case, target, report or (lambda done, total: None))
+
+
+def _compared(case: Case, target: float, report: Progress) -> Cost:
+    """Measure all methods and current practices beside the reference."""
     total = count_tasks()
-    report = progress or (lambda done, total: None)
     report(0, total)
     reference, facts = _reference(case, lambda: report(0, total))
     report(1, total)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import xarray as xr
@@ -11,14 +11,13 @@ import xarray as xr
 from rwmf import _library
 from rwmf._arguments import case_of, checked
 from rwmf._labels import dataset
+from rwmf._progress import Progress, Reports, reporting
 from rwmf.case import Case, CaseLike
 from rwmf.case.grid import Values, with_grid
 from rwmf.errors import InputError
 from rwmf.quantities import AXES, QUANTITIES, find, keys_of
 
 __all__ = ["spectrum", "start", "to_dataset"]
-
-Progress = Callable[[int, int], None]
 
 
 @checked
@@ -28,7 +27,7 @@ def spectrum(
     gamma: Values | None = None,
     b: Values | None = None,
     threads: int = 0,
-    progress: Progress | None = None,
+    progress: Reports = None,
     quantities: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
     """Compute the largest displacement of the frame, or other quantities, over periods.
@@ -52,8 +51,9 @@ def spectrum(
     threads : int
         Threads of the kernel, 0 for all. The result does not depend on it. The limits are 256
         threads and 16 for each processor.
-    progress : callable, optional
-        Called about 20 times a second with the numbers of finished and of all ordinates.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called about 20 times a
+        second with the numbers of finished and of all ordinates.
     quantities : str or sequence of str, optional
         Requested quantities by names or keys of reference/outputs.md; otherwise those of
         `&spectrum`. The default is ``u_s_max``, and without a frame ``theta_max_over_alpha``.
@@ -81,7 +81,10 @@ def spectrum(
     if keys:
         keys += [key for key in case.kernel.limited_demands() if key not in keys]
     try:
-        with start(with_grid(case, T_s, gamma, b), threads, progress, keys) as sweep:
+        with (
+            reporting(progress, "ordinate") as report,
+            start(with_grid(case, T_s, gamma, b), threads, report, keys) as sweep,
+        ):
             return to_dataset(sweep)
     except InputError:
         if keys:
@@ -128,7 +131,7 @@ def start(
     threads : int
         Threads of the kernel, 0 for all.
     progress : callable, optional
-        As in `spectrum`.
+        Called as that of `spectrum`.
     quantities : sequence of str
         Keys of the requested quantities; none: those of the case.
 

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 from rwmf._files import files
-from rwmf.cli.progress import progress_bar
+from rwmf._progress import progress_bar
 from rwmf.errors import InputError, OutputError
 
 from reproduce import figures, pages

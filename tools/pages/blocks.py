@@ -14,7 +14,8 @@ sh        is not run (a build, hours, a cluster), but parsed: words must be know
 text      after other blocks than python: prose
 ========= =========================================================================================
 
-Figures that the blocks draw are kept beside the page, in ``figures/PAGE/``.
+Figures that the blocks draw are kept beside the page, in ``figures/PAGE/``. `notebooks` runs the
+pages that offer themselves as a notebook.
 """
 
 from __future__ import annotations
@@ -62,12 +63,16 @@ class Block:
         Its lines.
     printed : str or None
         The `text` block that follows at once.
+    begin, end : int
+        Its place in the page, with the printed block [characters].
     """
 
     name: str
     language: str
     text: str
     printed: str | None
+    begin: int
+    end: int
 
 
 def pages() -> list[Path]:
@@ -100,10 +105,11 @@ def blocks_of(text: str) -> list[Block]:
     for fence, after in zip_longest(fences, fences[1:]):
         if fence["language"].startswith("{"):
             continue  # a directive of Sphinx
-        printed = None
+        printed, end = None, fence.end()
         if after and after["language"] == "text" and not text[fence.end() : after.start()].strip():
-            printed = after["text"]
-        blocks.append(Block(fence["name"] or "", fence["language"], fence["text"], printed))
+            printed, end = after["text"], after.end()
+        name, language = fence["name"] or "", fence["language"]
+        blocks.append(Block(name, language, fence["text"], printed, fence.start(), end))
     return blocks
 
 
@@ -144,14 +150,28 @@ def run_page(page: Path, folder: Path) -> None:
     with contextlib.chdir(folder):
         for block in blocks_of(page.read_text(encoding="utf-8")):
             try:
-                _run(block, names)
+                run_block(block, names)
             except PageError:
                 raise
             except Exception as error:
                 raise PageError(f"{type(error).__name__}: {error}, in\n{block.text}") from error
 
 
-def _run(block: Block, names: dict[str, object]) -> None:
+def run_block(block: Block, names: dict[str, object]) -> None:
+    """Run or check one block in the present folder.
+
+    Parameters
+    ----------
+    block : Block
+        The block.
+    names : dict
+        Names of the Python blocks before it, to which it adds its own.
+
+    Raises
+    ------
+    PageError
+        When its result differs from the page.
+    """
     if block.language not in _RUN_BY:
         raise PageError(f"a block of the language '{block.language}':\n{block.text}")
     if block.name and (ROOT / block.name).is_file():
@@ -180,10 +200,10 @@ def _run_python(block: Block, names: dict[str, object]) -> None:
 
 
 def _run_console(text: str) -> None:
-    for words, expected in _commands(text):
+    for words, expected in commands_of(text):
         done = subprocess.run(
             ["bash", "-euo", "pipefail", "-c", words],
-            env=_environment(words),
+            env=environment(words),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -197,8 +217,19 @@ def _run_console(text: str) -> None:
             compare(done.stdout, expected)
 
 
-def _commands(text: str) -> list[tuple[str, str]]:
-    """Split into commands, with their lines continued by a backslash, and their outputs."""
+def commands_of(text: str) -> list[tuple[str, str]]:
+    """Split a console block into its commands.
+
+    Parameters
+    ----------
+    text : str
+        Lines of the block.
+
+    Returns
+    -------
+    list of (str, str)
+        Each command, with its lines continued by a backslash, and its output.
+    """
     found: list[tuple[str, str]] = []
     goes_on = False
     for line in text.splitlines():
@@ -214,8 +245,19 @@ def _commands(text: str) -> list[tuple[str, str]]:
     return found
 
 
-def _environment(words: str) -> dict[str, str]:
-    """Make the environment of a reader: the commands of .venv, where things are."""
+def environment(words: str) -> dict[str, str]:
+    """Make the environment of a reader: the commands of .venv, where things are.
+
+    Parameters
+    ----------
+    words : str
+        Command; the library is installed if it names ``$PREFIX``.
+
+    Returns
+    -------
+    dict
+        Variables by name.
+    """
     places = {
         "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ['PATH']}",
         "CHECKOUT": str(ROOT),

@@ -15,7 +15,7 @@ from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
 
-from pages import blocks, check, explorer, made, sketches
+from pages import blocks, check, explorer, made, notebooks, sketches
 
 ROOT = blocks.ROOT
 BUILD = ROOT / "build" / "pages"
@@ -29,6 +29,7 @@ _SHOWN = (
     "tests/unit",
     "tests/export",
     "tools/pages/blocks.py",
+    "tools/pages/notebooks.py",
     "tools/requirements.lock",
 )
 
@@ -94,12 +95,16 @@ def run_blocks(page: Path) -> None:
         For the first block whose result differs from the page.
     """
 
+    # a notebook holds the prose of its page as well
+    is_notebook = notebooks.is_offered(page)
+
     def run() -> None:
         with tempfile.TemporaryDirectory() as name:
-            blocks.run_page(page, Path(name))
+            (notebooks if is_notebook else blocks).run_page(page, Path(name))
             blocks.keep_figures(page, Path(name))
 
-    step(f"blocks of {page.relative_to(ROOT)}", run, _program(), blocks.code_of(page))
+    text = page.read_text(encoding="utf-8") if is_notebook else blocks.code_of(page)
+    step(f"blocks of {page.relative_to(ROOT)}", run, _program(), text)
 
 
 def step(name: str, run: Callable[[], None], inputs: Iterable[Path], text: str = "") -> None:

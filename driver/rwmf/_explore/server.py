@@ -2,11 +2,14 @@
 
 Other web sites in the same browser and other users must not use it. Every request needs the token,
 which is in the fragment of the address; browsers do not send fragments. The server refuses foreign
-host names that resolve to this machine, and requests that another page triggered.
+host names that resolve to this machine, and requests that another page triggered. A page of
+another server of this machine may show this one in a frame if the server was started in a notebook.
+Without the token the frame answers nothing.
 """
 
 from __future__ import annotations
 
+import atexit
 import hmac
 import json
 import math
@@ -34,6 +37,7 @@ from rwmf._explore.model import as_files, encode, start
 from rwmf._explore.presets import FIRST, case_of_preset
 from rwmf._explore.questions import BadQuestionError, read
 from rwmf._explore.workers import BrokenError, BusyError, Workers
+from rwmf._progress import in_notebook
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError, RwmfError
 
@@ -49,13 +53,18 @@ _MOST_RECORD = 32 * 1024 * 1024
 _MOST_RECORDS = 100
 # largest number of connections; a browser opens six for a page
 _MOST_CONNECTIONS = 200
+# height of the page in a notebook [pixel]
+_HEIGHT = 800
 # time limit for receiving a request [s]
 _ARRIVAL = 60.0
 _ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+    "img-src 'self' data:; base-uri 'none'; form-action 'none'; frame-ancestors "
+)
+# servers of notebooks on this machine; a port is part of every address
+_NOTEBOOKS = f"http://{_HOST}:* http://localhost:*"
 _HEADERS = {
-    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
-    "connect-src 'self'; img-src 'self' data:; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
@@ -85,6 +94,8 @@ class PageServer(ThreadingHTTPServer):
         Initial case of the pages.
     port : int
         Port of this machine; 0 for a free one.
+    in_frame : bool
+        A notebook of this machine may show the page in a frame.
 
     Raises
     ------
@@ -98,7 +109,8 @@ class PageServer(ThreadingHTTPServer):
     # queue of connections; with the default of five, several pages would wait a second
     request_queue_size = 128
 
-    def __init__(self, case: Case, port: int = 0) -> None:
+    def __init__(self, case: Case, port: int = 0, in_frame: bool = False) -> None:
+        self.in_frame = in_frame
         self.folder = Folder()
         try:
             self.case, self.made = as_files(case, self.folder.path)
@@ -322,7 +334,11 @@ class _Handler(BaseHTTPRequestHandler):
         origin = self.headers.get("Origin")
         if origin is not None and origin not in [f"http://{host}" for host in hosts]:
             raise _RefusedError(403, "this server answers its own page only")
-        if self.headers.get("Sec-Fetch-Site", "none") not in ("same-origin", "none"):
+        if self.headers.get("Sec-Fetch-Site", "none") in ("same-origin", "none"):
+            return
+        # the notebook's page opens the frame; all later requests come from the frame itself
+        opens = self.headers.get("Sec-Fetch-Dest") == "iframe" and self.command == "GET"
+        if not (self.server.in_frame and opens and self.path == "/"):
             raise _RefusedError(403, "this server answers its own page only")
 
     def _send_file(self) -> None:
@@ -459,6 +475,8 @@ class _Handler(BaseHTTPRequestHandler):
     def _head(self, status: int, kind: str, length: int | None) -> None:
         self.send_response(status)
         self.send_header("Content-Type", kind)
+        frames = _NOTEBOOKS if self.server.in_frame else "'none'"
+        self.send_header("Content-Security-Policy", _POLICY + frames)
         for name, value in _HEADERS.items():
             self.send_header(name, value)
         if length is not None:
@@ -466,6 +484,43 @@ class _Handler(BaseHTTPRequestHandler):
         if length is None or self.close_connection:
             self.send_header("Connection", "close")
         self.end_headers()
+
+
+class NotebookPage:
+    """Page in the output of a notebook's cell, served until `close` or the end of the kernel.
+
+    Parameters
+    ----------
+    server : PageServer
+        A new server.
+    """
+
+    def __init__(self, server: PageServer) -> None:
+        self._server = server
+        self._is_open = True
+        self.address = server.address
+        threading.Thread(target=server.serve_forever, args=(0.1,), daemon=True).start()
+        atexit.register(self.close)
+
+    def close(self) -> None:
+        """Stop computations; release port and folder. Further calls have no effect."""
+        if self._is_open:
+            self._is_open = False
+            atexit.unregister(self.close)
+            self._server.shutdown()
+            self._server.end()
+
+    def __repr__(self) -> str:
+        return f"explorer at {self.address}" if self._is_open else "explorer, closed"
+
+    def _repr_html_(self) -> str:
+        if not self._is_open:
+            return repr(self)
+        return (
+            f'<iframe src="{self.address}" title="explorer" width="100%" height="{_HEIGHT}" '
+            f'style="border: 1px solid #999"></iframe><a href="{self.address}" target="_blank" '
+            'rel="noopener">Open the explorer in a tab of its own</a>'
+        )
 
 
 def _json(content: bytes) -> object:
@@ -508,11 +563,12 @@ def explore(
     case: Case | str | os.PathLike[str] | None = None,
     port: int = 0,
     open_browser: bool = True,
-) -> None:
+) -> NotebookPage | None:
     """Show a case in the browser, with a slider for every number; Ctrl-C ends it.
 
     The page is served to this machine only, works without a network and does not change the case.
-    You can save the state of the sliders as a namelist from the page.
+    You can save the state of the sliders as a namelist from the page. A Jupyter notebook shows the
+    page below the cell if the call is the last line of the cell.
 
     Parameters
     ----------
@@ -521,7 +577,13 @@ def explore(
     port : int
         Port of this machine, 0 for a free one.
     open_browser : bool
-        Open the page in a browser, not only print its address.
+        Open the page in a browser, not only print its address; ignored in a notebook.
+
+    Returns
+    -------
+    object or None
+        In a notebook the page, with its ``address`` and ``close()``; the end of the kernel closes
+        it, too. Elsewhere None, after Ctrl-C.
 
     Raises
     ------
@@ -533,6 +595,14 @@ def explore(
     if not 0 <= port <= 65535:
         raise InputError(f"port = {port}: must be in [0, 65535]")
     case = case_of_preset(FIRST.name) if case is None else case_of(case)
+    if in_notebook():
+        return NotebookPage(PageServer(case, port, in_frame=True))
+    _serve(case, port, open_browser)
+    return None
+
+
+def _serve(case: Case, port: int, open_browser: bool) -> None:
+    """Serve the page until a signal ends it."""
     # treat termination signals like Ctrl-C, so that the folder is removed. Ignored signals, as with
     # nohup, stay ignored
     ends = [x for x in _ENDS if signal.getsignal(x) is not signal.SIG_IGN]

@@ -13,6 +13,7 @@ import xarray as xr
 
 from rwmf._arguments import checked, path_of
 from rwmf._files import files
+from rwmf._progress import Progress, Reports, reporting
 from rwmf._sweep import netcdf
 from rwmf._sweep.chunk_store import ChunkStore, read_layout
 from rwmf._sweep.executors import count_threads, run_in_threads, run_on
@@ -27,8 +28,6 @@ from rwmf.errors import InputError, Interrupted, OutputError
 
 __all__ = ["RunOptions", "SweepOptions", "find_records", "merge", "path_of_store", "sweep"]
 
-Progress = Callable[[int, int], None]
-
 
 class RunOptions(TypedDict, total=False):
     """Arguments of `sweep` on the execution of its runs, which studies pass on.
@@ -39,15 +38,16 @@ class RunOptions(TypedDict, total=False):
         Threads, 0 for all.
     executor : concurrent.futures.Executor, optional
         Processes, MPI ranks or Dask workers instead of threads.
-    progress : callable, optional
-        Called with the numbers of finished and of all runs.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all runs.
     chunk : int
         Largest number of runs in a chunk, 0 for the default.
     """
 
     threads: int
     executor: Executor | None
-    progress: Progress | None
+    progress: Reports
     chunk: int
 
 
@@ -77,7 +77,7 @@ def sweep(
     quantities: Sequence[str] | None = None,
     threads: int = 0,
     executor: Executor | None = None,
-    progress: Progress | None = None,
+    progress: Reports = None,
     restart: bool = False,
     part: tuple[int, int] = (1, 1),
     chunk: int = 0,
@@ -115,8 +115,9 @@ def sweep(
         Threads, 0 for all; ignored with an executor. The result does not depend on it.
     executor : concurrent.futures.Executor, optional
         Alternative engine: processes, MPI ranks, Dask workers.
-    progress : callable, optional
-        Called with the numbers of finished and of all runs.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all runs.
     restart : bool
         Discard an earlier sweep in `file`; other files are not replaced.
     part : (int, int)
@@ -156,11 +157,12 @@ def sweep(
     """
     options = (intensity, period, damping, periods)
     request = Request(case, grid, records, points, quantities, chunk, unit, dt, *options)
-    work = _Work(make_plan(request), threads, executor, progress, part)
-    if file is not None:
-        return _sweep_to_file(work, Path(file), restart)
-    _check_part(part, in_memory=True)
-    chunks = {chunk.number: chunk for chunk in work.run(set())}
+    with reporting(progress) as report:
+        work = _Work(make_plan(request), threads, executor, report, part)
+        if file is not None:
+            return _sweep_to_file(work, Path(file), restart)
+        _check_part(part, in_memory=True)
+        chunks = {chunk.number: chunk for chunk in work.run(set())}
     return _to_dataset(work.plan.layout, chunks.__getitem__)
 
 

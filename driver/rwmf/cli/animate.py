@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from rwmf._files import files
+from rwmf._progress import progress
 from rwmf._simulation import simulate
 from rwmf.case import Case
-from rwmf.cli.progress import progress
 from rwmf.plotting.animation import animate, in_words
 
 __all__ = ["run"]

@@ -7,9 +7,9 @@ import math
 
 from rwmf._cost import Cost, Row, cost, count_tasks
 from rwmf._files import files
+from rwmf._progress import progress_bar
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_written
-from rwmf.cli.progress import progress_bar
 from rwmf.plotting import cost_figure as plot_cost
 from rwmf.plotting import image_files as figures
 from rwmf.plotting.style import new_figure

@@ -10,11 +10,11 @@ import xarray as xr
 
 from rwmf import _spectrum
 from rwmf._files import files
+from rwmf._progress import progress_bar
 from rwmf.case import Case
 from rwmf.case.grid import with_grid
 from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
 from rwmf.cli.output import print_json, print_warnings, print_written
-from rwmf.cli.progress import progress_bar
 from rwmf.plotting import image_files as figures
 from rwmf.quantities import ENDINGS, names_by_key
 

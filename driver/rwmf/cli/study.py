@@ -13,11 +13,11 @@ import xarray as xr
 from rwmf import studies
 from rwmf._files import files
 from rwmf._files.netcdf_file import new_file
+from rwmf._progress import progress
 from rwmf._sweep import RecordFile, find_records
 from rwmf._sweep.kept_quantities import find_quantity
 from rwmf.case import Case
 from rwmf.cli.output import print_warnings, print_written
-from rwmf.cli.progress import progress
 from rwmf.cli.study_parser import BLOCK_PERIODS, FACTORS, PERIODS, STRESSES, TENSIONS
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError

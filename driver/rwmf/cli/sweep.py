@@ -13,13 +13,13 @@ import xarray as xr
 
 from rwmf._arguments import case_of
 from rwmf._files import files
+from rwmf._progress import progress
 from rwmf._sweep.computation import merge, path_of_store, sweep
 from rwmf._sweep.csv_parts import merge_csv
 from rwmf._sweep.executors import open_executor
 from rwmf._sweep.sweep_file import read_sweep_file
 from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
 from rwmf.cli.output import print_warnings, print_written
-from rwmf.cli.progress import progress
 from rwmf.errors import InputError, Interrupted
 
 __all__ = ["merge_parts", "run"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -11,6 +11,7 @@ import xarray as xr
 
 from rwmf import _library
 from rwmf._arguments import case_of, checked
+from rwmf._progress import Reports, reporting
 from rwmf._sweep.executors import count_threads
 from rwmf._sweep.kept_quantities import QUANTITIES, find_quantity
 from rwmf.case import CaseLike
@@ -35,7 +36,7 @@ def equal_response(
     target: float,
     tolerance: float = 1e-6,
     threads: int = 0,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Reports = None,
     quantities: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
     """Find the smallest pulse amplitude that reaches a response, for many periods.
@@ -53,8 +54,9 @@ def equal_response(
         Relative width of the bisected amplitude interval [-].
     threads : int
         Threads, 0 for all.
-    progress : callable, optional
-        Called with the numbers of finished and of all periods.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all periods.
     quantities : str, optional
         The response; otherwise ``u_s_max`` [m], or ``theta_max_over_alpha`` for a free-standing
         wall.
@@ -89,12 +91,15 @@ def equal_response(
     periods = [float(value) for value in T_p]
     search = _Search(pulse, _PERIODS_AFTER * period.value, response, target)
     amplitudes: list[float] = []
-    with ThreadPoolExecutor(count_threads(threads)) as executor:
+    with (
+        reporting(progress, "period") as report,
+        ThreadPoolExecutor(count_threads(threads)) as executor,
+    ):
         try:
             for found in executor.map(lambda T: _climb(search, T, tolerance), periods):
                 amplitudes.append(found)
-                if progress is not None:
-                    progress(len(amplitudes), len(periods))
+                if report is not None:
+                    report(len(amplitudes), len(periods))
         except BaseException:
             executor.shutdown(wait=False, cancel_futures=True)
             raise

@@ -18,6 +18,7 @@ import xarray as xr
 
 from rwmf import _simulation as simulation
 from rwmf._arguments import case_of, checked
+from rwmf._progress import Reports, reporting
 from rwmf._sweep.executors import count_threads
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
@@ -27,7 +28,6 @@ from rwmf.studies.pulse import Pulse
 
 __all__ = ["SURVIVES", "Wall", "overturning_map"]
 
-Progress = Callable[[int, int], None]
 # outcome without overturning; other outcomes are numbers of impacts before overturning
 SURVIVES = -1
 # simulated time after the pulse in 1/p; a shorter time would move the boundaries
@@ -93,7 +93,7 @@ def overturning_map(
     amplitude: Sequence[float],
     tolerance: float = 1e-6,
     threads: int = 0,
-    progress: Progress | None = None,
+    progress: Reports = None,
 ) -> xr.Dataset:
     """Compute an overturning map.
 
@@ -110,8 +110,9 @@ def overturning_map(
         Width of the bisected boundaries [-].
     threads : int
         Threads, 0 for all.
-    progress : callable, optional
-        Called with the numbers of finished and of all frequencies.
+    progress : callable or bool, optional
+        True for a bar in a notebook or terminal, or a function that is called with the numbers of
+        finished and of all frequencies.
 
     Returns
     -------
@@ -144,12 +145,15 @@ def overturning_map(
         return _scan(pulse, wall, omega, levels, tolerance)
 
     results = []
-    with ThreadPoolExecutor(count_threads(threads)) as executor:
+    with (
+        reporting(progress, "scan") as report,
+        ThreadPoolExecutor(count_threads(threads)) as executor,
+    ):
         try:
             for result in executor.map(follow, frequencies):
                 results.append(result)
-                if progress is not None:
-                    progress(len(results), len(frequencies))
+                if report is not None:
+                    report(len(results), len(frequencies))
         except BaseException:
             executor.shutdown(wait=False, cancel_futures=True)
             raise

@@ -6,7 +6,9 @@ import hashlib
 import os
 import re
 import subprocess
+import sys
 import tomllib
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -142,3 +144,57 @@ def test_the_install_section_gives_two_lines() -> None:
 @pytest.mark.parametrize("tool", ["wheel", "lint", "bootstrap"])
 def test_tools_are_valid_shell(tool: str) -> None:
     subprocess.run(["bash", "-n", ROOT / "tools" / tool], check=True)
+
+
+def _interface(folder: Path, header: str) -> subprocess.CompletedProcess[str]:
+    (folder / "host.h").write_text(header, encoding="utf-8")
+    return subprocess.run(
+        [
+            sys.executable,
+            ROOT / "tools/fortran-interface.py",
+            folder / "host.h",
+            folder / "host.f90",
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_every_function_of_the_header_has_a_fortran_interface(tmp_path: Path) -> None:
+    """The foreign project `other-compiler` of tests/export compiles and uses it."""
+    header = _text("include/rwmf.h")
+    names = set(re.findall(r"\b(rwmf_\w+)\(", re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)))
+    done = _interface(tmp_path, header)
+    assert done.returncode == 0, done.stderr
+    made = (tmp_path / "host.f90").read_text(encoding="utf-8")
+    assert set(re.findall(r"(?:function|subroutine) (rwmf_\w+)\(.*", made)) == names
+    assert max(map(len, made.splitlines())) <= 100
+
+
+@pytest.mark.parametrize(
+    "line", ["int rwmf_set(long x);", "int rwmf_set(double *const *x[2]);", "long rwmf_get(int i);"]
+)
+def test_a_header_of_another_form_is_refused(line: str, tmp_path: Path) -> None:
+    done = _interface(tmp_path, line)
+    assert done.returncode
+    assert "that this program knows" in done.stderr
+
+
+def test_pip_knows_the_optional_packages_in_a_checkout(tmp_path: Path) -> None:
+    """`pip install 'rwmf[suites]'` finds the package installed, and adds that purpose."""
+    tool = [sys.executable, ROOT / "tools/checkout-metadata.py", tmp_path]
+    for _ in range(2):  # the second call replaces the metadata
+        subprocess.run(tool, check=True)
+    (found,) = metadata.distributions(path=[str(tmp_path)])
+    assert (found.name, found.version) == ("rwmf", VERSION)
+    optional = PYPROJECT["project"]["optional-dependencies"]
+    assert found.metadata.get_all("Provides-Extra") == list(optional)
+    assert found.requires == [
+        *PYPROJECT["project"]["dependencies"],
+        *(
+            f'{wanted}; extra == "{purpose}"'
+            for purpose in optional
+            for wanted in optional[purpose]
+        ),
+    ]

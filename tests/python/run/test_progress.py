@@ -1,0 +1,116 @@
+"""Bars of long computations, in a notebook and on a terminal."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+
+import pytest
+import rwmf
+from rwmf import _progress
+from scenes import coupled
+
+T_S = [0.4, 0.6, 0.8]
+
+
+class _Shell:
+    """Shell of IPython inside a Jupyter kernel."""
+
+    kernel = object()
+
+
+class _Cell:
+    """Output of a notebook's cell: what a reader has seen, one text for each change."""
+
+    def __init__(self) -> None:
+        self.seen: list[str] = []
+
+    def display(self, shown: object, *, display_id: bool) -> _Cell:
+        """Show an object and return its place."""
+        assert display_id
+        self.update(shown)
+        return self
+
+    def update(self, shown: object) -> None:
+        """Show an object in place of the one before."""
+        self.seen.append(shown._repr_html_())  # type: ignore[attr-defined]
+        assert str(shown) in self.seen[-1]
+
+
+@pytest.fixture
+def cell(monkeypatch: pytest.MonkeyPatch) -> _Cell:
+    """Let this process be a Jupyter kernel without a front end."""
+    pytest.importorskip("IPython")
+    import IPython.core.getipython
+    import IPython.display
+
+    found = _Cell()
+    monkeypatch.setattr(IPython.core.getipython, "get_ipython", _Shell)
+    monkeypatch.setattr(IPython.display, "display", found.display)
+    return found
+
+
+def _map(progress: bool) -> object:
+    case = rwmf.Case(
+        wall={"h": 2.0, "b": 0.4},
+        motion={"kind": "one_sine", "a_max_g": 0.3, "T_p": 0.5},
+        solver={"t_end": 4.0},
+    )
+    return rwmf.studies.overturning_map(
+        case, [5.0, 6.0, 7.0], [1.0, 3.0], tolerance=1.0, progress=progress
+    )
+
+
+CALLS: dict[str, Callable[[bool], object]] = {
+    "ordinate": lambda progress: rwmf.spectrum(coupled(), T_s=T_S, progress=progress),
+    "run": lambda progress: rwmf.sweep(coupled(), {"T_s": T_S}, progress=progress),
+    "period": lambda progress: rwmf.studies.equal_response(
+        coupled(), T_S, 0.01, tolerance=0.5, progress=progress
+    ),
+    "scan": _map,
+}
+
+
+@pytest.mark.parametrize("unit", CALLS)
+def test_a_notebook_shows_a_bar(unit: str, cell: _Cell) -> None:
+    """It ends with the number of units and their time, in place of the bar."""
+    CALLS[unit](True)
+    assert cell.seen[0].startswith("<progress max=")
+    assert cell.seen[-1].startswith(f"3 of 3 {unit}s after ")
+    assert "<progress" not in cell.seen[-1]
+
+
+@pytest.mark.parametrize("unit", CALLS)
+def test_nothing_is_shown_without_a_wish(unit: str, cell: _Cell) -> None:
+    CALLS[unit](False)
+    assert not cell.seen
+
+
+def test_an_interrupted_bar_says_how_far_it_came(cell: _Cell) -> None:
+    with pytest.raises(ZeroDivisionError), _progress.reporting(True) as report:
+        assert report is not None
+        report(2, 5)
+        raise ZeroDivisionError
+    assert cell.seen[-1].startswith("2 of 5 runs after ")
+
+
+def test_a_terminal_shows_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("tqdm")
+    reader, terminal = os.openpty()
+    with os.fdopen(terminal, "w") as stream, monkeypatch.context() as patch:
+        patch.setattr(sys, "stderr", stream)
+        rwmf.spectrum(coupled(), T_s=T_S, progress=True)
+    shown = os.read(reader, 65536).decode()
+    os.close(reader)
+    assert "3/3 [" in shown or "0/3 [" in shown
+
+
+def test_a_redirected_output_shows_none(capfd: pytest.CaptureFixture[str]) -> None:
+    rwmf.spectrum(coupled(), T_s=T_S, progress=True)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_a_bar_is_refused_by_name() -> None:
+    with pytest.raises(rwmf.InputError, match=r"progress = 3: must be True, or a function"):
+        rwmf.spectrum(coupled(), T_s=T_S, progress=3)  # type: ignore[arg-type]
