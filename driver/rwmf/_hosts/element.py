@@ -141,6 +141,11 @@ class Element(NotPickled):
         return self._dofs
 
     @property
+    def modes(self) -> int:
+        """Number of modes of `&bending`."""
+        return self._modes
+
+    @property
     def links(self) -> int:
         """Number of links between wall and host: 1, or one for each floor."""
         return self._links

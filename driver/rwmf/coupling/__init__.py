@@ -11,7 +11,8 @@ motion of the link. Units are SI.
 
 from rwmf.coupling.function_host import FunctionHost
 from rwmf.coupling.host import Host
-from rwmf.coupling.loop import CoupledRun, CouplingEnergy, couple
+from rwmf.coupling.loop import couple
 from rwmf.coupling.opensees_host import OpenSeesHost
+from rwmf.coupling.run import CoupledRun, CouplingEnergy
 
 __all__ = ["CoupledRun", "CouplingEnergy", "FunctionHost", "Host", "OpenSeesHost", "couple"]

@@ -68,27 +68,95 @@ def test_the_frame_of_the_kernel_to_second_order(effects: str) -> None:
     assert run.u_s_max == pytest.approx(float(truth.u_s_max), rel=3e-4)
 
 
-@pytest.mark.parametrize("coupling", ["full", "every_floor"])
-def test_storeys_at_the_roof_or_at_every_floor(coupling: str) -> None:
-    case = rwmf.Case.from_text(STOREYS.format(coupling))
-    given = read_building(case).frame
+def pulse(t: float) -> float:
+    return float(0.6 * G * np.sin(2 * np.pi * t / 0.8)) if t <= 0.8 else 0.0
+
+
+def building(case: rwmf.Case) -> tuple[FunctionHost, np.ndarray]:
+    """Make the frame of a case with storeys as a host, and return the heights of its floors."""
+    coupling = case.storeys.coupling
+    given = read_building(case.without("bending") if case.bending else case).frame
     assert given is not None
     k = [law.k for law in given.laws]
     stiffness = np.diag(k) + np.diag([*k[1:], 0.0]) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
+    damping, z = given.c, np.cumsum(given.height)
+    if case.bending and coupling == "every_floor":
+        # the kernel damps these floors in proportion to their stiffness, by the straight line
+        omega = np.sqrt(z @ stiffness @ z / (z @ np.diag(given.m) @ z))
+        damping = 2 * case.frame.xi_s / omega * stiffness
+    links = [2] if coupling == "full" else [0, 1, 2]
+    return FunctionHost(given.m, damping, stiffness, pulse, links), z
 
-    def pulse(t: float) -> float:
-        return float(0.6 * G * np.sin(2 * np.pi * t / 0.8)) if t <= 0.8 else 0.0
 
+@pytest.mark.parametrize("coupling", ["full", "every_floor"])
+def test_storeys_at_the_roof_or_at_every_floor(coupling: str) -> None:
+    case = rwmf.Case.from_text(STOREYS.format(coupling))
+    host, heights = building(case)
     is_every = coupling == "every_floor"
-    links = [0, 1, 2] if is_every else [2]
-    host = FunctionHost(given.m, given.c, stiffness, pulse, links)
-    heights = np.cumsum(given.height) if is_every else None
-    run = couple(case, host, pulse, 0.004, 1.5, heights=heights)
+    run = couple(case, host, pulse, 0.004, 1.5, heights=heights if is_every else None)
     truth = rwmf.simulate(case, 0.01)
     assert error_of(run, truth) < 4e-3
     u = host.motion()[0]
     if is_every:
         assert u == pytest.approx(np.array([0.3, 0.65, 1.0]) * u[-1], abs=1e-9)
+
+
+def on_springs(case: rwmf.Case) -> rwmf.Case:
+    """Link all floors by springs."""
+    return case.replace(storeys={"coupling": "springs", "k_link": 3e7})
+
+
+BENDING = "&bending EI = 3e9, xi = 0.02, modes = 2 /"
+
+
+@pytest.mark.parametrize(
+    ("coupling", "effects"),
+    [
+        ("full", BENDING + "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss', eta_y = 0.85 /"),
+        ("every_floor", BENDING + "&fuse F_y = 2e4, k = 1e7 /"),
+        ("springs", "&nl_damper F_1 = 1e4, exponent = 0.5 /"),
+        ("springs", BENDING),
+    ],
+)
+def test_walls_that_bend_and_link_springs(coupling: str, effects: str) -> None:
+    """Every landing of these walls that bend ends in contact, and a lift-off follows."""
+    is_on_springs = coupling == "springs"
+    text = STOREYS.format("full" if is_on_springs else coupling) + effects
+    case = rwmf.Case.from_text(text + "&output reactions = .true., energy = .true. /")
+    case = case.replace(solver={"t_end": 0.8})
+    if is_on_springs:
+        case = on_springs(case)
+    truth = rwmf.simulate(case, 0.01)
+    u = truth.floors.values[:, -1] if is_on_springs else truth.u_s.values
+    lost = 40e3 * float(truth.energy_impact.values[-1])
+    errors = []
+    for dt in (0.004, 0.002):
+        host, _ = building(case)
+        run = couple(case, host, pulse, dt, 0.8)
+        assert run.impacts == int(truth.impacts) >= 1
+        errors.append(np.abs(np.interp(truth.time.values, run.t, run.u) - u).max())
+    assert errors[1] < 1e-3 * np.abs(u).max()
+    assert 1.7 < np.log2(errors[0] / errors[1]) < 2.3
+    # a landing takes the velocities of modes, which have 16 steps in a period
+    assert run.energy.impacts == pytest.approx(lost, rel=0.03)
+    assert run.energy.error < 1e-6 * abs(run.energy.work)
+    assert len(run.link_forces[-1]) == len(host.links)
+    assert (max(np.abs(run.deflection)) > 0) == bool(case.bending)
+
+
+def test_heights_give_a_wall_that_bends_its_floors() -> None:
+    """Heights beside a case without storeys: the same wall as one with storeys."""
+    case = rwmf.Case.from_text(STOREYS.format("every_floor") + BENDING)
+    alone = rwmf.Case.from_text(
+        "&wall h = 5.0, b = 1.2, m_w = 40e3 / &frame T_s = 1.0, gamma = 2.0, xi_s = 0.05 /"
+        "&impact rule = 'coupled' / &solver t_end = 1.0 /" + BENDING
+    )
+    runs = []
+    for given, heights in ((case, None), (alone, [3.0, 6.5, 10.0])):
+        host, _ = building(case)
+        runs.append(couple(given, host, pulse, 0.005, 0.4, heights=heights))
+    assert runs[0].u == runs[1].u
+    assert runs[0].deflection == runs[1].deflection
 
 
 def test_functions_are_as_good_as_matrices() -> None:
@@ -154,14 +222,15 @@ def test_bad_calls_are_named() -> None:
     case = rwmf.Case.from_text(TEXT.format(1.0, ""))
     light = case.replace(wall={"m_w": None})
     bent = case.replace(bending={"EI": 1e9, "xi": 0.02, "modes": 1})
+    springs = on_springs(rwmf.Case.from_text(STOREYS.format("full")))
+    two = {"mass": [M, M], "damping": np.eye(2), "restoring": np.eye(2), "links": [0, 1]}
     calls: list[tuple[str, Callable[[], object]]] = [
         ("&wall m_w", lambda: couple(light, frame(), ground, 0.01, 1.0)),
-        ("one degree of freedom", lambda: couple(bent, frame(), ground, 0.01, 1.0)),
+        ("heights = .* 2h = 4", lambda: couple(bent, frame(**two), ground, 0.01, 1.0, [1, 3])),
+        ("has 2 links, &storeys", lambda: couple(springs, frame(**two), ground, 0.01, 1.0, [1, 3])),
         ("dt = 0", lambda: couple(case, frame(), ground, 0.0, 1.0)),
         ("ground = 3", lambda: couple(case, frame(), 3, 0.01, 1.0)),  # type: ignore[arg-type]
-        ("heights", lambda: couple(case, frame(mass=[M, M], damping=np.eye(2),
-                                               restoring=np.eye(2), links=[0, 1]),
-                                   ground, 0.01, 1.0)),
+        ("heights", lambda: couple(case, frame(**two), ground, 0.01, 1.0)),
         ("links = ", lambda: frame(links=[3])),
         ("damping: has the shape", lambda: frame(damping=np.eye(2))),
         ("ground = 3", lambda: frame(ground=3)),
