@@ -53,6 +53,8 @@ class Check:
         Value over the records that were left out; NaN without any.
     utilisation, utilisation_left_out : float
         Value over limit; up to 1 where the target is met.
+    is_least : bool
+        True when the quantity must not be smaller than the limit.
     """
 
     target: str
@@ -62,11 +64,30 @@ class Check:
     value_left_out: float
     utilisation: float
     utilisation_left_out: float
+    is_least: bool = False
 
     @property
     def is_met(self) -> bool:
         """True when the suite of the design meets the target."""
         return self.utilisation <= 1.0
+
+    @property
+    def excess(self) -> str:
+        """The target and the distance from it in words."""
+        if np.isnan(self.value):
+            return f"{self.target}: runs without a result"
+        if np.isinf(self.value):
+            return f"{self.target}: too many motions end in collapse"
+        if self.quantity == COLLAPSE:
+            return (
+                f"{self.target}: {100 * self.value:.1f} % collapse, more than "
+                f"{100 * self.limit:.4g} %"
+            )
+        word = "falls below" if self.is_least else "exceeds"
+        return (
+            f"{self.target}: {self.value:.4g} {word} {self.limit:.4g} by "
+            f"{100 * abs(self.value / self.limit - 1):.1f} % of the limit"
+        )
 
 
 @dataclass(frozen=True)
@@ -105,12 +126,7 @@ class Design:
     @property
     def missed(self) -> tuple[str, ...]:
         """Targets that no computed design meets together with the others, with their excess."""
-        return tuple(
-            f"{check.target}: {check.value:.4g} exceeds {check.limit:.4g} by "
-            f"{100 * (check.utilisation - 1):.1f} % of the limit"
-            for check in self.checks
-            if not check.is_met
-        )
+        return tuple(check.excess for check in self.checks if not check.is_met)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as an object for JSON.
@@ -160,7 +176,8 @@ def design(
     case : Case or path
         Settings common to all designs.
     bounds : mapping, optional
-        Lower and upper bound by key; whole numbers for keys such as ``strands``.
+        Lower and upper bound by key; whole numbers for keys such as ``strands``. All numbers of a
+        list become equal.
     targets : sequence of mapping, optional
         Each has ``quantity`` and ``limit`` in its unit, with ``percentile`` [%] or ``probability``
         of exceedance. ``quantity='collapse'`` has a ``probability`` only, ``quantity='limits'``
@@ -172,7 +189,8 @@ def design(
     left_out : sequence of str, path or Motion, optional
         Records that judge the design; by default every fourth record of the suite is left out.
     guess : mapping, optional
-        A design to begin with, such as that of `rwmf.studies.displacement_based_prestress`.
+        A design to begin with, such as that of `rwmf.studies.displacement_based_prestress`; it is
+        moved to the bounds.
     designs : int, optional
         Number of designs that the first stage may visit; 300 without `&design`.
     threads, unit, dt
@@ -197,12 +215,14 @@ def design(
         records, unit = request.records, unit or request.unit
         left_out = request.left_out if left_out is None else left_out
     designs = request.designs if designs is None else designs
-    variables, limits = variables_of(bounds), targets_of(targets, case)
-    price = cost_of(cost, variables)
     to_whole("designs", designs, 1)
     if left_out is not None:
         left_out = _listed("left_out", left_out)
     suite, judges = _split(records, left_out, unit, dt)
+    variables, limits = variables_of(bounds, case, bool(suite)), targets_of(targets, case)
+    low = _check_ends(case, variables)
+    price = cost_of(cost, variables)
+    price(low)
     start = None if guess is None else _start(guess, variables)
     runs = SuiteRuns(case, variables, limits, suite, threads)
     best = cheapest(runs, variables, price, designs, start)
@@ -244,6 +264,7 @@ def _check(item: Target, value: float, other: float) -> Check:
         other,
         item.utilisation(value),
         item.utilisation(other),
+        item.is_least,
     )
 
 
@@ -278,6 +299,17 @@ def _start(guess: Mapping[str, float], variables: Sequence[Variable]) -> Array:
     return np.array([to_number(f"guess: {name}", guess[name]) for name in names])
 
 
+def _check_ends(case: Case, variables: Sequence[Variable]) -> Array:
+    """Refuse bounds that no case may have; return the lower ones."""
+    ends = {"lower": [item.low for item in variables], "upper": [item.high for item in variables]}
+    for word, values in ends.items():
+        try:
+            _with_values(case, variables, np.array(values))
+        except InputError as error:
+            raise InputError(f"bounds, {word} ends: {error}") from None
+    return np.array(ends["lower"])
+
+
 def _with_values(case: Case, variables: Sequence[Variable], values: Array) -> Case:
     """Put the numbers of a design into the case."""
     changes: dict[str, dict[str, object]] = {}
@@ -286,6 +318,6 @@ def _with_values(case: Case, variables: Sequence[Variable], values: Array) -> Ca
         if item.column == "scale":
             group, key = "motion", "scale"
         elif item.column in ("T_s", "gamma") and "storeys" in case.groups:
-            raise InputError(f"bounds: {item.name}: no case states it beside &storeys; vary T_1, m")
+            raise InputError(f"{item.name}: no case states it beside &storeys; vary T_1, m")
         changes.setdefault(group, {})[key] = int(value) if item.is_whole else value
     return case.replace(**changes)

@@ -13,13 +13,14 @@ from rwmf._sweep import sweep
 from rwmf._sweep.kept_quantities import default_quantity
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case
+from rwmf.errors import InputError
 from rwmf.quantities import ENDINGS
 
 __all__ = ["SuiteRuns"]
 
 Array = npt.NDArray[np.float64]
-# utilisation of a design that collapses, and of any larger one
-_MOST = 10.0
+# utilisation above which its logarithm counts, and that of a design that collapses
+_LARGE, _COLLAPSED = 10.0, 1e3
 
 
 class SuiteRuns:
@@ -70,15 +71,16 @@ class SuiteRuns:
         Returns
         -------
         numpy.ndarray, shape (designs, targets)
-            Utilisations, at most 10.
+            Utilisations; above 10 they grow with the logarithm, up to 1000 after collapses.
         """
         found = self.compute(designs)
-        rows = [
+        rows = np.array([
             [item.utilisation(float(x)) for item, x in zip(self._targets, row, strict=True)]
             for row in found
-        ]
-        limited: Array = np.minimum(np.nan_to_num(np.array(rows), nan=_MOST), _MOST)
-        return limited
+        ])  # fmt: skip
+        larger = np.where(np.isfinite(rows), np.maximum(rows, _LARGE), _LARGE)
+        limited: Array = np.minimum(rows, _LARGE) + np.log(larger / _LARGE)
+        return np.where(np.isfinite(rows), limited, _COLLAPSED)
 
     def compute(self, designs: Array) -> Array:
         """Compute the values of the targets.
@@ -92,6 +94,11 @@ class SuiteRuns:
         -------
         numpy.ndarray, shape (designs, targets)
             Quantiles, and shares of collapses.
+
+        Raises
+        ------
+        InputError
+            When runs have no value of a quantity.
         """
         rows = [tuple(float(x) for x in row) for row in designs]
         missing = list(dict.fromkeys(row for row in rows if row not in self.values))
@@ -120,6 +127,10 @@ class SuiteRuns:
         shape = (-1, len(scales), len(designs))
         fallen = np.isin(found["status"].values, ends).reshape(shape)
         values = {name: found[name].values.reshape(shape) for name in self._names}
+        is_ok = (found["status"].values == names.index("ok")).reshape(shape) & ~fallen
+        for name, numbers in values.items():
+            if is_ok.any() and np.isnan(numbers[is_ok]).all():
+                raise InputError(f"targets: {name}: a run of this case has no such result")
         results = np.empty((len(designs), len(self._targets)))
         for j, item in enumerate(self._targets):
             k = scales.index(item.scale)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -11,7 +12,7 @@ import numpy.typing as npt
 
 from rwmf._checks.checks import Limit, limits_of
 from rwmf._numbers import show, to_array, to_items, to_number
-from rwmf._sweep.axes import kind_of, name_axes
+from rwmf._sweep.axes import PAIRS, SCALE, SETTINGS, column_in, key_of_column, kind_of
 from rwmf._sweep.kept_quantities import find_quantities
 from rwmf.case import Case
 from rwmf.errors import InputError
@@ -127,13 +128,19 @@ class Target:
         return value / self.limit
 
 
-def variables_of(bounds: Mapping[str, Sequence[float]]) -> list[Variable]:
+def variables_of(
+    bounds: Mapping[str, Sequence[float]], case: Case, has_records: bool = False
+) -> list[Variable]:
     """Look up the variables of a design.
 
     Parameters
     ----------
     bounds : mapping
         Lower and upper bounds by key.
+    case : Case
+        The case, for keys of several groups.
+    has_records : bool
+        True when records replace the motion of the case.
 
     Returns
     -------
@@ -143,15 +150,31 @@ def variables_of(bounds: Mapping[str, Sequence[float]]) -> list[Variable]:
     Raises
     ------
     InputError
-        When a key is unknown or no number, or when bounds are not two increasing numbers.
+        When a key is unknown or no number of structure or motion, or when bounds are not two
+        increasing numbers.
     """
     if not isinstance(bounds, Mapping) or not bounds:
         raise InputError(
             f"bounds = {show(bounds)}: must be keys with (low, high); the default is &design"
         )
-    columns = list(name_axes(dict.fromkeys(bounds), "bounds"))
+    columns = [column_in(case.groups, name, "bounds") for name in bounds]
+    named = dict(zip(columns, bounds, strict=True))
+    for name, column in zip(bounds, columns, strict=True):
+        if named[column] != name:
+            raise InputError(f"bounds: {name} and {named[column]}: are the same number")
     found = []
     for (name, ends), column in zip(bounds.items(), columns, strict=True):
+        if column in PAIRS:
+            raise InputError(f"bounds: {name}: is two keys; give {' and '.join(PAIRS[column])}")
+        group, _ = key_of_column(column)
+        if group in SETTINGS:
+            raise InputError(
+                f"bounds: {name}: {SETTINGS[group]}, no number of the structure or the motion"
+            )
+        if column == SCALE:
+            raise InputError(f"bounds: {name}: is the factor on the motions, which targets have")
+        if has_records and group == "motion":
+            raise InputError(f"bounds: {name}: the records replace &motion")
         kind = kind_of(column)
         if kind not in ("real", "integer", "real list"):
             raise InputError(f"bounds: {name}: is a {kind}: a design chooses numbers")
@@ -219,6 +242,8 @@ def _target(item: Mapping[str, Any]) -> Target:
     quantity = item.get("quantity")
     if not isinstance(quantity, str):
         raise InputError(f"targets: quantity = {show(quantity)}: must be a text")
+    if quantity == COLLAPSE and ("limit" in item or "percentile" in item):
+        raise InputError("targets: collapse: has a probability only, no limit and no percentile")
     if ("percentile" in item) == ("probability" in item):
         raise InputError(f"targets: {quantity}: give one of percentile and probability")
     if "percentile" in item:
@@ -229,7 +254,7 @@ def _target(item: Mapping[str, Any]) -> Target:
         raise InputError(f"targets: {quantity}: percentile in (0, 100], probability in [0, 1)")
     scale = to_number("targets: scale", item.get("scale", 1.0), above=0.0)
     if quantity == COLLAPSE:
-        return Target(COLLAPSE, float("nan"), share, scale)
+        return Target(COLLAPSE, math.nan, share, scale)
     name = next(iter(find_quantities((quantity,))))
     limit = to_number(f"targets: {quantity}: limit", item.get("limit"), above=0.0)
     return Target(name, limit, share, scale)
@@ -258,7 +283,9 @@ def cost_of(cost: Cost, variables: Sequence[Variable]) -> Callable[[Array], floa
     names = [item.name for item in variables]
     if isinstance(cost, Mapping):
         unknown = [str(key) for key in cost if key not in names]
-        if unknown or not cost:
+        if not cost:
+            raise InputError(f"cost: has no weights; known: {', '.join(names)}")
+        if unknown:
             raise InputError(
                 f"cost: {', '.join(unknown)}: has no bounds; known: {', '.join(names)}"
             )

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from rwmf import _library
 from rwmf._gradient.differences import FAR, NEAR
 from rwmf._numbers import show
-from rwmf._sweep.axes import SCALE, key_of_column, kind_of, name_axes
+from rwmf._sweep.axes import SCALE, SETTINGS, column_in, key_of_column, kind_of
 from rwmf.case import Case
 from rwmf.errors import InputError, without_lines
 
@@ -22,11 +22,6 @@ __all__ = ["Parameter", "allowed_changes", "find_parameters", "followers", "valu
 Array = npt.NDArray[np.float64]
 # an element of a list, as in a namelist: storey_F_y(2)
 _ELEMENT = re.compile(r"(.+)\((\d+)\)")
-_NO_PHYSICS = {
-    "output": "is a setting of the output",
-    "spectrum": "is a setting of a spectrum",
-    "solver": "is a setting of the solver",
-}
 
 
 @dataclass(frozen=True)
@@ -101,16 +96,8 @@ def find_parameters(
 def _find(case: Case, name: str, columns: Sequence[str]) -> Parameter:
     part = _ELEMENT.fullmatch(name.strip())
     word, element = (part[1].strip(), int(part[2])) if part else (name.strip(), 0)
-    try:
-        (column,) = name_axes({word: None}, "parameters")
-    except InputError as error:
-        key = word.lower()
-        present = [group for group in case.groups if key in map(str.lower, case.groups[group])]
-        present = [group for group in present if group not in _NO_PHYSICS]
-        if "in several groups" not in str(error) or len(present) != 1:
-            raise
-        # only one group of this case has the key
-        (column,) = name_axes({f"{present[0]}.{word}": None}, "parameters")
+    physics = {group: keys for group, keys in case.groups.items() if group not in SETTINGS}
+    column = column_in(physics, word, "parameters")
     kind = kind_of(column)
     if kind not in ("real", "real list"):
         wanted = "whole number" if kind == "integer" else kind.removesuffix(" list")
@@ -119,7 +106,7 @@ def _find(case: Case, name: str, columns: Sequence[str]) -> Parameter:
     if column == SCALE and not has_records and "scale" in (case.motion or {}):
         column = "motion.scale"
     item = Parameter(name, column, element)
-    reason = _NO_PHYSICS.get(item.key[0])
+    reason = SETTINGS.get(item.key[0])
     if reason and item.key != ("solver", "t_end"):
         raise InputError(f"parameters: {name}: {reason}, no number of the structure or the motion")
     if has_records and item.key[0] == "motion" and column != SCALE:
@@ -242,7 +229,7 @@ def followers(case: Case, item: Parameter) -> list[tuple[str, str]]:
     return [
         (name, word)
         for name, group in before.items()
-        if name not in _NO_PHYSICS or name == "solver"
+        if name not in SETTINGS or name == "solver"
         for word in group
         if word not in group.given | group.derived
         and isinstance(group[word], float)

@@ -37,9 +37,9 @@ _SETTLED = 1e-9
 # error over disagreement: covers the truth in 99 % of runs
 _SAFETY = 3.0
 # error of a value over its tolerance, and round-off
-_OF_TOLERANCE, _ROUND_OFF = 1e-3, 2e-16
+_OF_TOLERANCE, _ROUND_OFF = 3e-3, 2e-16
 # least error over the largest p dq/dp
-_LEAST = 1e-9
+_LEAST = 3e-9
 # error over the derivative, and over the largest p dq/dp, above which there is no derivative
 _NO_DERIVATIVE, _NOTICED = 0.1, 1e-4
 # relative difference between jumps of one kink, and number of smaller steps that confirm it

@@ -22,6 +22,7 @@ __all__ = [
     "PAIRS",
     "POINT",
     "SCALE",
+    "SETTINGS",
     "Axis",
     "Coordinate",
     "Entries",
@@ -29,6 +30,7 @@ __all__ = [
     "Scene",
     "Scenes",
     "column_coordinate",
+    "column_in",
     "grid_axis",
     "is_number",
     "key_of_column",
@@ -348,6 +350,39 @@ def name_axes(grid: Mapping[str, _T], label: str = "grid") -> dict[str, _T]:
     return found
 
 
+def column_in(groups: Mapping[str, Mapping[str, object]], word: str, label: str) -> str:
+    """Return the column of a key; one of several groups means the only one that the case gives.
+
+    Parameters
+    ----------
+    groups : mapping
+        Groups of the case that may have it, with their keys.
+    word : str
+        A key, with or without its group.
+    label : str
+        Beginning of messages.
+
+    Returns
+    -------
+    str
+        As from `name_axes`.
+
+    Raises
+    ------
+    InputError
+        When the key does not exist, or several groups give it.
+    """
+    try:
+        (column,) = name_axes({word: None}, label)
+    except InputError as error:
+        key = str(word).lower()
+        present = [name for name, keys in groups.items() if key in map(str.lower, keys)]
+        if "in several groups" not in str(error) or len(present) != 1:
+            raise
+        (column,) = name_axes({f"{present[0]}.{word}": None}, label)
+    return column
+
+
 def _axis_name(word: str, label: str) -> str:
     if not isinstance(word, str):
         raise InputError(f"{label}: {word!r}: the name of an axis is a text")
@@ -544,6 +579,12 @@ def _put(entries: Entries, key: Key, value: Value) -> None:
     target[same] = value
 
 
+# groups without a number of the structure or the motion, with the reason
+SETTINGS = {
+    "output": "is a setting of the output",
+    "spectrum": "is a setting of a spectrum",
+    "solver": "is a setting of the solver",
+}
 # groups that leave short names to others: e and nu are keys of &impact and &motion
 _NEEDS_GROUP = ("base_section", "bending")
 

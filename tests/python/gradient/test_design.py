@@ -66,6 +66,28 @@ def test_missed_targets_and_records_left_out() -> None:
     assert found.checks[2].is_met
 
 
+def test_nearest_design_to_a_target_far_away() -> None:
+    """More damping is nearer, however far; an end by overturning is named."""
+    target = TARGET | {"limit": 1e-4}
+    damping = {"xi_s": (0.02, 0.2)}
+    found = rwmf.design(coupled(), damping, [target], {"xi_s": 1.0}, RECORDS[:1], designs=16)
+    assert found.values == {"xi_s": 0.2}
+    assert found.checks[0].utilisation > 100
+    fallen = coupled(model={"overturning_angle": 1e-6})
+    found = rwmf.design(fallen, damping, [TARGET], {"xi_s": 1.0}, RECORDS[:1], designs=16)
+    assert "too many motions end in collapse" in found.missed[0]
+    none = {"quantity": "collapse", "probability": 0.1}
+    found = rwmf.design(fallen, damping, [none], {"xi_s": 1.0}, RECORDS[:1], designs=16)
+    assert "100.0 % collapse, more than 10 %" in found.missed[0]
+
+
+def test_key_of_several_groups_means_that_of_the_case() -> None:
+    case = coupled(fuse={"eta_y": 0.2, "stroke_y": 0.004})
+    bounds = {"eta_y": (0.1, 0.3)}
+    found = rwmf.design(case, bounds, [TARGET], {"eta_y": 1.0}, RECORDS[:1], designs=16)
+    assert found.case.fuse.eta_y == found.values["eta_y"]
+
+
 def test_whole_numbers() -> None:
     path = Path(__file__).parents[3] / "inputs" / "six_storeys_by_dimensions.nml"
     case = rwmf.Case.from_namelist(path).replace(solver={"t_end": 2.0})
@@ -85,6 +107,16 @@ def test_whole_numbers() -> None:
         ({"bounds": {"eta_0": (1.0, 0.0)}}, "increasing"),
         ({"bounds": {"eta_0": (1.0,)}}, "low, high"),
         ({"bounds": {}}, "keys with"),
+        ({"bounds": {"rtol": (1e-9, 1e-6)}}, "setting of the solver"),
+        ({"bounds": {"scale": (1.0, 2.0)}}, "which targets have"),
+        ({"bounds": {"a_max_g": (0.1, 0.2)}}, "records replace"),
+        ({"bounds": {"T_s": (0.5, 1.0), "frame.T_s": (0.5, 1.0)}}, "same number"),
+        ({"bounds": {"eta": (0.0, 1.0)}}, "give cable.eta_0 and cable.eta_alpha"),
+        ({"bounds": {"b": (0.0, 1.0)}}, "lower ends: &wall: b = 0"),
+        ({"bounds": {"e": (0.5, 1.5)}}, "upper ends: &impact: e = 1.5"),
+        ({"targets": [TARGET | {"quantity": "storey_drift_max"}]}, "no such result"),
+        ({"targets": [{"quantity": "collapse", "percentile": 9}]}, "a probability only"),
+        ({"cost": {}}, "no weights; known: eta_0"),
         ({"targets": [{"quantity": "u_s_max", "limit": 0.1}]}, "one of percentile and prob"),
         ({"targets": [TARGET | {"top": 1}]}, "top: unknown"),
         ({"targets": [TARGET | {"percentile": 101}]}, "percentile in"),
