@@ -14,6 +14,7 @@ const EQUIVALENTS = [
   ["restitution", "coefficient of restitution", "impact rule"],
   ["overturn", "topple", "tip over"],
   ["checks", "limits", "acceptance criteria", "utilisation", "utilization", "demand capacity ratio", "dcr"],
+  ["pushover", "static curve", "capacity curve", "capacity spectrum", "backbone", "nonlinear static"],
   ["toe", "contact length", "edge pressure", "neutral axis", "compression zone", "crushing"],
   ["ufp", "u shaped flexural plate", "steel damper"],
   ["storey", "story"],

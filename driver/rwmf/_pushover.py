@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from rwmf._response import Response
 from rwmf._simulation import by_quantity, label, level_coordinates, sizes_of
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
-from rwmf.quantities import QUANTITIES, find_numbered
+from rwmf.quantities import INSTANT, QUANTITIES, find_numbered
 
 __all__ = ["PATTERNS", "columns_by_key", "mark_crossings", "pushover"]
 
@@ -27,6 +27,7 @@ PATTERNS = ("first_mode", "floors", "roof")
 _DRIFT = 0.04
 _MOST_STEPS = 100_000
 _STEP = "step"
+_Curve = TypeVar("_Curve", bound=xr.Dataset)
 # columns of the kernel that no history has: name, unit and meaning
 _OWN = {
     "roof_drift": ("roof_drift", "1", "displacement of the roof over its height"),
@@ -40,6 +41,11 @@ _OWN = {
         "energy_work",
         "J/kg",
         "work of the load by the trapezoidal rule over the steps, over the reference mass",
+    ),
+    "energy_released_J_per_kg": (
+        "energy_released",
+        "J/kg",
+        "energy that jumps of free floors would give to motion, over the reference mass",
     ),
 }
 
@@ -103,7 +109,12 @@ def pushover(
     legs = _drifts_of(drifts)
     n = to_whole("steps", steps, 1, _MOST_STEPS)
     curve = _library.compute_curve(case.kernel, case.label, name, loads, legs, n)
-    return _to_dataset(curve, case, name)
+    found = _to_dataset(curve, case, name)
+    if case.kernel.limited_demands():
+        from rwmf._checks.static_demands import crossings_of
+
+        return _with_marks(found, crossings_of(case, found))
+    return found
 
 
 def mark_crossings(curve: xr.Dataset, name: str, variable: str, level: float) -> xr.Dataset:
@@ -139,9 +150,16 @@ def mark_crossings(curve: xr.Dataset, name: str, variable: str, level: float) ->
     steps = np.flatnonzero((size[1:] >= level) & (size[:-1] < level)) + 1
     share = (level - size[steps - 1]) / (size[steps] - size[steps - 1])
     at = drift[steps - 1] + share * (drift[steps] - drift[steps - 1])
-    names = [*curve["mark"].values.tolist(), *[name] * len(steps)]
-    places = np.concatenate([curve["mark_step"].values, steps])
-    drifts = np.concatenate([curve["mark_roof_drift"].values, at])
+    return _with_marks(curve, zip([name] * len(steps), steps, at, strict=True))
+
+
+def _with_marks(curve: _Curve, more: Iterable[tuple[str, int, float]]) -> _Curve:
+    """Add marks by name, step and drift, in the order of the steps."""
+    present = (curve[name].values for name in ("mark", "mark_step", "mark_roof_drift"))
+    rows = [*zip(*present, strict=True), *more]
+    names = [str(row[0]) for row in rows]
+    places = np.array([row[1] for row in rows], dtype=np.int64)
+    drifts = np.array([row[2] for row in rows], dtype=np.float64)
     order = np.argsort(places, kind="stable")
     plain = curve.drop_dims("mark")
     marks = _marks([names[i] for i in order], places[order], drifts[order])
@@ -162,7 +180,7 @@ def columns_by_key(curve: xr.Dataset) -> dict[str, npt.NDArray[np.float64]]:
         Values by key, units included; those of storeys, floors and links one by one.
     """
     keys = {name: key for key, (name, _, _) in _OWN.items()}
-    for key, quantity in QUANTITIES.items():
+    for key, quantity in (QUANTITIES | INSTANT).items():
         if "history" in quantity.outputs.split():
             item = quantity.over_levels if quantity.level else quantity
             keys.setdefault(item.names("history")[0], key)
@@ -271,6 +289,6 @@ def _in_newtons(
                     continue
                 key = name.removesuffix(end) + unit
                 pattern = find_numbered(name)[0].key.removesuffix(end) + unit
-                if pattern in QUANTITIES:
+                if pattern in QUANTITIES or pattern in INSTANT:
                     found[key] = weight * values
     return found

@@ -12,6 +12,7 @@ from rwmf import _library
 __all__ = [
     "AXES",
     "ENDINGS",
+    "INSTANT",
     "QUANTITIES",
     "SENSITIVITY",
     "Quantity",
@@ -136,6 +137,21 @@ class Quantity:
 # units at the end of names in the kernel's table
 _SUFFIXES = {"J/kg": "_J_per_kg", "N": "_N"}
 QUANTITIES = {row[0]: Quantity(*row) for row in _library.quantities()}
+# peaks without a column in a history: the value at one step, as in a static curve, by its key
+INSTANT = {
+    item.key.replace("_max", ""): replace(
+        item,
+        key=item.key.replace("_max", ""),
+        name=item.name.replace("_max", ""),
+        outputs="history",
+        found="row",
+        meaning=item.meaning.removeprefix("largest "),
+    )
+    for item in QUANTITIES.values()
+    if item.found == "peak"
+    and "_max" in item.key
+    and item.key.replace("_max", "") not in QUANTITIES
+}
 # dimensions of the grids of spectra and sweeps that the kernel iterates over
 AXES = {"b": QUANTITIES["b_m"], "gamma": QUANTITIES["gamma"], "T_s": QUANTITIES["T_s_s"]}
 
@@ -225,10 +241,10 @@ def find_numbered(key: str) -> tuple[Quantity, int]:
     int
         Number of its floor or storey; 0 for none.
     """
-    if key in QUANTITIES:
-        return QUANTITIES[key], 0
-    number = next(part for part in key.split("_") if part.isdigit())
-    return QUANTITIES[key.replace(f"_{number}_", "_{i}_")], int(number)
+    number = next((part for part in key.split("_") if part.isdigit()), "0")
+    if int(number):
+        key = key.replace(f"_{number}_", "_{i}_")
+    return QUANTITIES.get(key) or INSTANT[key], int(number)
 
 
 def ending_of(summary: Mapping[str, Any]) -> str:

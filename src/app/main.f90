@@ -11,6 +11,7 @@ program rwmf_batch
    use rwmf_core_kinds, only: wp
    use rwmf_output_csv, only: case_name, check_outputs
    use rwmf_output_preview, only: check_run
+   use rwmf_problem_group_values, only: has_group
    use rwmf_problem_single_run, only: has_period
    use rwmf_spectrum_spectrum, only: spectrum_periods, status_of
    use rwmf_text_atomic_file, only: check_folder, join_path, remove_leftovers
@@ -194,6 +195,7 @@ contains
       !! warnings already printed
 
       allocate (told(0))
+      call report_groups(path, case)
       if (has_period(case) .and. command_line%parts == 1) then
          call run_simulation(case, path, command_line%folder, control, told, status, error)
       end if
@@ -295,6 +297,22 @@ contains
          write (error_unit, '(a)') 'rwmf-batch: '//path//': warning: '//trim(warnings(i))
       end do
    end subroutine report_warnings
+
+   !> Print a note on groups that the command `rwmf` evaluates.
+   subroutine report_groups(path, case)
+      character(*), intent(in) :: path
+      type(case_t), intent(in) :: case
+      character(11), parameter :: names(3) = ['limits     ', 'sensitivity', 'design     ']
+      character(:), allocatable :: given
+      integer :: i
+
+      given = ''
+      do i = 1, size(names)
+         if (has_group(case%values, trim(names(i)))) given = given//', &'//trim(names(i))
+      end do
+      if (given /= '') write (error_unit, '(a)') 'rwmf-batch: '//path//': note: ' &
+         //given(3:)//': evaluated by the command rwmf only'
+   end subroutine report_groups
 
    !> Print a line. Results are written even if the standard output is closed.
    subroutine say(line, status)

@@ -54,7 +54,8 @@ def _title_row(found: Checks) -> list[str]:
     if found.rows[0].demands:
         ends = ["max" if q == PERCENTILES[-1] else f"{q:g} %" for q in PERCENTILES]
         return ["ratios over limits", "limit", *ends, "above", ""]
-    return ["checks", "demand", "limit", "ratio", ""]
+    drift = [] if found.rows[0].drift_at_limit is None else ["reached at"]
+    return ["checks", "demand", "limit", "ratio", *drift, ""]
 
 
 def _shown(rows: Iterable[LimitCheck], *, is_all: bool) -> list[tuple[LimitCheck, str]]:
@@ -80,7 +81,11 @@ def _cells(row: LimitCheck, label: str) -> list[str]:
     name = label or row.key
     verdict = "" if row.is_met else ("no demand" if math.isnan(row.ratio) else "EXCEEDED")
     if not row.demands:
-        return [name, f"{row.demand:.5g}", f"{row.limit:.5g}", f"{row.ratio:.3f}", verdict]
+        drift = []
+        if row.drift_at_limit is not None:
+            is_reached = not math.isnan(row.drift_at_limit)
+            drift = [f"{100 * row.drift_at_limit:.4g} %" if is_reached else ""]
+        return [name, f"{row.demand:.5g}", f"{row.limit:.5g}", f"{row.ratio:.3f}", *drift, verdict]
     ratios = [f"{row.ratios[q]:.3f}" for q in PERCENTILES]
     above = f"{100 * row.share_above:.3g} %"
     return [name, f"{row.limit:.5g}", *ratios, above, verdict]
@@ -94,10 +99,14 @@ def _verdict(found: Checks) -> str:
         f"{missed} of {len(found.rows)} limits are not met"
     )  # fmt: skip
     text += f"; largest ratio {worst.ratio:.3f} of {worst.key}"
-    if found.ended:
+    if found.ended and worst.drift_at_limit is not None:
+        text += "; THE CURVE ENDS EARLY, demands are those until then"
+    elif found.ended:
         text += f"; {found.ended} runs overturned or collapsed" if found.runs > 1 else (
             "; THE RUN OVERTURNED OR COLLAPSED, demands are those until then"
         )  # fmt: skip
+    if found.absent:
+        text += f"\nno demand of a static curve: {', '.join(found.absent)}"
     return text + (f"; {found.failed} runs failed and are not counted" if found.failed else "")
 
 

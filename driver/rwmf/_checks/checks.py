@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rwmf._arguments import case_of
+from rwmf._arguments import case_of, dataset_of
 from rwmf._numbers import show
 from rwmf._response import Response
 from rwmf.case import Case, CaseLike
@@ -102,6 +102,9 @@ class LimitCheck:
         Share of the runs that exceed the limit; runs that overturn or collapse count.
     at : dict of str to float or str
         Coordinates in a grid; axes with one value are left out.
+    drift_at_limit : float, optional
+        Drift of the roof at which a static curve reaches the limit; NaN when it does not. None for
+        a run.
     """
 
     key: str
@@ -116,6 +119,7 @@ class LimitCheck:
     ratios: dict[float, float]
     share_above: float
     at: dict[str, Any]
+    drift_at_limit: float | None = None
 
     @property
     def is_met(self) -> bool:
@@ -135,6 +139,8 @@ class LimitCheck:
         for q in self.demands:
             name = "max" if q == PERCENTILES[-1] else f"p{q:g}"
             row |= {f"demand_{name}": self.demands[q], f"ratio_{name}": self.ratios[q]}
+        if self.drift_at_limit is not None:
+            row["drift_at_limit"] = self.drift_at_limit
         return row | {"share_above": self.share_above, "is_met": self.is_met} | self.at
 
 
@@ -152,12 +158,15 @@ class Checks:
         Number of runs, over the whole grid, that overturned or collapsed.
     failed : int
         Number of runs without a result; they are not counted.
+    absent : tuple of str
+        Keys of demands that a static curve does not have, such as accelerations.
     """
 
     rows: tuple[LimitCheck, ...]
     runs: int
     ended: int
     failed: int
+    absent: tuple[str, ...] = ()
 
     @property
     def is_met(self) -> bool:
@@ -178,6 +187,8 @@ class Checks:
             ``is_met``, counts of runs, and ``rows``.
         """
         counts = {name: getattr(self, name) for name in ("is_met", "runs", "ended", "failed")}
+        if self.absent:
+            counts["absent"] = list(self.absent)
         return counts | {"rows": [row.to_dict() for row in self.rows]}
 
     def __str__(self) -> str:
@@ -195,15 +206,17 @@ def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
     case : Case or path
         The case, with ``&limits``.
     result : xarray.Dataset or mapping
-        Dataset of `rwmf.simulate`, `rwmf.sweep`, `rwmf.spectrum` or of an analysis of a suite; or
-        scalars with the keys of ``rwmf run --json``, for example of a static curve.
+        Dataset of `rwmf.simulate`, `rwmf.pushover`, `rwmf.sweep`, `rwmf.spectrum` or of an analysis
+        of a suite; or scalars with the keys of ``rwmf run --json``.
 
     Returns
     -------
     Checks
         Demand, limit and ratio of every limit. A suite (dimension ``record``, ``point`` or ``row``)
         has counted percentiles, and the share of its runs above the limit. Runs that overturn or
-        collapse count as above. Each point of the other dimensions has separate checks.
+        collapse count as above. Each point of the other dimensions has separate checks. A static
+        curve has its largest demands over the steps; limits of demands that it does not have, such
+        as accelerations, have no row.
 
     Raises
     ------
@@ -221,6 +234,8 @@ def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
     if isinstance(result, xr.Dataset):
         if "status" in result.data_vars:
             return _checks_of_grid(case, limits, result)
+        if "mark_step" in result.coords:
+            return _checks_of_curve(case, limits, result)
         scalars: Mapping[str, Any]
         scalars = Response(result.data_vars, result.coords, result.attrs).flat()
     elif isinstance(result, Mapping):
@@ -300,6 +315,30 @@ def _check(
         float(np.mean(sorted_ratios > 1)) if n else math.nan,
         at or {},
     )
+
+
+def _checks_of_curve(case: Case, limits: list[Limit], curve: xr.Dataset) -> Checks:
+    """Check the largest demands of a static curve."""
+    from rwmf._checks.static_demands import columns_by_key, demand_along, drift_at_limit, ratios_of
+
+    columns = columns_by_key(dataset_of(curve, "rwmf.pushover", "roof_drift"))
+    heights = _heights(case, limits)
+    rows, absent = [], []
+    for limit in limits:
+        demand = demand_along(case, columns, limit.key)
+        if demand is None:
+            absent.append(limit.key)
+            continue
+        ratios = ratios_of(limit, demand)
+        step = int(np.argmax(ratios))
+        row = _check(limit, heights, np.abs(demand[[step]]))
+        drift = drift_at_limit(ratios, columns["roof_drift"])
+        above = float(ratios[step] > 1)
+        rows.append(replace(row, share_above=above, drift_at_limit=drift))
+    if not rows:
+        raise InputError(f"result: a static curve has none of the demands: {', '.join(absent)}")
+    has_ended = curve.attrs.get("ending") != "complete"
+    return Checks(tuple(rows), 1, int(has_ended), 0, tuple(absent))
 
 
 def _checks_of_grid(case: Case, limits: list[Limit], dataset: xr.Dataset) -> Checks:

@@ -661,6 +661,8 @@ class Limits(Group):
         Largest force of the cable [N].
     tendon_stress_max_Pa : float
         Largest stress of the strands of the cable [Pa].
+    tendon_strain_max : float
+        Largest strain of the cable, that of the prestress included.
     storeys_drift_max : tuple[float, ...]
         Largest drift of storey over its height: one for all, or one each.
     storey_drift_max : float
@@ -773,6 +775,7 @@ class Limits(Group):
     tendon_force_max_over_m_w_g: float
     tendon_force_max_N: float
     tendon_stress_max_Pa: float
+    tendon_strain_max: float
     storeys_drift_max: tuple[float, ...]
     storey_drift_max: float
     roof_drift_max: float

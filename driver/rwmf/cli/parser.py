@@ -219,6 +219,10 @@ def _add_pushover(commands: Subcommands) -> None:
     )
     parser.add_argument("--csv", metavar="FILE", type=written_file, help="write the rows as CSV")
     add_plot(parser, "the curve with its marks")
+    add_checks(parser)
+    parser.add_argument(
+        "--all", action="store_true", help="print the check of every floor and storey"
+    )
     parser.add_argument(
         "--run",
         dest="run_too",

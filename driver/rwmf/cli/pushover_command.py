@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import csv
 import io
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -13,12 +14,16 @@ from rwmf._files import files
 from rwmf._pushover import columns_by_key, pushover
 from rwmf._simulation import simulate
 from rwmf.case import Case
-from rwmf.cli.output import print_json, print_written
+from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
+from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
+from rwmf.plotting.pushover_figure import LIMIT, words_of_mark
 from rwmf.plotting.pushover_figure import pushover as draw
-from rwmf.plotting.pushover_figure import words_of_mark
 from rwmf.plotting.style import new_figure
+
+if TYPE_CHECKING:
+    from rwmf._checks.checks import Checks
 
 __all__ = ["run"]
 
@@ -46,8 +51,10 @@ def run(options: argparse.Namespace) -> int:
         As the computation and the writers of files.
     """
     case = Case.from_namelist(options.case)
-    files.check_outputs([options.csv, options.plot], case.inputs)
+    written = [options.csv, options.plot, *(options.checks or ())]
+    files.check_outputs(written, case.inputs)
     figures.check_formats(options.plot)
+    check_words(case, options.checks)
     if options.run_too and not options.plot:
         raise InputError("--run: needs --plot FILE, the figure with the hysteresis")
     pattern = options.pattern or ("floors" if options.forces else None)
@@ -60,12 +67,26 @@ def run(options: argparse.Namespace) -> int:
         with new_figure(3.8) as figure:
             draw(curve, figure.subplots(), history=history)
             figures.save(figure, options.plot)
+    checks = _checks(case, curve, options)
+    write_checks(checks, options.checks)
     if options.json:
-        print_json(_plain(curve))
+        print_json(_plain(curve) | ({} if checks is None else {"checks": checks.to_dict()}))
     else:
         print("\n".join(_lines(curve)))
-    print_written([options.csv, options.plot], is_json=options.json)
+        print_checks(checks, is_all=options.all)
+    print_written(written, is_json=options.json)
     return 0
+
+
+def _checks(case: Case, curve: xr.Dataset, options: argparse.Namespace) -> Checks | None:
+    """Compare with the limits. Only ``--checks`` requires that the curve has one of the demands."""
+    try:
+        return checks_if_limited(case, curve)
+    except InputError as error:
+        if options.checks:
+            raise
+        print_warnings(options.case, [str(error)])
+        return None
 
 
 def _history(case: Case) -> xr.Dataset:
@@ -117,7 +138,8 @@ def _lines(curve: xr.Dataset) -> list[str]:
     seen = set()
     rows = [("largest base shear", int(np.argmax(np.abs(shear)))), ("end", len(drift) - 1)]
     for name, step in zip(curve["mark"].values, curve["mark_step"].values, strict=True):
-        if name not in seen:
+        # the table of checks has the drifts of limits
+        if name not in seen and not str(name).startswith(LIMIT):
             rows.append((words_of_mark(str(name)), int(step)))
         seen.add(name)
     for words, i in sorted(rows, key=lambda row: row[1]):

@@ -20,12 +20,13 @@ from rwmf.plotting.style import (
     legend_beside,
     make_panels,
 )
+from rwmf.quantities import find_numbered
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["pushover", "words_of_mark"]
+__all__ = ["LIMIT", "pushover", "words_of_mark"]
 
 _PLACES = {"fuse_left": "left fuse", "fuse_right": "right fuse"}
 _VERBS = {
@@ -45,6 +46,8 @@ _WORDS = {
     "no_equilibrium": "no static equilibrium beyond",
     "no_contact": "no contact at the base",
 }
+# beginning of the marks of limits
+LIMIT = "limit_"
 _KILO = 1e-3
 
 
@@ -61,6 +64,8 @@ def words_of_mark(name: str) -> str:
     str
         The words, such as ``storey 2 yields``; an unknown name without its underscores.
     """
+    if name.startswith(LIMIT):
+        return f"limit of {name.removeprefix(LIMIT)}"
     place, _, verb = name.rpartition("_")
     if name in _WORDS or verb not in _VERBS:
         return _WORDS.get(name, name.replace("_", " "))
@@ -137,7 +142,7 @@ def _segment(
 
 
 def _first_marks(curve: xr.Dataset) -> list[tuple[str, int, float]]:
-    """Return words, step and drift of the first mark of each name; storeys share their marks."""
+    """Return words, step and drift of the first mark of each kind; storeys and floors share it."""
     found: dict[str, tuple[str, int, float]] = {}
     for name, step, drift in zip(
         curve["mark"].values,
@@ -150,6 +155,8 @@ def _first_marks(curve: xr.Dataset) -> list[tuple[str, int, float]]:
         words = words_of_mark(str(name))
         if storey:
             words = f"{words} first"
+        elif str(name).startswith(LIMIT):
+            kind = find_numbered(str(name).removeprefix(LIMIT))[0].limit_key
         found.setdefault(kind, (words, int(step), float(drift)))
     return list(found.values())
 

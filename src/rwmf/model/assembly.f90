@@ -8,8 +8,8 @@
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_model_assembly
    use rwmf_core_kinds, only: i8, pi, wp
-   use rwmf_model_cable, only: cable_elongation, linear_cable, no_cable, signed_linear_cable, &
-      spring_cable
+   use rwmf_model_cable, only: cable_elongation, cable_stiffness, linear_cable, no_cable, &
+      signed_linear_cable, spring_cable
    use rwmf_model_contributions, only: choose_contributions
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_effects_tendon, only: has_tendon
@@ -169,6 +169,10 @@ contains
          equation%cable%is_signed = case%model%formulation == 'published'
          if (equation%cable%is_signed) equation%cable_law => signed_linear_cable
       end if
+      if (allocated(case%cable%area) .or. allocated(case%cable%rupture_strain)) then
+         equation%cable%length = 2*case%wall%h
+         if (allocated(case%cable%length)) equation%cable%length = case%cable%length
+      end if
       if (has_tendon(case)) call choose_tendon(case, equation)
       call add_term(equation%scene, term_t(merge(straight_cable_term, linear_cable_term, &
          equation%cable%is_straight), n_coef=cable_coefficients, acts=in_cable))
@@ -181,21 +185,15 @@ contains
       real(wp) :: stiffness
       !! over m_w g [1/m]
       real(wp) :: yield
-      real(wp) :: length
-      !! strained length of the tendon [m]
       real(wp) :: rupture
       !! elongation since theta = 0 [m]
 
-      stiffness = equation%cable%rate
-      if (.not. equation%cable%is_straight) stiffness = stiffness/case%wall%b
+      stiffness = cable_stiffness(equation%cable)
       yield = huge(yield)
       if (allocated(case%cable%eta_y)) yield = case%cable%eta_y
       rupture = huge(rupture)
-      if (allocated(case%cable%rupture_strain)) then
-         length = 2*case%wall%h
-         if (allocated(case%cable%length)) length = case%cable%length
-         rupture = length*case%cable%rupture_strain - case%cable%eta_0/stiffness
-      end if
+      if (allocated(case%cable%rupture_strain)) rupture = equation%cable%length &
+         *case%cable%rupture_strain - case%cable%eta_0/stiffness
       equation%cable%is_tendon = .true.
       equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
          case%cable%eta_0, is_tendon=.true., rupture=rupture)

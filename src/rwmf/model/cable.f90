@@ -8,7 +8,7 @@ module rwmf_model_cable
    private
 
    public :: cable_law_t, cable_state_t, no_cable, linear_cable, signed_linear_cable
-   public :: cable_law_i, spring_cable, cable_elongation, cable_row
+   public :: cable_law_i, spring_cable, cable_elongation, cable_row, cable_stiffness, cable_strain
 
    !> Parameters of the cable.
    type :: cable_law_t
@@ -23,6 +23,8 @@ module rwmf_model_cable
       !! half height [m]
       real(wp) :: b = 0
       !! half width [m]
+      real(wp) :: length = 0
+      !! length that is strained [m]; 0: unknown
       logical :: is_signed = .false.
       !! Eq. (1) as printed: the force falls with rocking for theta < 0
       logical :: is_straight = .false.
@@ -197,6 +199,26 @@ contains
          if (present(arm_1)) arm_1 = 0
       end if
    end subroutine cable_elongation
+
+   !> Elastic stiffness of the cable over m_w g [1/m].
+   pure real(wp) function cable_stiffness(law) result(stiffness)
+      type(cable_law_t), intent(in) :: law
+
+      stiffness = law%rate
+      if (.not. law%is_straight) stiffness = stiffness/law%b
+   end function cable_stiffness
+
+   !> Strain of a cable with a known length, that of the prestress included [-].
+   pure real(wp) function cable_strain(law, theta) result(strain)
+      type(cable_law_t), intent(in) :: law
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: elongation, arm
+
+      call cable_elongation(law, abs(theta), elongation, arm)
+      if (law%is_signed .and. theta < 0) elongation = -elongation
+      strain = (law%eta_0/cable_stiffness(law) + elongation)/law%length
+   end function cable_strain
 
    !> Evaluate the cable as a spring on its elongation. It is a straight cable, or a tendon with
    !> either law that yields, goes slack or breaks.

@@ -112,6 +112,7 @@ module rwmf_problem_quantity_table
       integer :: energy_bending_damping_J_per_kg = 172
       integer :: contact_length_m = 173, toe_stress_Pa = 174, toe_strain = 175
       integer :: contact_length_min_m = 176, toe_stress_max_Pa = 177, toe_strain_max = 178
+      integer :: tendon_strain_max = 179
    end type ids_t
 
    type(ids_t), parameter :: id = ids_t()
@@ -409,6 +410,9 @@ module rwmf_problem_quantity_table
       quantity_t(id%tendon_stress_max_Pa, 'tendon_stress_max_Pa', 'tendon_stress_max', 'Pa', &
       'real', 'peak', 'run ordinate', 'cable', of_reactions, '`strands`', &
       'largest stress of the strands of the cable'), &
+      quantity_t(id%tendon_strain_max, 'tendon_strain_max', 'tendon_strain_max', '1', 'real', &
+      'peak', 'run ordinate', 'cable', of_reactions, '`strands` or `rupture_strain`', &
+      'largest strain of the cable, that of the prestress included'), &
       quantity_t(id%steps, 'steps', '', '1', 'int', 'work', 'run cost', '', of_nothing, '', &
       'accepted steps of the integrator'), &
       quantity_t(id%rhs_evaluations, 'rhs_evaluations', '', '1', 'int', 'work', &

@@ -105,6 +105,8 @@ module rwmf_simulation_result
       !! largest cable force over m_w g [-]; absent without a cable
       real(wp), allocatable :: tendon_stress_max
       !! largest cable stress in the area of its strands [Pa]; absent without strands
+      real(wp), allocatable :: tendon_strain_max
+      !! largest cable strain, that of the prestress included [-]; absent without its length
    end type reaction_extremes_t
 
    !> Largest demands on the building. Components that do not apply are not allocated.

@@ -6,7 +6,7 @@ module rwmf_simulation_run
    use rwmf_integrator_factory, only: new_integrator, run_method
    use rwmf_integrator_integrator, only: integrator_t, tolerance_t
    use rwmf_model_assembly, only: build_equation, cable_at, equation_t
-   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_cable, only: cable_state_t, cable_strain
    use rwmf_model_contributions, only: state_sizes
    use rwmf_model_demands, only: building_t
    use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
@@ -318,7 +318,7 @@ contains
          result%reactions = force_extremes(recorder%forces, equation, recorder%theta_min, &
             recorder%theta_max, recorder%u_max)
          if (allocated(recorder%top)) result%reactions%wall_drift_max = recorder%top(3)
-         if (equation%has_cable) call fill_tendon(case, equation, result)
+         if (equation%has_cable) call fill_tendon(case, equation, recorder, result)
       end if
       if (allocated(recorder%demands)) then
          if (.not. allocated(result%demands)) allocate (result%demands)
@@ -338,11 +338,12 @@ contains
       end if
    end subroutine fill_result
 
-   !> Add the largest cable force and the largest stress of its strands.
-   subroutine fill_tendon(case, equation, result)
+   !> Add the largest force of the cable, the largest stress of its strands and the largest strain.
+   subroutine fill_tendon(case, equation, recorder, result)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
       !! equation with a cable
+      type(recorder_t), intent(in) :: recorder
       type(result_t), intent(inout) :: result
       !! result with reactions
 
@@ -350,6 +351,13 @@ contains
          result%reactions%tendon_force_max = force
          if (allocated(case%cable%area)) result%reactions%tendon_stress_max = force &
             *case%unit_mass*equation%p%g/case%cable%area
+      end associate
+      if (.not. equation%cable%length > 0) return
+      associate (strain => max(cable_strain(equation%cable, recorder%theta_max), &
+                 cable_strain(equation%cable, recorder%theta_min)))
+         result%reactions%tendon_strain_max = strain
+         if (allocated(case%cable%rupture_strain)) result%reactions%tendon_strain_max = &
+            min(strain, case%cable%rupture_strain)
       end associate
    end subroutine fill_tendon
 

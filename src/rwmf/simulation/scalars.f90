@@ -150,6 +150,7 @@ contains
       call keep(values, id%frame_drift_max, reactions%frame_drift_max)
       call keep(values, id%tendon_force_max_over_m_w_g, reactions%tendon_force_max)
       call keep(values, id%tendon_stress_max_Pa, reactions%tendon_stress_max)
+      call keep(values, id%tendon_strain_max, reactions%tendon_strain_max)
    end subroutine keep_reactions
 
    !> Store the design demands of the building.

@@ -116,6 +116,8 @@ QUESTIONS = {
     "my record is in cm/s2": ("howto/units.html#a-record", "cm/s"),
     "toe crushing": ("howto/checks.html", "toe"),
     "demand capacity ratio": ("howto/checks.html", "limit"),
+    "pushover": ("howto/pushover.html", "base shear"),
+    "capacity curve": ("howto/pushover.html", "base shear"),
     "UFP": ("howto/checks.html", "plate"),
     "will the wall slide": ("howto/studies.html#required-friction", "friction"),
     "residual drift of the roof": ("reference/outputs.html", "residual"),

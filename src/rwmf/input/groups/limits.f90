@@ -9,7 +9,7 @@ module rwmf_input_groups_limits
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, text_of
+   use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, logical_of
    use rwmf_problem_key, only: optional_key, positive
    use rwmf_problem_quantity_table, only: all_quantities, is_limited, key_length, limit_key, &
       of_demands, of_envelopes, of_reactions, quantity_t
@@ -93,10 +93,7 @@ contains
       if (quantity%group /= '') then
          if (.not. has_group(values, trim(quantity%group))) lacking = '&'//trim(quantity%group)
       end if
-      if (lacking == '' .and. index(quantity%needs, '; `&wall`') > 0 .or. quantity%needs &
-         == '`&wall`') then
-         if (.not. has_group(values, 'wall')) lacking = '&wall'
-      end if
+      if (lacking == '') lacking = lacking_need(values, quantity)
       if (lacking == '' .and. quantity%ratio > 0 .and. unit_of(values, 'N') <= 0) then
          lacking = 'the mass of the wall, or of the frame without a wall,'
       end if
@@ -104,6 +101,77 @@ contains
          call fail_key(values, name, key, 'needs '//lacking//' to have this demand', error)
       end if
    end subroutine check_limit
+
+   !> First requirement of a quantity that a case does not meet; '' if it meets all.
+   function lacking_need(values, quantity) result(lacking)
+      type(group_values_t), intent(in) :: values
+      type(quantity_t), intent(in) :: quantity
+      character(:), allocatable :: lacking
+      integer :: first, last, i
+
+      first = 1
+      do while (first <= len_trim(quantity%needs))
+         last = index(quantity%needs(first:)//';', ';') + first - 2
+         lacking = ''
+         associate (need => quantity%needs(first:last))
+            if (.not. is_met(values, trim(quantity%group), need)) then
+               do i = 1, len(need)
+                  if (need(i:i) /= '`') lacking = lacking//need(i:i)
+               end do
+               if (index(need, '&') == 0) lacking = trim(lacking)//' of &'//trim(quantity%group)
+               lacking = trim(adjustl(lacking))
+               return
+            end if
+         end associate
+         first = last + 2
+      end do
+      lacking = ''
+   end function lacking_need
+
+   !> True if a case has one of the groups and keys in backticks, or with 'no ' none of them. Other
+   !> requirements count as met.
+   pure logical function is_met(values, group, need)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      !! group of keys without another one
+      character(*), intent(in) :: need
+      !! such as '`strands` or `rupture_strain`'
+      integer :: first, length
+      logical :: is_named
+
+      first = 1
+      is_met = .false.
+      is_named = .false.
+      do while (index(need(first:), '`') > 0)
+         first = first + index(need(first:), '`')
+         length = index(need(first:), '`') - 1
+         associate (word => need(first:first + length - 1))
+            is_named = .true.
+            is_met = is_met .or. is_given(values, group, word)
+         end associate
+         first = first + length + 1
+      end do
+      if (index(adjustl(need), 'no ') == 1) is_met = .not. is_met
+      is_met = is_met .or. .not. is_named
+   end function is_met
+
+   !> True if a case has a group, or a key that is not .false.
+   pure logical function is_given(values, group, word)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: group
+      !! group of a key
+      character(*), intent(in) :: word
+      !! group with '&', or key
+
+      if (word(:1) == '&') then
+         is_given = has_group(values, word(2:))
+      else if (word == 'h_f') then
+         is_given = has_key(values, 'p_delta', word)
+      else
+         is_given = has_key(values, group, word)
+         if (word == 'shear_key') is_given = logical_of(values, group, word)
+      end if
+   end function is_given
 
    !> Request the demands of the limits.
    subroutine fill_limits(case, error)

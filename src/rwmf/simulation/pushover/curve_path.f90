@@ -7,6 +7,7 @@
 module rwmf_simulation_pushover_curve_path
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: enter_side
+   use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_equation, only: discrete_state_t, place_left, place_right
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_laws, only: branch_word
@@ -14,7 +15,7 @@ module rwmf_simulation_pushover_curve_path
    use rwmf_simulation_events_storey_events, only: branch_limits, is_softening, &
       loading_direction_of, pass_storey_limit, storey_word
    use rwmf_simulation_pushover_curve, only: add_mark, mark_length, static_curve_t
-   use rwmf_simulation_pushover_curve_row, only: record_row
+   use rwmf_simulation_pushover_curve_row, only: dissipated_energy, record_row
    use rwmf_simulation_pushover_path_events, only: at_collapse, at_decompression, at_landing, &
       at_overturning, at_smooth_yield, at_storey, at_uplift, at_window, find_first_event, &
       no_event, path_event_t
@@ -423,25 +424,30 @@ contains
    end function reverses
 
    !> Move the scene to the end of a step and record it.
-   subroutine commit(path, y, load)
+   subroutine commit(path, y, load, held)
       type(curve_path_t), intent(inout) :: path
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp), intent(in) :: load
       !! [m/s2]
+      real(wp), intent(in), optional :: held
+      !! for a jump between two equilibria: energy stored and dissipated before it [J/kg]
       real(wp), dimension(size(path%scene%pattern)) :: before, after
-      real(wp) :: spent
+      real(wp) :: spent, work
       real(wp), allocatable :: moved(:)
 
       associate (scene => path%scene)
          before = loaded_displacements(scene, scene%y)
          after = loaded_displacements(scene, y)
-         path%work = path%work + (scene%load + load)/2*dot_product(scene%pattern, after - before)
+         work = (scene%load + load)/2*dot_product(scene%pattern, after - before)
+         path%work = path%work + work
          moved = y
          call follow_positions(scene, moved, spent)
          scene%spent = scene%spent + spent
          scene%y = moved
          scene%load = load
+         if (present(held)) scene%released = scene%released + work + held &
+            - mechanical_energy(scene%equation, scene%y) - dissipated_energy(scene)
          call record_row(scene, path%work, path%curve)
       end associate
    end subroutine commit
@@ -539,7 +545,8 @@ contains
       if (word /= '') call add_mark(path%curve, trim(name)//'_'//trim(word))
    end subroutine mark_branch
 
-   !> Find the equilibrium at the same displacement of the roof after a force has dropped.
+   !> Find the equilibrium at the same displacement of the roof after a force has dropped. Floors
+   !> that are free jump; the energy that this releases would move them.
    subroutine rebalance(path)
       type(curve_path_t), intent(inout) :: path
       real(wp), parameter :: round_off = 1.0e-10_wp
@@ -547,30 +554,50 @@ contains
       integer, parameter :: most = 50
       type(prescribed_t) :: control
       real(wp), allocatable :: y(:)
-      real(wp) :: load, force(size(path%scene%q))
-      logical :: is_found, is_settled
+      real(wp) :: load, held, force(size(path%scene%q))
+      logical :: is_found, is_settled, has_landed
       integer :: i
 
       force = static_forces(path%scene, path%scene%y, path%scene%load)
       if (path%scene%is_held) force(1) = 0
       if (all(abs(force) <= round_off*path%scene%equation%p%g*path%scene%unit)) return
+      held = mechanical_energy(path%scene%equation, path%scene%y) + dissipated_energy(path%scene)
       control = prescribed_t(of_roof, target_value=roof_of(path))
       if (.not. roof_can_move(path%scene)) control = prescribed_t(of_load, &
          target_value=path%scene%load)
+      has_landed = .false.
       do i = 1, most
          y = path%scene%y
+         if (has_landed) y(1) = 0
          load = path%scene%load
          call find_equilibrium(path%scene, control, y, load, is_found)
          if (.not. is_found) exit
+         if (is_below_base(path%scene, y)) then
+            ! the jump ends on the base
+            path%scene%is_held = .true.
+            has_landed = .true.
+            cycle
+         end if
          call follow_jump(path, y, is_settled)
          if (is_settled) exit
       end do
       if (is_found .and. is_settled) then
-         call commit(path, y, load)
+         call commit(path, y, load, held)
+         if (has_landed) call add_mark(path%curve, 'contact')
       else
          call end_path(path, 'no_equilibrium')
       end if
    end subroutine rebalance
+
+   !> True if a wall that rocks would be below its base.
+   pure logical function is_below_base(scene, y)
+      type(static_scene_t), intent(in) :: scene
+      real(wp), intent(in) :: y(:)
+      !! (states)
+
+      is_below_base = scene%equation%has_impacts .and. .not. scene%is_held &
+         .and. scene%equation%state%side*y(1) < -epsilon(1.0_wp)
+   end function is_below_base
 
    !> Turn springs and pass the limits that a jump reverses or exceeds.
    subroutine follow_jump(path, y, is_settled)

@@ -14,14 +14,16 @@ module rwmf_simulation_pushover_curve_row
       links_t, section_extremes_t
    use rwmf_problem_quantity_table, only: id, key_length
    use rwmf_simulation_pushover_curve, only: add_row, static_curve_t
+   use rwmf_simulation_pushover_demand_columns, only: instant_key, put_demands
    use rwmf_simulation_pushover_static_scene, only: loaded_displacements, static_scene_t
    implicit none
    private
 
-   public :: record_row
+   public :: record_row, dissipated_energy
 
-   character(key_length), parameter :: own_names(4) = [character(key_length) :: 'roof_drift', &
-      'roof_displacement_m', 'energy_stored_J_per_kg', 'energy_work_J_per_kg']
+   character(key_length), parameter :: own_names(5) = [character(key_length) :: 'roof_drift', &
+      'roof_displacement_m', 'energy_stored_J_per_kg', 'energy_work_J_per_kg', &
+      'energy_released_J_per_kg']
 
 contains
 
@@ -32,11 +34,12 @@ contains
       !! work of the load since the beginning [J/kg]
       type(static_curve_t), intent(inout) :: curve
       type(history_row_t) :: row
-      real(wp) :: u(size(scene%pattern)), own(4)
+      real(wp) :: u(size(scene%pattern)), own(5)
       integer :: i
 
       u = loaded_displacements(scene, scene%y)
-      own = [u(size(u))/curve%height, u(size(u)), mechanical_energy(scene%equation, scene%y), work]
+      own = [u(size(u))/curve%height, u(size(u)), mechanical_energy(scene%equation, scene%y), &
+         work, scene%released]
       if (.not. allocated(curve%names)) then
          call create_row(row)
       else
@@ -47,17 +50,9 @@ contains
       call put_structure(scene, row)
       if (scene%equation%has_wall) call put_wall(scene, row)
       if (.not. allocated(curve%names)) curve%names = [own_names, &
-         [(pad(row%names(i)), i=1, size(row%names))]]
+         [(instant_key(row, i), i=1, size(row%names))]]
       call add_row(curve, [own, row%values])
    end subroutine record_row
-
-   !> Copy a name to the length of the names of a curve.
-   pure function pad(name) result(padded)
-      character(*), intent(in) :: name
-      character(key_length) :: padded
-
-      padded = name
-   end function pad
 
    !> Write base shear and overturning moment of the load, displacements of the floors, and the
    !> dissipated energy.
@@ -75,9 +70,15 @@ contains
          call put(row, id%overturning_moment_over_weight_m, ratio*arm)
       end associate
       if (scene%building%drifts > 0) call put(row, id%floor_i_m, u)
-      call put(row, id%energy_hysteretic_J_per_kg, yielding_loss(scene%equation, scene%y) &
-         + scene%spent)
+      call put(row, id%energy_hysteretic_J_per_kg, dissipated_energy(scene))
    end subroutine put_loads
+
+   !> Energy dissipated by all springs [J/kg].
+   real(wp) function dissipated_energy(scene) result(energy)
+      type(static_scene_t), intent(in) :: scene
+
+      energy = yielding_loss(scene%equation, scene%y) + scene%spent
+   end function dissipated_energy
 
    !> Reference mass of load and energies over the unit of mass: 1 with a wall, without it the mass
    !> that the equation of motion has as its unit [-].
@@ -128,16 +129,19 @@ contains
       call find_wall_forces(scene, links, extremes, base)
       associate (equation => scene%equation, y => scene%y, g => scene%equation%p%g)
          reactions = reactions_at(equation, 0.0_wp, y, 0*y)
+         reactions%normal = reactions%normal - added(2)
+         reactions%horizontal = reactions%horizontal - added(1)
          call put(row, id%theta_rad, y(1))
-         call put(row, id%pivot_normal_over_m_w_g, (reactions%normal - added(2))/g)
-         call put(row, id%pivot_horizontal_over_m_w_g, (reactions%horizontal - added(1))/g)
+         call put(row, id%pivot_normal_over_m_w_g, reactions%normal/g)
+         call put(row, id%pivot_horizontal_over_m_w_g, reactions%horizontal/g)
          call put(row, id%wall_shear_over_m_w_g, extremes%shear/g)
          call put(row, id%wall_moment_over_m_w_g_m, extremes%moment/g)
          call put(row, id%wall_shear_base_over_m_w_g, base(1)/g)
          call put(row, id%wall_moment_base_over_m_w_g_m, base(2)/g)
          if (equation%has_frame) call put(row, id%link_i_force_over_m_w_g, sign(norm2(links%force, &
-            dim=1), links%force(1, :))/g)
+            dim=1), links%force(1, :))/g, scene%building%floors - size(links%force, 2))
       end associate
+      call put_demands(row, scene, links, reactions)
    end subroutine put_wall
 
    !> Find the forces of the links on the wall: those that frame and springs would exert without the

@@ -10,6 +10,7 @@ module rwmf_simulation_pushover_pushover
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_pushover_curve, only: static_curve_t
    use rwmf_simulation_pushover_curve_path, only: begin_path, move_roof, curve_path_t
+   use rwmf_simulation_pushover_demand_columns, only: prepare_demands
    use rwmf_simulation_pushover_load_pattern, only: find_pattern
    use rwmf_simulation_pushover_static_scene, only: start_scene
    use rwmf_text_strings, only: real_to_text
@@ -119,6 +120,7 @@ contains
          call find_pattern(building, protocol%pattern, protocol%forces, scene%pattern, error)
          if (allocated(error)) return
          call start_scene(scene)
+         call prepare_demands(case, scene)
          path%overturning_angle = case%model%overturning_angle
          path%curve%pattern = scene%pattern
          path%curve%weight = building%weight

@@ -18,6 +18,7 @@ module rwmf_simulation_pushover_static_scene
    use rwmf_model_hysteresis_bouc_wen_backbone, only: follow_state, state_slope
    use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    use rwmf_model_lanes, only: lane_motion_t
+   use rwmf_simulation_recorder_force_envelopes, only: envelope_recorder_t
    use rwmf_simulation_static_rest, only: still_rates
    implicit none
    private
@@ -78,8 +79,16 @@ module rwmf_simulation_pushover_static_scene
       !! total load over the reference mass [m/s2]
       real(wp) :: spent = 0
       !! energy dissipated by smooth springs [J/kg]
+      real(wp) :: released = 0
+      !! energy that jumps of the path would give to motion [J/kg]
       logical :: is_held = .false.
       !! both corners of the wall are on the base
+      type(envelope_recorder_t) :: sections
+      !! sections of the wall, and the strip under its base
+      real(wp) :: tendon_stress = 0
+      !! stress of the strands per force over m_w g [Pa]; 0: unknown
+      real(wp) :: tendon_rupture = huge(1.0_wp)
+      !! strain at which the tendon breaks [-]
    end type static_scene_t
 
 contains

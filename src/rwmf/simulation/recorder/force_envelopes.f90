@@ -32,6 +32,7 @@ module rwmf_simulation_recorder_force_envelopes
 
    public :: envelope_recorder_t, create_envelopes, observe_envelopes, observe_envelopes_at_rest
    public :: put_envelopes, envelope_extremes
+   public :: place_sections, lay_strip, find_sections, put_strip, fuse_stroke
 
    integer, parameter :: of_normal = 1
    !! places of the quantities after the velocities of the floors; normal force of the pivot
@@ -242,6 +243,20 @@ contains
 
       call links_of(self%building, equation, kinematics_at(equation, y(1)), t, y, y_dot, &
          self%links)
+      call find_sections(self, equation, t, y, y_dot)
+   end subroutine find_forces
+
+   !> Compute the forces at the sections for given forces of the links, with their signs.
+   subroutine find_sections(self, equation, t, y, y_dot)
+      class(envelope_recorder_t), intent(inout) :: self
+      !! with the forces of the links
+      type(equation_t), intent(in) :: equation
+      !! equation of a scene with a wall
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: y_dot(:)
+      !! (states) their rates
+
       if (equation%beam%n > 0) then
          associate (sections => self%building%sections)
             call find_bent_sections(sections, equation, t, y, y_dot, self%links)
@@ -254,7 +269,7 @@ contains
       end if
       ! the wall ends at the roof
       if (self%building%floors > 0) self%above(:, size(self%z)) = 0
-   end subroutine find_forces
+   end subroutine find_sections
 
    !> Absolute velocities of the floors [m/s].
    function floor_velocities(self, equation, t, y) result(v)
@@ -402,7 +417,6 @@ contains
       real(wp), intent(in) :: y_dot(:)
       !! (states) their rates
       type(reactions_t) :: reactions
-      real(wp) :: strip(of_strip)
 
       if (.not. equation%has_wall) return
       call find_forces(recorder, equation, t, y, y_dot)
@@ -415,11 +429,25 @@ contains
       end associate
       if (.not. allocated(recorder%strip)) return
       reactions = reactions_at(equation, t, y, y_dot)
-      strip = at_base(recorder, reactions%normal, y(1))
+      call put_strip(row, recorder, reactions%normal, y(1))
+   end subroutine put_envelopes
+
+   !> Fill in the columns of the strip under the base.
+   pure subroutine put_strip(row, recorder, normal, theta)
+      type(history_row_t), intent(inout) :: row
+      type(envelope_recorder_t), intent(in) :: recorder
+      !! with a strip
+      real(wp), intent(in) :: normal
+      !! normal force of the pivot over m_w [m/s2]
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: strip(of_strip)
+
+      strip = at_base(recorder, normal, theta)
       call put(row, id%contact_length_m, -strip(1))
       call put(row, id%toe_stress_Pa, strip(2))
       if (allocated(recorder%modulus)) call put(row, id%toe_strain, strip(2)/recorder%modulus)
-   end subroutine put_envelopes
+   end subroutine put_strip
 
    !> Return the envelopes of the run.
    subroutine envelope_extremes(recorder, equation, theta_max, extremes)

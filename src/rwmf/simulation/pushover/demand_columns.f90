@@ -1,0 +1,134 @@
+!> Columns of a static curve for demands that no other column holds: sections of the wall beside the
+!> floors, base section, friction, fuses, tendon.
+!>
+!> They carry the numbers of the largest values of a run; `instant_key` makes their keys.
+module rwmf_simulation_pushover_demand_columns
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_assembly, only: cable_at
+   use rwmf_model_cable, only: cable_state_t, cable_strain
+   use rwmf_model_equation, only: tip_displacement
+   use rwmf_model_history_row, only: history_row_t, numbered, put
+   use rwmf_model_reactions, only: friction_demand, reactions_t, wall_drift
+   use rwmf_model_wall_sections, only: links_t
+   use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: id, key_length, key_of
+   use rwmf_simulation_pushover_static_scene, only: static_scene_t
+   use rwmf_simulation_recorder_force_envelopes, only: find_sections, fuse_stroke, lay_strip, &
+      place_sections, put_strip
+   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+   implicit none
+   private
+
+   public :: prepare_demands, put_demands, instant_key
+
+contains
+
+   !> Set up the sections of the wall, the strip under the base, and the unit of the tendon stress.
+   subroutine prepare_demands(case, scene)
+      type(case_t), intent(in) :: case
+      type(static_scene_t), intent(inout) :: scene
+      !! with equation and building
+
+      if (.not. scene%equation%has_wall) return
+      scene%sections%building = scene%building
+      call place_sections(scene%sections, scene%equation)
+      call lay_strip(scene%sections, case, scene%equation)
+      scene%sections%has_fuses = allocated(case%fuse)
+      if (.not. scene%equation%has_cable) return
+      if (allocated(case%cable%area)) scene%tendon_stress = case%unit_mass*scene%equation%p%g &
+         /case%cable%area
+      if (allocated(case%cable%rupture_strain)) scene%tendon_rupture = case%cable%rupture_strain
+   end subroutine prepare_demands
+
+   !> Append the columns of a scene with a wall.
+   subroutine put_demands(row, scene, links, reactions)
+      type(history_row_t), intent(inout) :: row
+      type(static_scene_t), intent(inout) :: scene
+      type(links_t), intent(in) :: links
+      !! with the load on linked floors
+      type(reactions_t), intent(in) :: reactions
+      !! with the load
+      real(wp) :: drift
+
+      associate (equation => scene%equation, y => scene%y, sections => scene%sections)
+         drift = wall_drift(equation, y(1))
+         if (equation%beam%n > 0) then
+            drift = drift + tip_displacement(equation, y)/equation%beam%length
+            call put(row, id%tip_deflection_max_m, tip_displacement(equation, y))
+         end if
+         call put(row, id%wall_drift, drift)
+         if (equation%parts%has_shear_key) then
+            call put(row, id%shear_key_force_max_over_m_w_g, abs(reactions%horizontal) &
+               /equation%p%g)
+         else
+            call put(row, id%friction_demand, demand_of(reactions))
+         end if
+         if (sections%has_fuses) call put(row, id%fuse_stroke_max_m, fuse_stroke(equation, &
+            abs(y(1))))
+         if (equation%has_cable) call put_tendon(row, scene)
+         sections%links = links
+         call put_sections(row, scene)
+         if (allocated(sections%strip)) call put_strip(row, sections, reactions%normal, y(1))
+      end associate
+   end subroutine put_demands
+
+   !> Friction demand, infinite without a compressive force on the pivot [-].
+   real(wp) function demand_of(reactions) result(demand)
+      type(reactions_t), intent(in) :: reactions
+
+      demand = friction_demand(reactions)
+      if (demand >= huge(demand)) demand = ieee_value(demand, ieee_positive_inf)
+   end function demand_of
+
+   !> Append stress and strain of the tendon where its strands and its length are known.
+   subroutine put_tendon(row, scene)
+      type(history_row_t), intent(inout) :: row
+      type(static_scene_t), intent(in) :: scene
+      type(cable_state_t) :: cable
+
+      if (scene%tendon_stress > 0) then
+         cable = cable_at(scene%equation, scene%y(1))
+         call put(row, id%tendon_stress_max_Pa, cable%force*scene%tendon_stress)
+      end if
+      if (scene%equation%cable%length > 0) call put(row, id%tendon_strain_max, &
+         min(cable_strain(scene%equation%cable, scene%y(1)), scene%tendon_rupture))
+   end subroutine put_tendon
+
+   !> Append shear and moment of the wall at mid-height and on both sides of the floors.
+   subroutine put_sections(row, scene)
+      type(history_row_t), intent(inout) :: row
+      type(static_scene_t), intent(inout) :: scene
+      !! with the forces of the links
+      real(wp) :: middle(2)
+
+      associate (sections => scene%sections, g => scene%equation%p%g)
+         call find_sections(sections, scene%equation, 0.0_wp, scene%y, 0*scene%y)
+         associate (below => abs(sections%below)/g, above => abs(sections%above)/g, &
+                    floors => sections%of_floor)
+            middle = max(below(:, sections%middle), above(:, sections%middle))
+            call put(row, id%wall_shear_mid_max_over_m_w_g, middle(1))
+            call put(row, id%wall_moment_mid_max_over_m_w_g_m, middle(2))
+            if (size(floors) == 0) return
+            call put(row, id%wall_shear_i_max_over_m_w_g, below(1, floors))
+            call put(row, id%wall_shear_i_above_max_over_m_w_g, above(1, floors))
+            call put(row, id%wall_moment_i_max_over_m_w_g_m, below(2, floors))
+            call put(row, id%wall_moment_i_above_max_over_m_w_g_m, above(2, floors))
+         end associate
+      end associate
+   end subroutine put_sections
+
+   !> Key of a column of a row; that of a largest value is without '_max'.
+   pure character(key_length) function instant_key(row, column) result(key)
+      type(history_row_t), intent(in) :: row
+      !! that collects its names
+      integer, intent(in) :: column
+      !! number of the column
+      integer :: place
+
+      key = numbered(trim(key_of(row%numbers(column))), row%below(column) &
+         + count(row%numbers(:column) == row%numbers(column)))
+      place = index(key, '_max')
+      if (place > 0) key = key(:place - 1)//key(place + 4:)
+   end function instant_key
+
+end module rwmf_simulation_pushover_demand_columns
