@@ -49,8 +49,8 @@ relative change of the motion, at least 1. Each peak of a run has a real number
 `&output conditioning = .false.` omits these numbers; spectra and sweeps have them with
 `conditioning = .true.`, or by name. The tables below do not repeat them.
 
-* A second run with a stronger motion gives S. The motion changes by 1e-5, or by 100 times `rtol`
-  or `accuracy` if that is larger, at most 1 %. S is at most the inverse of this change.
+* A second run with a stronger motion gives its value. The motion changes by 1e-5, or by 100 times
+  `rtol` or `accuracy` if that is larger, at most 1 %. S is at most the inverse of this change.
 * From S = 100 a run has a warning that begins with `sensitive`: a motion that is 1 % stronger may
   change a peak by its own size. The status does not change.
 * `rwmf run` prints the digits of a peak that hold: against an error of 10 `rtol` S, and against a
