@@ -1,9 +1,9 @@
 """Input file of CalculiX: a wall of solid elements with frame, cable and support.
 
-The frame is a sliding block of solid elements, held by a spring and a dashpot; its displacement is
-that of the wall's left top corner. A point mass is unsuitable, because the solver omits it from its
-energy balance. In a step with contact the solver attributes the missing energy to an impact and
-cuts the time increment until nothing moves. The cable is a spring with the prestress at rest.
+The frame is a sliding block of solid elements, held by a spring and a dashpot. It follows the left
+top corner of the wall. A point mass is unsuitable, because the solver omits it from its energy
+balance. In a step with contact the solver attributes the missing energy to an impact and cuts the
+time increment until nothing moves. The cable is a spring with the prestress at rest.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The folders of `src` show the architecture (docs/developer/architecture.md) and keep it so.
 
-The order of the folders is written once: it is that in which the `meson.build` files visit them
-(`src/meson.build` and `src/rwmf/meson.build`), which is also the order in which they are built. A
-folder uses itself and those before it.
+The `meson.build` files (`src/meson.build` and `src/rwmf/meson.build`) define the order of the
+folders, which is also the order of the build. A folder uses itself and those before it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """No array of user-defined size on the stack, by the compiler's report on every frame.
 
 ``-fstack-usage`` leaves a list beside each object. A frame is `dynamic` where its size depends on
-numbers of a run. Those of the three folders that meson compiles with ``-fstack-arrays`` hold a few
-numbers for each state, whose number is bounded (1,000 storeys);
+numbers of a run. In the three folders that meson compiles with ``-fstack-arrays`` such
+frames hold a few numbers for each state, and the number of states is bounded (1,000 storeys).
 tests/robustness/test_small_stack.py runs them at that bound. Elsewhere each dynamic frame has a
 reason here.
 """

@@ -1,9 +1,9 @@
-"""Flights that are smaller than the tolerance, which a first step of low order cannot see.
+"""Flights smaller than the tolerance, which a first step of low order cannot resolve.
 
 Just above the lift-off threshold, a few microseconds before the ground presses the wall down
-again, the true flight is far below the tolerance. A multistep method begins with a step across all
-of it and answers with a velocity of the wrong sign: an impact without a flight, at the same
-instant, for ever. The three scenes were found by bench/accuracy_promise.py among 240 random ones.
+again, the true flight is far below the tolerance. The first step of a multistep method is longer
+than this flight and ends with a velocity of the wrong sign. The same impact without a flight then
+returns for ever. The three scenes were found by bench/accuracy_promise.py among 240 random ones.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""A wall that is lifted by the floors linked to it while the ground's own pull is already falling.
+"""A wall that its floors lift while the pull of the ground already decreases.
 
-The first step after such a lift-off is as short as the ground alone allows, some 3e-15 s. ARKODE
-took the beginning of so short a step for its end: the ground moved on, the floors did not, and the
-wall was pressed down again, lifted, pressed down, some 1e5 times in a nanosecond. Found by
+The first step after such a lift-off is some 3e-15 s long. If ARKODE returns the state at the
+beginning of so short a step, the ground moves on and the floors do not. The wall is then pressed
+down and lifted again some 1e5 times in a nanosecond. Found by
 `test_hard_combinations.py` (its number 4019).
 """
 

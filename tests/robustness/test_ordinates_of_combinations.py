@@ -32,8 +32,8 @@ OFF = {
     1475: (1.0500883705101898,),
 }
 
-# The first scenes that the exponential scheme covers, and those in which a flight that goes on in a
-# second substep depended on whether the team had stepped since the first one.
+# First scenes without hysteresis, and scenes in which a flight continues in a second substep: the
+# result must not depend on a step of the batch between the two.
 FIRST = "0 31 69 95 113 114 124 143 145 150 153 156 158 183 184 189 195 197 211 232 234 239 241 250"
 DEPENDED = (
     "685 939 957 1369 1501 1516 1561 1909 2038 2318 2340 2464 2730 3274 4164 4227 4298 4570 4902"

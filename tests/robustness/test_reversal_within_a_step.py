@@ -1,7 +1,7 @@
 """A velocity that falls below zero and is back at its old value within one step.
 
-The ground acceleration goes from one sign to the other between two samples, and a method of high
-order takes them in one step: the velocities at both ends are alike, two peaks lie between them.
+The ground acceleration changes its sign between two samples, and a method of high order takes them
+in one step. The velocities at both ends are alike, and two peaks lie between them.
 Here the first one is the largest of all. Found by `test_hard_combinations.py` (number 5274).
 """
 

@@ -1,10 +1,10 @@
 """A storey that unloads in the instant in which the wall turns, and with it a tendon or a fuse.
 
-The roof of a frame of one storey moves with the wall, so that the storey turns where theta' = 0.
-Where another spring yields as well, the peak of the wall is an event, after which theta' is zero to
-the last bit, and the first step may be too short to move the wall at all. The storey, which begins
-at the limit of its branch then, must not be found to have gone beyond: the same step would come
-again and again. Found by `test_hard_combinations.py` (number 148 of the further ones).
+The roof of a frame of one storey moves with the wall, so that the storey turns where theta' = 0. If
+another spring yields as well, the peak of the wall is an event. Afterwards theta' is exactly zero,
+and the first step may be too short to move the wall. The storey then begins at the limit of its
+branch. It must not count as beyond the limit, or the same step returns for ever. Found by
+`test_hard_combinations.py` (number 148 of the further ones).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Random combinations of effects and motions, from a number.
 
-The same number makes the same scene on every machine, so that a finding is a number, and every
-check of ``test_hard_combinations.py`` looks at the same scenes.
+A number makes the same scene on every machine, so that a number describes a finding. All checks
+of ``test_hard_combinations.py`` use the same scenes.
 """
 
 from __future__ import annotations
@@ -115,8 +115,8 @@ def combination(number: int) -> Combination:
 def further_combination(number: int) -> Combination:
     """Make the scene of a number with slip, self-centring and strength loss.
 
-    It is `combination` of the same number, whose frame or storeys and fuses get other laws, with
-    gravity on the frame and a shear key in some, and every demand is asked for.
+    It is `combination` of the same number with other laws of frame, storeys and fuses. Some scenes
+    have gravity on the frame and a shear key, and all demands are requested.
 
     Parameters
     ----------

@@ -17,17 +17,14 @@ the number of a floor or storey, from the ground up. A run omits quantities that
 A **name** is a variable in a Python dataset, with its unit in `attrs['units']` and its meaning in
 `attrs['long_name']`. A final value whose history has the same name ends with `_end`. Two names in
 one row give the same numbers. You may request a quantity by name or key, in capital or small
-letters; a sweep keeps the name that you used.
+letters.
 
-Response quantities are variables. Quantities that describe the computation have no name: they are
-attributes of the dataset, and variables over a grid. In the dataset of a run, a name with `{i}` is
-one variable over `storey` or `floor`: `storeys_drift_max` holds every `storey_{i}_drift_max`. The
-name of one storey still finds its value ([storeys](../howto/buildings.md)). `rwmf.sweep` accepts
-every named quantity that a spectrum can report.
-
-With `&storeys`, and for a wall without a frame, an axis of a grid (`T_s_s`, `gamma`, `b_m`) scales
-several keys of the case. The `long_name` of the coordinate and the head of a CSV file say which
-([theory](../theory/storeys.md#axes)).
+Quantities that describe the computation have no name: they are attributes of the dataset, and
+variables over a grid. In the dataset of a run, a name with `{i}` is one variable over `storey` or
+`floor`: `storeys_drift_max` holds every `storey_{i}_drift_max`
+([storeys](../howto/buildings.md)). `rwmf.sweep` accepts every named quantity that a spectrum can
+report. For the axes `T_s_s`, `gamma` and `b_m` of storeys see
+[theory](../theory/storeys.md#axes).
 
 The column *found* uses these words:
 
@@ -44,15 +41,16 @@ The column *found* uses these words:
 | work | effort of the computation |
 | error | estimated error, or difference from a more accurate result |
 
+## Sensitivity and digits of a peak
+
 Errors depend on `&solver rtol` and on the sensitivity S, the relative change of a quantity per
 relative change of the motion, at least 1. Each peak of a run has a real number
 `sensitivity_KEY`, in Python `sensitivity_NAME`, beside it, if the case has a motion.
 `&output conditioning = .false.` omits these numbers; spectra and sweeps have them with
 `conditioning = .true.`, or by name. The tables below do not repeat them.
 
-* A second run with a stronger motion gives S.
-* The motion changes by 1e-5, or by 100 times `rtol` or `accuracy` if that is larger, at most 1 %.
-* S is at most the inverse of this change, also if only one of the two runs overturns or collapses.
+* A second run with a stronger motion gives its value. The motion changes by 1e-5, or by 100 times
+  `rtol` or `accuracy` if that is larger, at most 1 %. S is at most the inverse of this change.
 * From S = 100 a run has a warning that begins with `sensitive`: a motion that is 1 % stronger may
   change a peak by its own size. The status does not change.
 * `rwmf run` prints the digits of a peak that hold: against an error of 10 `rtol` S, and against a

@@ -1,7 +1,7 @@
 """A hinged wall with devices under both corners and a short link, against a separate program.
 
-The program takes the energies of wall, frame and devices, and derives the equation of motion from
-them as Lagrange does, the derivatives by the rotation with complex steps.
+The program derives the equation of motion by Lagrange's equations from the energies of wall, frame
+and devices. Derivatives by the rotation are complex steps.
 """
 
 from __future__ import annotations

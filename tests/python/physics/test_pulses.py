@@ -235,9 +235,9 @@ def test_equal_response_of_a_linear_frame(name: str) -> None:
 def test_boundaries_of_overturning(name: str) -> None:
     """Half way to its neighbours the wall has the outcome of the map, also after a longer time.
 
-    Many impacts make the boundaries of C_7 a dust, in which nothing can be foretold: looked at is
-    the boundary of staying that stands most alone, and there only to where the map has found it,
-    because half way to a neighbour lie islands that no map of 12 rows finds.
+    Many impacts make the boundaries of C_7 irregular. The test takes the most isolated boundary
+    between standing and overturning, and only up to the neighbours that the map has found. Half
+    way to a neighbour there are islands that a map of 12 rows misses.
     """
     alpha = 0.25
     wall = {"b": 2 * math.tan(alpha)}

@@ -1,7 +1,7 @@
 """Frames of several storeys and smooth hysteresis against independent programs in SciPy.
 
-Nothing is shared with the kernel: the modes come from `scipy.linalg.eigh`, the equations of motion
-are written down again from the balance of moments and forces, and `solve_ivp` finds the events.
+They share nothing with the kernel. `scipy.linalg.eigh` gives the modes, the balance of moments and
+forces the equations of motion, and `solve_ivp` finds the events.
 """
 
 from __future__ import annotations
