@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Generic, NamedTuple, Self, TypeVar, overload
+from typing import Generic, NamedTuple, TypeVar, overload
 
 import numpy as np
 
 from rwmf._arguments import case_of
-from rwmf._hosts.guard import Guard, NotPickled
+from rwmf._hosts.guard import Closable, Guard, NotPickled
 from rwmf._hosts.states import Reals
 from rwmf._library.hosts import KernelMember, Saved, event_names
 from rwmf._numbers import is_whole, show, to_array, to_number
@@ -90,7 +89,7 @@ class ElementResponse(NamedTuple, Generic[_Real]):
     fuses: Reals
 
 
-class Element(NotPickled):
+class Element(Closable[KernelMember]):
     """A wall without frame: resisting forces and tangents at a motion of the host.
 
     The host owns masses, springs and dampers of the frame. The element has the state of its springs
@@ -117,23 +116,6 @@ class Element(NotPickled):
         kernel = KernelMember(given.kernel, given.kernel_source())
         self._guard = Guard(kernel, "Element")
         self._dofs, self._links, self._modes = kernel.dofs, kernel.links, kernel.modes
-
-    def __enter__(self) -> Self:
-        """Return the element, to be closed at the end of the block."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
-        """Close it."""
-        self.close()
-
-    def close(self) -> None:
-        """Free the memory. Every later call but `close` is an error."""
-        self._guard.close()
 
     @property
     def dofs(self) -> int:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import threading
 from types import TracebackType
-from typing import Generic, NoReturn, TypeVar
+from typing import Generic, NoReturn, Self, TypeVar
 
 from rwmf.errors import InputError
 
-__all__ = ["Guard", "NotPickled"]
+__all__ = ["Closable", "Guard", "NotPickled"]
 
 _K = TypeVar("_K")
 
@@ -75,3 +75,26 @@ class Guard(Generic[_K]):
         if self._kept is not None:
             with self:
                 self._kept = None
+
+
+class Closable(NotPickled, Generic[_K]):
+    """Base of objects that lend one of the kernel until they are closed; a context manager."""
+
+    _guard: Guard[_K]
+
+    def __enter__(self) -> Self:
+        """Return the object, to be closed at the end of the block."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        at: TracebackType | None,
+    ) -> None:
+        """Close it."""
+        self.close()
+
+    def close(self) -> None:
+        """Free the memory. Every later call but `close` is an error."""
+        self._guard.close()

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from types import TracebackType
-from typing import Self, TypeGuard
+from typing import TypeGuard
 
 import numpy as np
 
 from rwmf._arguments import case_of
-from rwmf._hosts.guard import Guard, NotPickled
+from rwmf._hosts.guard import Closable, Guard, NotPickled
 from rwmf._hosts.states import (
     Counts,
     Flags,
@@ -54,7 +53,7 @@ class WallSnapshot(NotPickled):
         return self._saved
 
 
-class _Stepping(NotPickled):
+class _Stepping(Closable[KernelWalls]):
     """Calls common to one wall and many."""
 
     def __init__(
@@ -67,23 +66,6 @@ class _Stepping(NotPickled):
         kernel = KernelWalls([case.kernel for case in cases], n, begin, expected, source)
         self._guard = Guard(kernel, type(self).__name__)
         self._no_motion = np.empty((1, 0), order="F")
-
-    def __enter__(self) -> Self:
-        """Return the object, to be closed at the end of the block."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
-        """Close it."""
-        self.close()
-
-    def close(self) -> None:
-        """Free the memory. Every later call but `close` is an error."""
-        self._guard.close()
 
     def advance(self, t: float) -> None:
         """Advance to a later time under the motion of the case, none without `&motion`.

@@ -7,19 +7,18 @@ from collections.abc import Callable
 import numpy as np
 
 from rwmf._numbers import show, to_array, to_items, to_whole
-from rwmf.coupling.host import Reals, Wholes, end_rates
-from rwmf.errors import InputError, NumericalError
+from rwmf.coupling.host import IteratedHost, Reals, Wholes, end_rates
+from rwmf.errors import InputError
 
 __all__ = ["FunctionHost"]
 
-_MOST_ITERATIONS = 50
 # relative size of an increment at which Newton's method has converged
 _CONVERGED = 1e-13
 # difference for a tangent, relative to the increment of a step
 _DIFFERENCE = 1e-6
 
 
-class FunctionHost:
+class FunctionHost(IteratedHost):
     """A frame given by its masses and functions for damping and restoring forces.
 
     Its equation is M u'' + d(u') + r(u) + f = -M u_g'', with all displacements horizontal and
@@ -46,6 +45,8 @@ class FunctionHost:
     InputError
         When an argument is not acceptable.
     """
+
+    _most_iterations = 50
 
     def __init__(
         self,
@@ -93,61 +94,29 @@ class FunctionHost:
         """
         return self._t
 
-    def attempt(self, forces: Reals, h: float) -> Reals:
-        """Compute the increments of a step without committing it, as `Host.attempt`.
+    def _guess(self, h: float) -> Reals:
+        return h * self._v
 
-        Parameters
-        ----------
-        forces : numpy.ndarray, shape (links,)
-            Forces on the frame at the end of the step [N].
-        h : float
-            Length of the step [s].
-
-        Returns
-        -------
-        numpy.ndarray, shape (dofs,)
-            Increments of displacement [m].
-
-        Raises
-        ------
-        NumericalError
-            When the frame finds no equilibrium.
-        """
+    def _correct(
+        self, increment: Reals, forces: Reals, h: float, iteration: int
+    ) -> tuple[Reals, bool]:
+        """Take a step of Newton's method."""
         load = -self._mass.sum(axis=1) * self._ground(self._t + h)
         np.add.at(load, self.links, forces)
-        increment = h * self._v
-        size = h * np.abs(self._v).max() + h * h * np.abs(self._a).max()
-        for _ in range(_MOST_ITERATIONS):
-            v, a = end_rates(increment, h, self._v, self._a)
-            u = self._u + increment
-            residual = load - self._mass @ a - self._damping(v) - self._restoring(u)
-            matrix = (
-                4 / h**2 * self._mass
-                + 2 / h * _tangent(self._damping, v, np.abs(self._v).max() + h)
-                + _tangent(self._restoring, u, size + h * h)
-            )
-            change = np.linalg.solve(matrix, residual)
-            increment = increment + change
-            size = max(size, float(np.abs(increment).max()))
-            if np.abs(change).max() <= _CONVERGED * size:
-                return increment
-        raise NumericalError(f"t = {self._t:g} s: the host finds no equilibrium")
+        speed = np.abs(self._v).max()
+        size = max(h * speed + h * h * np.abs(self._a).max(), np.abs(increment).max())
+        v, a = end_rates(increment, h, self._v, self._a)
+        u = self._u + increment
+        residual = load - self._mass @ a - self._damping(v) - self._restoring(u)
+        matrix = (
+            4 / h**2 * self._mass
+            + 2 / h * _tangent(self._damping, v, speed + h)
+            + _tangent(self._restoring, u, size + h * h)
+        )
+        correction = np.linalg.solve(matrix, residual)
+        return correction, bool(np.abs(correction).max() <= _CONVERGED * size)
 
-    def commit(self, forces: Reals, h: float) -> None:
-        """Make a step, as `Host.commit`.
-
-        Parameters
-        ----------
-        forces : numpy.ndarray, shape (links,)
-            Forces on the frame at the end of the step [N].
-        h : float
-            Length of the step [s].
-
-        Raises
-        ------
-        NumericalError
-            When the frame finds no equilibrium.
-        """
+    def _make_step(self, forces: Reals, h: float) -> None:
         increment = self.attempt(forces, h)
         v, a = end_rates(increment, h, self._v, self._a)
         self._u, self._v, self._a = self._u + increment, v, a

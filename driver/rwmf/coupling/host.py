@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Host", "Reals", "Wholes", "end_rates"]
+from rwmf.errors import NumericalError
+
+__all__ = ["Host", "IteratedHost", "Reals", "Wholes", "end_rates"]
 
 Reals = npt.NDArray[np.float64]
 Wholes = npt.NDArray[np.int64]
@@ -96,6 +99,40 @@ class Host(Protocol):
             Accelerations [m/s2].
         """
         ...
+
+
+class IteratedHost(Host):
+    """A host that corrects the increments of a step until it is in equilibrium."""
+
+    _most_iterations: int
+
+    def attempt(self, forces: Reals, h: float) -> Reals:
+        """Compute a step without committing it."""
+        increment = self._guess(h)
+        for iteration in range(1, self._most_iterations + 1):
+            correction, is_last = self._correct(increment, forces, h, iteration)
+            increment = increment + correction
+            if is_last:
+                return increment
+        raise NumericalError(f"t = {self.time():g} s: the host finds no equilibrium")
+
+    def commit(self, forces: Reals, h: float) -> None:
+        """Make a step."""
+        self._make_step(forces, h)
+
+    @abstractmethod
+    def _guess(self, h: float) -> Reals:
+        """Return the increments before the first correction."""
+
+    @abstractmethod
+    def _correct(
+        self, increment: Reals, forces: Reals, h: float, iteration: int
+    ) -> tuple[Reals, bool]:
+        """Return a correction of increments, and whether it is the last one."""
+
+    @abstractmethod
+    def _make_step(self, forces: Reals, h: float) -> None:
+        """Make a step, as `commit`."""
 
 
 def end_rates(increment: Reals, h: float, v: Reals, a: Reals) -> tuple[Reals, Reals]:

@@ -14,18 +14,17 @@ from types import ModuleType
 import numpy as np
 
 from rwmf._numbers import show, to_items, to_whole
-from rwmf.coupling.host import Reals, Wholes
+from rwmf.coupling.host import IteratedHost, Reals, Wholes
 from rwmf.errors import InputError, NumericalError
 
 __all__ = ["OpenSeesHost"]
 
-_MOST_ITERATIONS = 20
 # a residual below this part of the largest force in the first iteration counts as round-off
 _ROUNDING = 1e-6
 _NEVER = -1.0
 
 
-class OpenSeesHost:
+class OpenSeesHost(IteratedHost):
     """A frame that is the present model of OpenSeesPy.
 
     The model is complete before: masses at the linked nodes, and the ground acceleration as a
@@ -55,6 +54,8 @@ class OpenSeesHost:
     InputError
         When a node does not exist, or its degree of freedom is fixed.
     """
+
+    _most_iterations = 20
 
     def __init__(
         self,
@@ -139,66 +140,36 @@ class OpenSeesHost:
         """
         return float(self._ops.getTime())
 
-    def attempt(self, forces: Reals, h: float) -> Reals:
-        """Compute the increments of a step without committing it, as `Host.attempt`.
+    def _guess(self, h: float) -> Reals:
+        return np.zeros(self._n)
 
-        Parameters
-        ----------
-        forces : numpy.ndarray, shape (links,)
-            Forces on the frame at the end of the step [N].
-        h : float
-            Length of the step [s].
-
-        Returns
-        -------
-        numpy.ndarray, shape (equations,)
-            Increments of displacement [m] or rotation [rad].
-
-        Raises
-        ------
-        NumericalError
-            When the frame finds no equilibrium.
-        """
+    def _correct(
+        self, increment: Reals, forces: Reals, h: float, iteration: int
+    ) -> tuple[Reals, bool]:
+        """Repeat the step with one iteration more, and take the last increment from the solver."""
         ops = self._ops
-        self._load(forces)
-        total = np.zeros(self._n)
-        last = np.inf
-        for iterations in range(1, _MOST_ITERATIONS + 1):
-            self._ends_always(iterations)
-            if ops.analyze(1, h) == 0:
-                raise NumericalError(f"t = {self.time():g} s: OpenSees kept a trial step")
-            total += ops.printX("-ret")
-            residual = ops.testNorms()[iterations - 1]
-            if residual <= self._tolerance or (iterations > 1 and residual > last / 2):
-                break
-            last = residual
-        if residual > self._tolerance and residual > _ROUNDING * self._size(total, h):
-            raise NumericalError(f"t = {self.time():g} s: OpenSees finds no equilibrium")
-        return total
+        if iteration == 1:
+            self._load(forces)
+        self._ends_always(iteration)
+        if ops.analyze(1, h) == 0:
+            raise NumericalError(f"t = {self.time():g} s: OpenSees kept a trial step")
+        correction = np.array(ops.printX("-ret"))
+        norms = ops.testNorms()[:iteration]
+        residual = norms[-1]
+        is_close = residual <= self._tolerance
+        is_stuck = iteration > 1 and residual > norms[-2] / 2
+        rounding = _ROUNDING * self._size(increment + correction, h)
+        return correction, is_close or (is_stuck and residual <= rounding)
 
     def _size(self, increment: Reals, h: float) -> float:
         """Force that rounding is relative to [N]: 4 m u / h2 with a mass of 1 t at least."""
         return 1e3 + 4e3 * float(np.abs(increment).max()) / h**2
 
-    def commit(self, forces: Reals, h: float) -> None:
-        """Make a step, as `Host.commit`.
-
-        Parameters
-        ----------
-        forces : numpy.ndarray, shape (links,)
-            Forces on the frame at the end of the step [N].
-        h : float
-            Length of the step [s].
-
-        Raises
-        ------
-        NumericalError
-            When OpenSees does not converge.
-        """
+    def _make_step(self, forces: Reals, h: float) -> None:
         self._load(forces)
         # short steps end at the rounding of their inertia forces
         for tolerance in (self._tolerance, 1e3 * self._tolerance, 1e6 * self._tolerance):
-            self._ops.test("NormUnbalance", tolerance, _MOST_ITERATIONS)
+            self._ops.test("NormUnbalance", tolerance, self._most_iterations)
             if self._ops.analyze(1, h) == 0:
                 return
         raise NumericalError(f"t = {self.time():g} s: OpenSees does not converge")
