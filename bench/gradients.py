@@ -1,13 +1,15 @@
 """Survey of `rwmf.gradient` over random scenes of all effects: its errors beside the truth.
 
-    .venv/bin/python bench/gradients.py [--count 300] [--first 0] [--quad 30] [--processes 2]
+    .venv/bin/python bench/gradients.py [--count 300] [--first 0] [--quad 30] [--kinks 30]
+                                        [--processes 2]
 
 The scenes are numbered ones of tests/support: wall and frame, all effects, walls that bend, and
 buildings. Each has two parameters at random and up to ten quantities. The truth comes from
 Richardson steps at a tolerance of 1e-13, over a ladder of steps that `rwmf.gradient` does not use.
 It is known where two rungs agree within 1e-8 of the scene's largest p dq/dp. `--quad` derivatives
-of walls and frames are also compared with differences in quadruple precision. Prints tables in
-Markdown, and each derivative whose error does not cover the truth.
+of walls and frames are also compared with differences in quadruple precision. `--kinks` periods of
+walls and frames are searched at which two peaks are equal: there, and only there, the derivative is
+a kink. Prints tables in Markdown, and each derivative whose error does not cover the truth.
 """
 
 from __future__ import annotations
@@ -59,6 +61,8 @@ HEADS = (
     f"| above {SMOOTH:g} | kinks flagged | truth unknown: flagged, or error above {SMOOTH:g} |"
 )
 QUAD_STEP, QUAD_TOLERANCE = 1e-7, 1e-24
+# relative width of a kink's place, and relative distance of its neighbours
+KINK_WITHIN, BESIDE = 1e-13, 1e-5
 PRICED = {
     "fig12_one_cosine": ("T_s", "gamma", "xi_s", "eta_0", "eta_alpha", "h", "b", "a_max_g"),
     "accuracy_elcentro_1s": ("T_s", "gamma", "xi_s", "eta_0", "eta_alpha", "h", "b", "scale"),
@@ -340,6 +344,52 @@ def _quad_table(count: int, first: int, pool: ProcessPoolExecutor) -> None:
             print(f"not covered: {label}: {far:.1e} from the truth, error {error:.1e}")
 
 
+def kink(number: int) -> tuple[str, bool, bool] | None:
+    """Find a period at which the largest peak changes, and differentiate there and beside it.
+
+    Parameters
+    ----------
+    number : int
+        Of the scene; its source is walls and frames.
+
+    Returns
+    -------
+    (str, bool, bool) or None
+        Label, whether the kink is flagged, and whether its neighbours are; None without a kink.
+    """
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for record in ("elcentro", "pacoima"):
+            records.export(record, folder / f"{record}.csv")
+        _, case = scene(number, folder)
+        period = _equal_peaks(case)
+        if period is None:
+            return None
+        nearby = {"T_s": [period, period * (1 - BESIDE), period * (1 + BESIDE)]}
+        found = rwmf.gradient(case, "T_s", "u_s_max", points=nearby, threads=1)
+    flags = found["is_kink"].values.ravel()
+    return f"{number} T_s = {period:.9g}", bool(flags[0]), bool(flags[1:].any())
+
+
+def _equal_peaks(case: rwmf.Case) -> float | None:
+    """Return the first period around that of the case where two separate peaks are equal [s]."""
+    low, high = case.frame.T_s * 0.8, case.frame.T_s * 1.2
+    while high - low > KINK_WITHIN * high:
+        periods = np.linspace(low, high, 33)
+        table = {"T_s": periods, "rtol": np.full(periods.size, 1e-12)}
+        found = rwmf.sweep(case, points=table, quantities=("u_s_max", "t_u_s_max"), threads=1)
+        times, peaks = (found[name].values.ravel() for name in ("t_u_s_max", "u_s_max"))
+        # a peak moves less than a quarter of a period within a part of the interval
+        jumps = np.flatnonzero(abs(np.diff(times)) > periods[:-1] / 4)
+        if jumps.size == 0 or not np.isfinite(times).all():
+            return None
+        # an impact that moves makes the peak itself jump
+        if abs(np.diff(peaks))[jumps[0]] > 0.2 * peaks.max():
+            return None
+        low, high = periods[jumps[0]], periods[jumps[0] + 1]
+    return float(low)
+
+
 def _row(name: str, items: Sequence[Derivative]) -> str:
     known = [item for item in items if item.is_known]
     smooth = [item for item in known if not item.is_kink]
@@ -359,6 +409,26 @@ def _row(name: str, items: Sequence[Derivative]) -> str:
         f"{flagged} of {len(open_)}",
     )
     return "| " + " | ".join(map(str, cells)) + " |"
+
+
+def _print_survey(numbers: range, surveys: list[Survey], items: list[Derivative]) -> None:
+    print(f"rwmf {rwmf.__version__}, scenes {numbers.start} to {numbers.stop - 1}\n")
+    print(HEADS)
+    print("|---|---|---|---|---|---|---|---|---|")
+    for kind in dict.fromkeys(item.kind for item in items):
+        print(_row(kind, [item for item in items if item.kind == kind]))
+    print(_row("all", items))
+    runs = np.median([found.runs for found in surveys if found.derivatives])
+    print(f"\nRuns for each parameter: {runs:.0f} (median).")
+
+
+def _print_kinks(count: int, pool: ProcessPoolExecutor) -> None:
+    found = [item for item in pool.map(kink, range(0, 5 * count, 5)) if item is not None]
+    print(f"\nKinks: {sum(item[1] for item in found)} of {len(found)} flagged, "
+          f"{sum(item[2] for item in found)} of their neighbours.")  # fmt: skip
+    for label, is_flagged, is_beside in found:
+        if not is_flagged or is_beside:
+            print(f"kink: {label}: flagged {is_flagged}, beside it {is_beside}")
 
 
 def _print_price() -> None:
@@ -405,6 +475,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=300, help="number of scenes")
     parser.add_argument("--first", type=int, default=0, help="number of the first one")
     parser.add_argument("--quad", type=int, default=30, help="derivatives in quadruple precision")
+    parser.add_argument("--kinks", type=int, default=30, help="scenes searched for kinks")
     parser.add_argument("--processes", type=int, default=2)
     arguments = parser.parse_args()
     numbers = range(arguments.first, arguments.first + arguments.count)
@@ -415,16 +486,12 @@ def main() -> int:
             print(f"\r{len(surveys)} scenes", end="", file=sys.stderr, flush=True)
         print(file=sys.stderr)
         items = [item for found in surveys for item in found.derivatives]
-        print(f"rwmf {rwmf.__version__}, scenes {numbers.start} to {numbers.stop - 1}\n")
-        print(HEADS)
-        print("|---|---|---|---|---|---|---|---|---|")
-        for kind in dict.fromkeys(item.kind for item in items):
-            print(_row(kind, [item for item in items if item.kind == kind]))
-        print(_row("all", items))
-        runs = np.median([found.runs for found in surveys if found.derivatives])
-        print(f"\nRuns for each parameter: {runs:.0f} (median).")
+        if items:
+            _print_survey(numbers, surveys, items)
         if arguments.quad:
             _quad_table(arguments.quad, arguments.first, pool)
+        if arguments.kinks:
+            _print_kinks(arguments.kinks, pool)
     _print_price()
     _list_findings(items)
     for note in (found.note for found in surveys if found.note):
