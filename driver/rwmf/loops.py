@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -31,7 +32,7 @@ _PANELS = {
     "frame": ("Frame", "displacement $u_s$ (mm)"),
     "storey": ("Storeys", "storey drift (mm)"),
     "cable": ("Tendon", "elongation (mm)"),
-    "fuse": ("Fuses", "uplift of the corner (mm)"),
+    "fuse": ("Fuses", "corner uplift (mm)"),
 }
 
 
@@ -310,7 +311,8 @@ def draw(dataset: xr.Dataset, case: CaseLike, axes: Axes | Sequence[Axes] | None
         ax.set_ylabel(found[0].label if found[0].newtons is None else "force (kN)")
         ax.set_title(title)
         if len(found) > 1:
-            columns = min(len(found), 5)
+            # full columns, at most five
+            columns = math.ceil(len(found) / math.ceil(len(found) / 5))
             ax.legend(
                 title=kind, ncols=columns, loc="upper center", bbox_to_anchor=(0.5, -0.18),
                 handlelength=1.2, columnspacing=0.8, handletextpad=0.4,

@@ -4,11 +4,6 @@
 
 venv_key() { hash_of "$root/tools/requirements.lock" "$root/tools/lib/venv.sh"; }
 
-# The metadata of the package: version and optional dependencies.
-metadata_key() {
-   hash_of "$root/pyproject.toml" "$root/meson.build" "$root/tools/checkout-metadata.py"
-}
-
 # Complete, and made for this folder: a virtual environment does not survive a move.
 venv_is_sound() {
    grep -qsF -- "$venv" "$venv/pyvenv.cfg" && "$python" -c 'import pip' 2>/dev/null
@@ -18,10 +13,7 @@ install_venv() {
    local key interpreter
    key="$(venv_key)"
    if grep -qsF -- "$venv" "$venv/pyvenv.cfg" &&
-      stamp_is "$venv/requirements.stamp" "$key"; then
-      describe_package
-      return 0
-   fi
+      stamp_is "$venv/requirements.stamp" "$key"; then return 0; fi
    if ! venv_is_sound; then
       interpreter="$(base_python)" || die "no Python >= 3.11 with ensurepip and headers found"
       say "creating the virtual environment .venv"
@@ -32,7 +24,6 @@ install_venv() {
    quietly "$cache/pip.log" "$python" -m pip install --disable-pip-version-check \
       --no-deps --require-hashes --requirement "$root/tools/requirements.lock"
    link_package
-   describe_package
    printf '%s\n' "$key" >"$venv/requirements.stamp"
 }
 
@@ -46,14 +37,4 @@ link_package() {
    printf '#!%s\nfrom rwmf.__main__ import main\n\nraise SystemExit(main())\n' "$python" \
       >"$venv/bin/rwmf"
    chmod 755 "$venv/bin/rwmf"
-}
-
-# pip knows the package and its optional dependencies: `pip install 'rwmf[suites]'` adds theirs.
-describe_package() {
-   local site key
-   key="$(metadata_key)"
-   stamp_is "$venv/metadata.stamp" "$key" && return 0
-   site="$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')"
-   "$python" "$root/tools/checkout-metadata.py" "$site"
-   printf '%s\n' "$key" >"$venv/metadata.stamp"
 }

@@ -123,7 +123,8 @@ def integrate(hazard: Hazard, median: float, dispersion: float, edges: Array) ->
     held = np.concatenate([[0.0], held, [0.0]])
     if dispersion == 0:
         inside = np.zeros(edges.size + 1)
-        inside[np.searchsorted(edges, median)] = hazard.frequency(median)
+        # the step is above the median: one at an edge belongs to the bin above it
+        inside[np.searchsorted(edges, median, side="right")] = hazard.frequency(median)
         return inside + held[:-1] - held[1:]
     centre = math.log(median)
     cuts = (np.log(edges) - centre) / dispersion

@@ -128,6 +128,22 @@ def test_names_for_completion() -> None:
     assert all(hasattr(case.wall, name) for name in dir(case.wall))
 
 
+def test_an_editor_completes_names() -> None:
+    """Jedi, which completes in notebooks, knows groups and keys without running the script."""
+    jedi = pytest.importorskip("jedi")
+    begin = "import rwmf\ncase = rwmf.Case.from_text('')\n"
+
+    def after(text: str) -> set[str]:
+        return {found.name for found in jedi.Script(begin + text).complete()}
+
+    assert set(rwmf.__all__) <= after("rwmf.")
+    assert {*rwmf.case.groups.TYPES, "replace", "without_wall"} <= after("case.")
+    assert {"h", "b", "m_w", "given"} <= after("case.replace(frame={}).wall.")
+    assert {"advance", "state"} <= after("rwmf.Wall(case).")
+    (kind,) = jedi.Script(begin + "case.wall.h").infer()
+    assert kind.name == "float"
+
+
 def test_a_table_in_a_notebook() -> None:
     """It shows every key with its value, unit and meaning; text of the user is escaped."""
     case = coupled(motion=rwmf.Motion([0.0, 1.0], dt=0.1, unit="g", name="<b>&"))

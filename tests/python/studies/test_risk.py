@@ -266,6 +266,14 @@ def test_degenerate_data_say_why(arguments: dict[str, Any], message: str) -> Non
         rwmf.fragility(**arguments)
 
 
+def test_a_step_at_an_edge_of_the_bins() -> None:
+    """Shares of the bins are those of the hazard above the step, and none is negative."""
+    found = rwmf.risk((0.6, 0.0), (2e-4, 2.5), levels=[0.3, 0.6, 0.9])
+    share = (0.9 / 0.6) ** -2.5
+    assert found["contribution"].values == pytest.approx([0.0, 0.0, 1 - share, share], rel=1e-12)
+    assert float(found["annual_frequency"]) == pytest.approx(2e-4 * 0.6**-2.5, rel=1e-12)
+
+
 def test_step_has_no_dispersion() -> None:
     found = rwmf.fragility(levels=[0.1, 0.2], exceeded=[0, 10], runs=10)
     assert float(found["dispersion"]) == 0.0
