@@ -117,9 +117,6 @@ def demand_along(case: Case, columns: Mapping[str, Array], key: str) -> Array | 
     if name == "storey_drift":
         storeys = [values for item, values in columns.items() if _is_drift_of_storey(item)]
         return np.max(np.abs(storeys), axis=0) if storeys else None
-    if case.frame is not None and name in ("u_s_m", "frame_drift"):
-        height = 2 * case.wall.h if name == "frame_drift" else 1.0
-        return columns["roof_displacement_m"] / height
     if name == "theta_over_alpha":
         return columns["theta_rad"] / math.atan2(case.wall.b, case.wall.h)
     for beginning in ("tendon_force", "cable_force_increment"):

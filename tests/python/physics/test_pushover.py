@@ -108,6 +108,19 @@ def test_uplift_and_decompression() -> None:
     assert curve.attrs["ending"] == "complete"
 
 
+@pytest.mark.parametrize("coupling", ["full", "every_floor"])
+@pytest.mark.parametrize("eta_0", [30.0, 1000.0])
+def test_a_strong_tendon_holds_until_its_moment(coupling: str, eta_0: float) -> None:
+    """Free floors move for a long time before the wall lifts off."""
+    case = _storeys(coupling, cable={"eta_0": eta_0, "eta_alpha": 2 * eta_0})
+    curve = rwmf.pushover(case, (0.002, -0.002), "roof", steps=10)
+    assert curve.attrs["ending"] == "complete"
+    uplift = _marked(curve, "uplift")[0]
+    assert float(curve["wall_moment_base_over_m_w_g"][uplift]) == pytest.approx(
+        -(1 + eta_0) * B, rel=1e-9
+    )
+
+
 @pytest.mark.parametrize("base", ["rocking", "pinned"])
 def test_block_alone(base: str) -> None:
     """Without a frame the load acts on the top; a hinged wall without tendon has no strength."""
@@ -228,7 +241,7 @@ def test_loops_dissipate_the_ledger(coupling: str, law: dict[str, Any]) -> None:
         work, stored = curve["energy_work"].values, curve["energy_stored"].values
         spent, freed = curve["energy_hysteretic"].values, curve["energy_released"].values
         errors.append(work - (stored - stored[0]) - spent - freed)
-        assert np.diff(freed).min() >= 0
+        assert np.diff(freed).min() > -1e-12 * spent[-1]
         assert (freed[-1] > 1e-3 * spent[-1]) == jumps
         # laws that wear split the work anew as their unloading stiffness falls
         if "cap" not in law:

@@ -48,6 +48,8 @@ module rwmf_simulation_pushover_curve_path
       !! (positions) per displacement of the roof [rad/m], [-], or per load
       real(wp) :: load_rate = 0
       !! load per displacement of the roof [1/s2], or 1 [-]
+      real(wp) :: moment_step = 0
+      !! largest step of the moment at a corner while the wall holds the roof [m2/s2]
       logical :: has_ended = .false.
    end type curve_path_t
 
@@ -60,9 +62,28 @@ contains
 
       allocate (path%has_yielded(size(path%scene%z)), source=.false.)
       allocate (path%rates(size(path%scene%q)))
+      call choose_moment_step(path)
       call renew_window(path%scene%equation%model_t, path%scene%equation%state)
       call record_row(path%scene, path%work, path%curve)
    end subroutine begin_path
+
+   !> Choose the steps of the moment that lifts the wall: sixteen for the moment of its weight, at
+   !> most 64 for that of weight and tendon.
+   subroutine choose_moment_step(path)
+      type(curve_path_t), intent(inout) :: path
+      real(wp), parameter :: of_weight = 16, of_all = 64
+      real(wp) :: moment(2)
+      integer :: i
+
+      if (.not. path%scene%is_held) return
+      do i = 1, 2
+         moment(i) = control_value(path%scene, prescribed_t(of_uplift, 2*i - 3), path%scene%y, &
+            path%scene%load)
+      end do
+      associate (p => path%scene%equation%p)
+         path%moment_step = max(p%g*p%R*p%sin_alpha/of_weight, maxval(abs(moment))/of_all)
+      end associate
+   end subroutine choose_moment_step
 
    !> Move the roof to a displacement, with equal steps.
    subroutine move_roof(path, u_end, spacing_of_rows, is_complete)
@@ -241,17 +262,13 @@ contains
       real(wp), intent(in) :: goal
       !! [m]
       type(prescribed_t), intent(out) :: control
-      real(wp), parameter :: pieces = 16
-      !! steps for the moment of the wall's weight about its corner
 
       if (.not. roof_can_move(path%scene)) then
          control = prescribed_t(of_uplift, path%direction)
          if (size(path%scene%q) > 1) then
             ! free floors move while the wall holds the roof
-            associate (p => path%scene%equation%p)
-               control%target_value = min(0.0_wp, control_value(path%scene, control, path%scene%y, &
-                  path%scene%load) + p%g*p%R*p%sin_alpha/pieces)
-            end associate
+            control%target_value = min(0.0_wp, control_value(path%scene, control, path%scene%y, &
+               path%scene%load) + path%moment_step)
          end if
       else if (path%sense == path%direction) then
          control = prescribed_t(of_roof, target_value=goal)

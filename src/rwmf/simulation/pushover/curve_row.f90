@@ -69,6 +69,8 @@ contains
          call put(row, id%base_shear_over_weight, ratio)
          call put(row, id%overturning_moment_over_weight_m, ratio*arm)
       end associate
+      if (scene%equation%has_frame) call put(row, id%u_s_m, frame_displacement(scene%equation, &
+         scene%equation%state%side, scene%y))
       if (scene%building%drifts > 0) call put(row, id%floor_i_m, u)
       call put(row, id%energy_hysteretic_J_per_kg, dissipated_energy(scene))
    end subroutine put_loads

@@ -6,7 +6,7 @@ module rwmf_simulation_pushover_demand_columns
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: cable_at
    use rwmf_model_cable, only: cable_state_t, cable_strain
-   use rwmf_model_equation, only: tip_displacement
+   use rwmf_model_equation, only: frame_displacement, tip_displacement
    use rwmf_model_history_row, only: history_row_t, numbered, put
    use rwmf_model_reactions, only: friction_demand, reactions_t, wall_drift
    use rwmf_model_wall_sections, only: links_t
@@ -57,6 +57,8 @@ contains
             call put(row, id%tip_deflection_max_m, tip_displacement(equation, y))
          end if
          call put(row, id%wall_drift, drift)
+         if (equation%has_frame) call put(row, id%frame_drift, frame_displacement(equation, &
+            equation%state%side, y)/(2*equation%p%R*equation%p%cos_alpha))
          if (equation%parts%has_shear_key) then
             call put(row, id%shear_key_force_max_over_m_w_g, abs(reactions%horizontal) &
                /equation%p%g)
