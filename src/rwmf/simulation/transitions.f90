@@ -161,6 +161,8 @@ contains
 
       time = huge(time)
       if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0) return
+      ! the modes of the wall, not the ground motion, give the duration
+      if (equation%beam%n > 0 .and. abs(hybrid%y(2)) <= 0) return
       pull = -equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
       if (abs(hybrid%y(2)) < pull*sqrt(huge(time))) then
          time = flight_margin*abs(hybrid%y(2))/max(pull, tiny(pull))
@@ -366,8 +368,8 @@ contains
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
 
-      if (sees_forces(recorder)) call observe_end_of_chatter(hybrid, equation, recorder)
       call stop_effects(equation, hybrid%y)
+      if (sees_forces(recorder)) call observe_end_of_chatter(hybrid, equation, recorder)
       call turn_back(equation%model_t, equation%state, 0.0_wp)
       call find_uplift_acceleration(equation%model_t, equation%state, hybrid%y)
       call enter_rest(hybrid, equation)
@@ -402,6 +404,12 @@ contains
       e = largest_factor(hybrid%restitution, abs(hybrid%y(2)))
       t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e/pull(2))/(1 - e**2)
       t = min(t, interval_end(equation%motion, interval_of(equation)))
+      if (equation%beam%n > 0) then
+         ! the impacts take back what the flights give to the modes
+         call hold_wall(equation%state)
+         call rates_at(equation, hybrid%t, y, rates)
+         call release_wall(equation%state)
+      end if
       ! the floors move in the meantime
       y(3:) = y(3:) + (t - hybrid%t)*rates(3:)
       do i = 1, 2

@@ -229,6 +229,40 @@ def test_methods_pass_a_lift_off_beside_smooth_storeys(method: str) -> None:
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-8)
 
 
+def test_a_nonlinear_damper_lets_the_wall_lift_off_once() -> None:
+    """The damper ends a step at each turn, and the acceleration at lift-off is round-off."""
+    groups = _block(
+        3, wall={"h": 7.80785, "b": 1.42688}, cable={"eta_0": 0.663457, "eta_alpha": 3.4616},
+        motion={"kind": "one_cosine", "a_max_g": 0.434013, "T_p": 0.893528},
+        vertical={"ratio": 0.473646}, nl_damper={"eta_1": 0.14397, "exponent": 1.5},
+        solver={"t_end": 1.5},
+    )  # fmt: skip
+    groups["bending"]["EI_over_m_w"] = 143409.0
+    events, peaks = [], []
+    for method in ("dop853", "extrapolation", "adams", "bdf"):
+        run = rwmf.simulate(_case(groups, None, method=method, rtol=1e-9, max_steps=100_000))
+        events.append([int(run[name]) for name in ("impacts", "lift_offs")])
+        peaks.append([float(run[name]) for name in ("theta_dot_max", "tip_deflection_max")])
+    assert events == 4 * [events[0]]
+    assert events[0][1] == events[0][0] + 1
+    for found in peaks[1:]:
+        assert found == pytest.approx(peaks[0], rel=1e-7)
+
+
+def test_peaks_do_not_depend_on_the_end_of_a_chatter() -> None:
+    groups, record = bending_scene(2022)
+    groups["cable"] = {
+        "eta_0": 0.766611, "eta_alpha": 5.52294, "law": "truss",
+        "eta_y": 0.825181, "hardening": 0.013149,
+    }  # fmt: skip
+    runs = [rwmf.simulate(_case(groups, record, rtol=rtol)) for rtol in (1e-12, 1e-10, 1e-8)]
+    assert len({int(run["impacts"]) for run in runs}) == 3
+    for run in runs[1:]:
+        assert float(run["floors_velocity_max"][0]) == pytest.approx(
+            float(runs[0]["floors_velocity_max"][0]), rel=1e-9
+        )
+
+
 def test_lanes_agree_with_runs() -> None:
     groups, record = bending_scene(2)
     case = _case(groups, record, rtol=1e-9)

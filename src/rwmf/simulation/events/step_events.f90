@@ -295,7 +295,8 @@ contains
          hybrid%is_rising = theta_b > theta_a
          if (leaves_window(hybrid, equation, theta_a, theta_b, level)) event = event_branch
          if (event == 0) then
-            if (hybrid%mode == mode_rocking .and. equation%state%side*theta_b < 0) then
+            if (hybrid%mode == mode_rocking .and. equation%state%side*theta_b < 0 &
+                .and. .not. leaves_base(piece)) then
                event = event_impact
             else if (equation%has_wall .and. abs(theta_b) >= hybrid%overturning_angle) then
                event = event_overturned
@@ -313,6 +314,16 @@ contains
       call find_event_time(piece, 1, level, hybrid%t, hybrid%y, error)
       hybrid%y(1) = level
    end subroutine end_piece
+
+   !> Return whether a wall leaves its base in a monotone piece. The first rotations after a lift-off
+   !> are far below the tolerance of a method and may have either sign.
+   pure logical function leaves_base(piece)
+      type(step_view_t), intent(in) :: piece
+
+      associate (side => piece%equation%state%side, a => piece%y_a, b => piece%y_b)
+         leaves_base = side*a(1) <= 0 .and. side*a(2) >= 0 .and. side*b(2) > 0
+      end associate
+   end function leaves_base
 
    !> Return whether a monotone piece leaves the window of the current branches before an impact or
    !> overturning.

@@ -5,7 +5,7 @@ module rwmf_simulation_lanes_batch
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: column_count, line_columns, of_calm, of_fastest, &
-      of_interval, of_plain, of_time, of_trial, screen_t
+      of_high, of_interval, of_low, of_plain, of_time, of_trial, screen_t
    use rwmf_integrator_lane_kernels, only: lane_kernels_t
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_math_sign_changes, only: changes_of, one_change, polygon_t, rate_polygon, &
@@ -22,7 +22,7 @@ module rwmf_simulation_lanes_batch
 
    public :: lane_state_t, batch_t, create_batch, leave_batch, tabulate_lines, line_row
    public :: longest_step, find_steps_to_inspect, follow_curves, follow_interval
-   public :: turns_in_step, may_shorten
+   public :: first_acceleration, turns_in_step, may_shorten
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
    !! phase angle of the vibration in a step that still shows its events; second value for a motion
@@ -321,6 +321,18 @@ contains
       end associate
    end function may_be_fastest
 
+   !> Acceleration at the start of a step [rad/s2]. A wall that lifts off moves away from its base,
+   !> where round-off may give the zero either sign.
+   pure real(wp) function first_acceleration(batch, i) result(acceleration)
+      type(batch_t), intent(in) :: batch
+      integer, intent(in) :: i
+
+      acceleration = batch%k(i, 2, 1)
+      if (max(abs(batch%y(i, 1)), abs(batch%y(i, 2))) > 0) return
+      if (abs(batch%table(i, of_low)) <= 0) acceleration = max(tiny(acceleration), acceleration)
+      if (abs(batch%table(i, of_high)) <= 0) acceleration = min(-tiny(acceleration), acceleration)
+   end function first_acceleration
+
    !> Polygon of theta' in the last trial step of a lane, with the interpolation error.
    pure type(polygon_t) function rate_in_step(batch, i) result(rate)
       type(batch_t), intent(in) :: batch
@@ -328,7 +340,7 @@ contains
       real(wp), dimension(0:2) :: a, b
 
       associate (h => batch%table(i, of_trial), last => batch%pair%stages)
-         a = [batch%y(i, 1), batch%y(i, 2), batch%k(i, 2, 1)]
+         a = [batch%y(i, 1), batch%y(i, 2), first_acceleration(batch, i)]
          b = [batch%y_new(i, 1), batch%y_new(i, 2), batch%k(i, 2, last)]
          rate = rate_polygon(h, a, b, roughness(longest_angle(2), h, a, b))
       end associate
@@ -369,7 +381,7 @@ contains
 
       associate (h => batch%table(i, of_trial), y => batch%y, y_new => batch%y_new, &
                  last => batch%pair%stages)
-         rise = h*batch%k(i, 2, 1)
+         rise = h*first_acceleration(batch, i)
          rise_new = h*batch%k(i, 2, last)
          r(0) = y(i, 2)
          r(1) = r(0) + 0.25_wp*rise

@@ -38,7 +38,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
    use rwmf_simulation_lanes_batch, only: create_batch, find_steps_to_inspect, &
-      follow_curves, follow_interval, lane_state_t, line_row, longest_step, may_shorten, &
+      first_acceleration, follow_curves, follow_interval, lane_state_t, line_row, longest_step, may_shorten, &
       turns_in_step, batch_t
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
@@ -525,7 +525,7 @@ contains
 
       associate (table => batch%table, y => batch%y, y_new => batch%y_new)
          quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
-            batch%k(i, 2, 1))
+            first_acceleration(batch, i))
          turns = turns_in_step(batch, i)
          x = 0
          if (turns == no_change .and. may_shorten(lane, batch)) call cross_window( &
