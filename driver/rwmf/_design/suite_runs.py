@@ -10,10 +10,9 @@ import numpy.typing as npt
 
 from rwmf._design.targets import COLLAPSE, Target, Variable
 from rwmf._sweep import sweep
-from rwmf._sweep.kept_quantities import default_quantity
+from rwmf._sweep.kept_quantities import default_quantity, refuse_missing
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case
-from rwmf.errors import InputError
 from rwmf.quantities import ENDINGS
 
 __all__ = ["SuiteRuns"]
@@ -122,15 +121,12 @@ class SuiteRuns:
             quantities=self._names,
             threads=self._threads,
         )
+        refuse_missing(found, self._names, "targets")
         names = found["status"].attrs["flag_meanings"].split()
         ends = [names.index(name) for name in ENDINGS if name in names]
         shape = (-1, len(scales), len(designs))
         fallen = np.isin(found["status"].values, ends).reshape(shape)
         values = {name: found[name].values.reshape(shape) for name in self._names}
-        is_ok = (found["status"].values == names.index("ok")).reshape(shape) & ~fallen
-        for name, numbers in values.items():
-            if is_ok.any() and np.isnan(numbers[is_ok]).all():
-                raise InputError(f"targets: {name}: a run of this case has no such result")
         results = np.empty((len(designs), len(self._targets)))
         for j, item in enumerate(self._targets):
             k = scales.index(item.scale)

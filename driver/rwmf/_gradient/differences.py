@@ -93,7 +93,9 @@ def derivative_at(offsets: Array, values: Array, centre: float) -> Estimate:
     Estimate
         The derivative; NaN where a value is missing.
     """
-    slopes = (values - centre) / offsets
+    with np.errstate(invalid="ignore"):
+        # values may be infinite
+        slopes = (values - centre) / offsets
     if offsets.size < LANES:
         linear = 2 * slopes[1:] - slopes[:-1]
         jump, twice = 0.0, 0.0

@@ -115,6 +115,8 @@ def gradient(
     found = find_parameters(scenes.case, parameters, scenes.columns)
     lanes = Lanes(scenes, found, names, threads)
     suite = None
+    if statistic is None and over != RECORD:
+        raise InputError("over: needs a statistic")
     reduced = texts_of("over", over) if statistic is not None else []
     if statistic is not None:
         axes = tuple(scenes.index_of(name) for name in reduced)

@@ -17,7 +17,7 @@ from rwmf._gradient.held_keys import (
 )
 from rwmf._gradient.scenes import Scenes
 from rwmf._sweep import sweep
-from rwmf._sweep.kept_quantities import find_quantities
+from rwmf._sweep.kept_quantities import find_quantities, refuse_missing
 from rwmf.quantities import ENDINGS
 
 __all__ = ["Lanes", "Request"]
@@ -118,6 +118,11 @@ class Lanes:
             The quantities; NaN where a run failed.
         numpy.ndarray of bool, shape (runs,)
             Whether the run ended by overturning or collapse.
+
+        Raises
+        ------
+        InputError
+            When runs have no value of a quantity.
         """
         self.runs += len(requests)
         values = np.full((len(requests), len(self._names)), np.nan)
@@ -135,6 +140,7 @@ class Lanes:
                 case = case.replace(**changed_entries(case, item, value))
             table = self._table([requests[place] for place in places])
             found = sweep(case, points=table, quantities=self._names, threads=self._threads)
+            refuse_missing(found, self._names, "quantities")
             for i, name in enumerate(self._names):
                 values[places, i] = found[name].values
             names = found["status"].attrs["flag_meanings"].split()

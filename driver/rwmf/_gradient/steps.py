@@ -137,7 +137,7 @@ class Steps:
             none = (self.error > _NO_DERIVATIVE * abs(self.derivative)) & (
                 self.error > _NOTICED * largest
             )
-        self.is_kink |= none
+        self.is_kink |= none | np.isnan(self.derivative)
         self.error[np.isnan(self.derivative)] = np.nan
         self._find_valid(np.concatenate(offsets, axis=2), np.concatenate(changes, axis=2))
 

@@ -109,13 +109,21 @@ class SuiteStatistic:
             columns = np.moveaxis(values.reshape((*values.shape[:n], -1)), -1, 0)
             # lanes that were not run have no statistic
             found = [
-                math.nan if np.isnan(column).any() else self._statistic(column)
+                math.nan if np.isnan(column).any() else _number(self._statistic(column))
                 for column in columns
             ]
             return np.array(found, dtype=float).reshape(shape)
         # by ranks; between two ranks their mean, so the median of an even suite is the usual one
         flat = values.reshape((-1, *shape))
         with np.errstate(invalid="ignore"):
-            return np.asarray(
-                np.quantile(flat, self._statistic, axis=0, method="averaged_inverted_cdf")
-            )
+            ranked = np.quantile(flat, self._statistic, axis=0, method="averaged_inverted_cdf")
+        # a rank among collapses
+        return np.where(np.isnan(ranked) & ~np.isnan(flat).any(axis=0), np.inf, ranked)
+
+
+def _number(value: object) -> float:
+    """Return the result of a user's statistic."""
+    number = float_of(value)
+    if number is None:
+        raise InputError(f"statistic: returns {show(value)}: must be one number")
+    return number

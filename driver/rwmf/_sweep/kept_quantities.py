@@ -4,12 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+import xarray as xr
+
 from rwmf import _library, quantities
 from rwmf._files.names import shorten
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["QUANTITIES", "default_quantity", "find_quantities", "find_quantity"]
+__all__ = [
+    "QUANTITIES",
+    "default_quantity",
+    "find_quantities",
+    "find_quantity",
+    "refuse_missing",
+]
 
 
 class _Table(dict[str, quantities.Quantity]):
@@ -119,3 +128,27 @@ def find_quantity(case: Case, names: Sequence[str] | None, study: str) -> str:
     if len(found) > 1:
         raise InputError(f"{study}: quantities = {', '.join(found)}: must be one quantity")
     return next(iter(found))
+
+
+def refuse_missing(found: xr.Dataset, names: Sequence[str], label: str) -> None:
+    """Refuse quantities that no complete run has.
+
+    Parameters
+    ----------
+    found : xarray.Dataset
+        Result of a sweep.
+    names : sequence of str
+        Its quantities.
+    label : str
+        Beginning of the message.
+
+    Raises
+    ------
+    InputError
+        When a quantity has no value in any run that reached its end.
+    """
+    words = found["status"].attrs["flag_meanings"].split()
+    is_complete = found["status"].values == (words.index("ok") if "ok" in words else -1)
+    for name in names:
+        if is_complete.any() and np.isnan(found[name].values[is_complete]).all():
+            raise InputError(f"{label}: {name}: a run of this case has no such result")

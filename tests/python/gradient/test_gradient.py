@@ -185,6 +185,25 @@ def test_refused_parameters(parameter: str, message: str) -> None:
         rwmf.gradient(coupled(), parameter)
 
 
+def test_refused_quantities_and_statistics() -> None:
+    with pytest.raises(rwmf.InputError, match="storey_drift_max: a run of this case has no such"):
+        rwmf.gradient(coupled(), "T_s", ("u_s_max", "storey_drift_max"))
+    with pytest.raises(rwmf.InputError, match="over: needs a statistic"):
+        rwmf.gradient(coupled(), "T_s", records=RECORDS[:1], over="scale")
+    for result in ("a", [1.0, 2.0]):
+        with pytest.raises(rwmf.InputError, match="must be one number"):
+            rwmf.gradient(coupled(), "T_s", records=RECORDS[:1], statistic=lambda _, x=result: x)
+
+
+def test_rank_among_collapses_has_no_derivative() -> None:
+    fallen = coupled(model={"overturning_angle": 1e-6})
+    found = rwmf.gradient(fallen, "T_s", records=RECORDS, statistic=0.5)
+    assert found["value"].item() == math.inf
+    assert math.isnan(found["derivative"].item())
+    assert found["is_kink"].item()
+    assert found["valid_within"].item() == 0.0
+
+
 def test_refused_by_dependence() -> None:
     case = rwmf.Case.from_namelist(SIX_STOREYS)
     with pytest.raises(rwmf.InputError, match="initial_stress"):
