@@ -173,27 +173,33 @@ function passage(section, terms) {
 // Expressions for text as it is printed: anything but letters may separate the words of a phrase.
 const printed = (terms) => new RegExp(terms.map((term) => term.any.source.replace(/ /g, "[^\\p{L}]+")).join("|"), "giu");
 
+// The paragraph or row with most of the terms, its cells apart, around the densest matches.
 function excerpt(text, expression) {
-  const places = [...text.matchAll(expression)].map((match) => match.index);
-  let first = 0, most = 0;
-  for (const place of places) {
-    const near = places.filter((other) => other >= place && other < place + EXCERPT).length;
-    if (near > most) [first, most] = [place, near];
-  }
+  // different terms first, then their number
+  const found = (line) => {
+    const matches = (line.match(expression) || []).map((match) => match.toLowerCase());
+    return new Set(matches).size + 0.001 * Math.min(matches.length, 99);
+  };
+  const lines = text.split("\n");
+  const best = lines.reduce((one, other) => (found(other) > found(one) ? other : one));
+  const row = best.split("\t").filter(Boolean).join(" · ");
+  const places = [...row.matchAll(expression)].map((match) => match.index);
+  const near = (place) => places.filter((other) => other >= place && other < place + EXCERPT).length;
+  const first = places.reduce((one, other) => (near(other) > near(one) ? other : one), places[0] || 0);
   let start = Math.max(0, first - EXCERPT / 4);
-  if (start) start = text.indexOf(" ", start) + 1;
-  const shown = text.slice(start, start + EXCERPT);
-  const line = document.createElement("p");
-  line.append(start ? "... " : "");
+  if (start) start = row.indexOf(" ", start) + 1;
+  const shown = row.slice(start, start + EXCERPT);
+  const paragraph = document.createElement("p");
+  paragraph.append(start ? "... " : "");
   let last = 0;
   for (const match of shown.matchAll(expression)) {
     const mark = document.createElement("mark");
     mark.textContent = match[0];
-    line.append(shown.slice(last, match.index), mark);
+    paragraph.append(shown.slice(last, match.index), mark);
     last = match.index + match[0].length;
   }
-  line.append(shown.slice(last), start + EXCERPT < text.length ? " ..." : "");
-  return line;
+  paragraph.append(shown.slice(last), start + EXCERPT < row.length ? " ..." : "");
+  return paragraph;
 }
 
 function show(query) {

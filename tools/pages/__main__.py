@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from pages.build import main
+from pages.steps import main
 
 if __name__ == "__main__":
     sys.exit(main())

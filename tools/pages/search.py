@@ -24,7 +24,15 @@ if TYPE_CHECKING:
 # page, heading, address, text
 Section: TypeAlias = tuple[str, str, str, str]
 _PARTS = (nodes.section, addnodes.desc)
-_NO_TEXT = (*_PARTS, nodes.title, nodes.comment, nodes.math_block, nodes.raw, addnodes.toctree)
+_NO_TEXT = (
+    *_PARTS,
+    nodes.title,
+    nodes.thead,
+    nodes.comment,
+    nodes.math_block,
+    nodes.raw,
+    addnodes.toctree,
+)
 _BLOCKS = (nodes.paragraph, nodes.term, nodes.literal_block, nodes.row, nodes.caption)
 
 

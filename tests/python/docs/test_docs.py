@@ -13,7 +13,7 @@ from checkout import ROOT
 sys.path.append(str(ROOT / "tools"))
 
 from pages import blocks, made
-from pages.build import run_blocks
+from pages.steps import run_blocks
 
 PAGES = blocks.pages()
 SALIB = 'problem = {"num_vars": len(names), "names": names, "bounds": list(zip(least, greatest))}'

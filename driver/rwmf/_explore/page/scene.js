@@ -69,7 +69,7 @@ export class Scene {
   set(name, value) {
     const before = this.names();
     if (name === "wall.h" && this.has("storeys")) this.stretchStoreys(value);
-    this.put(name, value);
+    this.setKey(name, value);
     if (name === "storeys.height" && this.has("wall")) this.stretchWall();
     this.settle();
     this.changed(name in this.description.belonging || this.names() !== before);
@@ -91,7 +91,7 @@ export class Scene {
   }
 
   // Set a key, remove keys of the same quantity and add the keys that it requires.
-  put(name, value) {
+  setKey(name, value) {
     const [group, key] = name.split(".");
     this.groups[group][key] = value;
     this.bring(name);
@@ -106,7 +106,7 @@ export class Scene {
       const either = this.either(needed);
       if (either.some((other) => this.get(other) !== undefined)) continue;
       const first = either.find((other) => this.possible(other));
-      if (first && this.has(first.split(".")[0])) this.put(first, this.startOf(first));
+      if (first && this.has(first.split(".")[0])) this.setKey(first, this.startOf(first));
     }
   }
 
@@ -301,7 +301,7 @@ export class Scene {
       if (value === null) this.leave(key);
       else {
         this.put(key.split(".")[0]);
-        this.put(key, value);
+        this.setKey(key, value);
       }
     }
     this.neighbours();

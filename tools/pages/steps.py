@@ -189,7 +189,8 @@ def _run_sphinx() -> None:
             shutil.rmtree(path)
         elif path.is_file():
             path.unlink()
-    words = ["-n", "-W", "--keep-going", "-q", "-j", "auto", "-b", "html", "-d", str(BUILD / "doctrees")]
+    words = ["-n", "-W", "--keep-going", "-q", "-j", "auto"]
+    words += ["-b", "html", "-d", str(BUILD / "doctrees")]
     _call([sys.executable, "-m", "sphinx", *words, "docs", str(SITE)])
 
 
