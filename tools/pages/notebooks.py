@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -32,7 +33,8 @@ if TYPE_CHECKING:
     from nbclient import NotebookClient
     from nbformat import NotebookNode
 
-_SECONDS = 120
+# of a cell
+_SECONDS = 300
 _RECORDS = re.compile(r"inputs/records/(\w+)\.csv")
 _FIGURE = re.compile(r"^!\[(?P<words>[^\]]*)\]\(figures/[\w-]+/(?P<name>[\w.-]+)\)$", re.MULTILINE)
 # links to other pages and files lead nowhere from a file that was downloaded
@@ -86,7 +88,6 @@ def run_page(page: Path, folder: Path) -> None:
     shutil.copytree(blocks.ROOT / "inputs", folder / "inputs")
     with _kernel(folder) as client:
         _Writer(page, client).write()
-        client.nb.metadata.pop("widgets", None)
         nbformat.validate(client.nb)
         nbformat.write(client.nb, folder / f"{page.stem}.ipynb")
 
@@ -97,11 +98,9 @@ def _kernel(folder: Path) -> Iterator[NotebookClient]:
     import nbformat.v4
     from nbclient import NotebookClient
 
-    apart = folder / ".jupyter"
-    # the kernel chooses the backend of notebooks itself
-    surroundings = {
-        name: value for name, value in blocks.environment("").items() if name != "MPLBACKEND"
-    }
+    # the kernel chooses the backend of notebooks itself, and its cells use all processors
+    unset = ("MPLBACKEND", "OMP_NUM_THREADS")
+    variables = {name: value for name, value in blocks.environment("").items() if name not in unset}
     client = NotebookClient(
         nbformat.v4.new_notebook(),
         timeout=_SECONDS,
@@ -110,14 +109,15 @@ def _kernel(folder: Path) -> Iterator[NotebookClient]:
         coalesce_streams=True,
         resources={"metadata": {"path": str(folder)}},
     )
-    apart.mkdir()
-    manager = client.create_kernel_manager()
-    # sockets in the folder instead of ports of the machine
-    manager.transport = "ipc"
-    manager.ip = str(apart / "socket")
-    manager.connection_file = str(apart / "kernel.json")
-    with client.setup_kernel(env=surroundings | {"IPYTHONDIR": str(apart)}):
-        yield client
+    # a folder of its own: paths of sockets have at most 107 characters
+    with tempfile.TemporaryDirectory() as apart:
+        manager = client.create_kernel_manager()
+        # sockets instead of ports of the machine
+        manager.transport = "ipc"
+        manager.ip = f"{apart}/socket"
+        manager.connection_file = f"{apart}/kernel.json"
+        with client.setup_kernel(env=variables | {"IPYTHONDIR": apart}):
+            yield client
 
 
 class _Writer:

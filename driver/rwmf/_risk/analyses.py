@@ -528,7 +528,11 @@ class _Stages:
 
 def _attributes(suite: Suite, settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the attributes of a table: all that is needed to repeat the analysis."""
-    cases = {name: readable(case.to_namelist()) for name, case in suite.designs.items()}
+    cases = {
+        # the records replace a motion in memory, which only its name describes
+        name: readable(case.text if set(case.motions) == {"motion"} else case.to_namelist())
+        for name, case in suite.designs.items()
+    }
     records = {
         record.name: {"crc32": record.crc32, "format": record.format()} for record in suite.records
     }

@@ -53,8 +53,8 @@ def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
     ax.plot(*at, **(DOTS | {"markersize": 1.5}), label="bisected boundary")
     ax.set_xlim(omegas[0], omegas[-1])
     ax.set_ylim(columns[0][0][1], columns[0][-1][2])
-    ax.set_xlabel(r"$\omega_p/p$")
-    ax.set_ylabel(r"$a_p/(\alpha g)$")
+    ax.set_xlabel(r"pulse frequency $\omega_p/p$")
+    ax.set_ylabel(r"pulse amplitude $a_p/(\alpha g)$")
     ax.set_title(_scene_in_words(dataset))
     legend_beside(ax)
     return ax

@@ -46,9 +46,9 @@ def draw_records(figure: Figure, records: Mapping[str, Mapping[str, _Array]]) ->
         spectrum.loglog(curves["periods"], curves["Sa"], label=name, **look)
     for key, label in _HISTORIES.items():
         panels[key].set_ylabel(label)
-    panels["u"].set_xlabel("$t$ (s)")
-    energy.set(xlabel="$t$ (s)", ylabel="Arias share")
-    spectrum.set(xlabel="$T$ (s)", ylabel="$S_a$(5 %) (g)")
+    panels["u"].set_xlabel("time $t$ (s)")
+    energy.set(xlabel="time $t$ (s)", ylabel="Arias share")
+    spectrum.set(xlabel="period $T$ (s)", ylabel="$S_a$(5 %) (g)")
     for axis in (spectrum.xaxis, spectrum.yaxis):
         axis.set_major_formatter(lambda value, _: f"{value:g}")
     legend_below(figure, spectrum)
@@ -78,7 +78,7 @@ def draw_selection(
     mean = np.exp(np.log(spectra).mean(axis=0))
     ax.loglog(periods, mean, color=COLOURS[0], lw=2.0, label="geometric mean")
     ax.loglog(periods, target, **ALONE, label="target")
-    ax.set(xlabel="$T$ (s)", ylabel=label)
+    ax.set(xlabel="period $T$ (s)", ylabel=label)
     label_plainly(ax.xaxis)
     label_plainly(ax.yaxis)
     ax.legend()

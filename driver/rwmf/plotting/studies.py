@@ -196,7 +196,7 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     ax.set_yscale("log")
     label_plainly(ax.yaxis)
     ax.margins(x=0)
-    ax.set_xlabel("$T_p$ (s)")
+    ax.set_xlabel("pulse period $T_p$ (s)")
     quantity = str(dataset.attrs["quantity"])
     target = f"{float(dataset['target']):g}" + _unit(dataset["target"], " {}")
     ax.set_ylabel(r"$a_{\max}/g$ for " + f"{_SYMBOLS.get(quantity, quantity)} = {target}")

@@ -296,7 +296,7 @@ def period_label(period: xr.DataArray) -> str:
     """
     meaning = str(period.attrs.get("long_name", AXES["T_s"].meaning))
     if meaning == AXES["T_s"].meaning:
-        return "$T_s$ (s)"
+        return "period $T_s$ (s)"
     return meaning.replace("2 pi/p", r"$2\pi/p$") + " (s)"
 
 

@@ -43,8 +43,17 @@ ratio = float(studies.wall_effect(case, {"T_s": [0.5]})["ratio"].max())
 panels = plot.history(history, case=case, color="k")
 axes = plot.spectrum(spectra, bare=rwmf.spectrum(alone, T_s=[0.5, 1.0]))
 springs = [loop.work for loop in loops.find_loops(history, case)]
+curve = rwmf.pushover(case, 0.01, steps=2)
+stripes = rwmf.stripes({"wall": case, "none": alone}, [pulse], [0.1, 0.4], "u_s_max")
+met: bool = rwmf.checks(case.replace(limits={"u_s_max_m": 1.0}), history).is_met
+slope = rwmf.gradient(case, ["frame.xi_s"], "u_s_max")
+wall = rwmf.Wall(case)
+wall.advance(0.1)
+link: float = wall.forces.link
+page = rwmf.explore(case) if link > 1e9 else None
 keys: list[str] = [key for key in case.groups["wall"] if key in case.wall.given]
 rwmf.plot.profile(rwmf.simulate("six.nml")) if peak > 1.0 else None
+print(curve.sizes, stripes.sizes, met, slope, page.address if page else "")
 print(history.headline(), rule, drift, limit, ratio, springs, keys, panels.size, float(floors))
 """
 REVEALED = {

@@ -156,6 +156,14 @@ def test_percentiles_are_infinite_where_records_collapse(table: xr.Dataset) -> N
     np.testing.assert_array_equal(lowest, expected)
 
 
+def test_records_replace_a_motion_in_memory() -> None:
+    """A case that has a motion of its own needs no file for it."""
+    first, second = suite(2)
+    own = frame().replace(motion=first)
+    found, other = (rwmf.stripes(case, [second], [0.1], "u_s_max") for case in (own, frame()))
+    assert float(found["u_s_max"].squeeze()) == float(other["u_s_max"].squeeze())
+
+
 def test_example_of_baker() -> None:
     found = rwmf.fragility(**BAKER)
     assert float(found["median"]) == pytest.approx(1.076116, abs=5e-7)
