@@ -87,6 +87,8 @@ class Pair:
         self._mass: Reals = (mass + mass.T) / 2
         self.run = CoupledRun(float(self._mass[0, 0]))
         self._theta = 0.0
+        # time of a lift-off after which the wall did not move away
+        self._returned_at = -math.inf
         self._y: Reals = np.zeros((3, wall.n))
         self._forces: Reals = np.zeros(len(host.links))
         self._rates: Reals = np.zeros(len(host.links))
@@ -141,7 +143,7 @@ class Pair:
     def _coordinates(self, split: Split) -> Reals:
         """Return the committed coordinates of the wall with their rates."""
         return np.asarray(
-            self._y[:, split.index] @ split.own.T + self._frame.motion() @ split.follow.T
+            self._y[:, split.integrated] @ split.own.T + self._frame.motion() @ split.follow.T
         )
 
     def _system(self, split: Split, flexibility: Reals, tangent: Reals) -> Reals:
@@ -172,7 +174,7 @@ class Pair:
         y_0 = self._coordinates(split)
         ground = self._ground(self._host.time() + h)
         forces = self._forces + h * self._rates
-        own = (h * y_0[1] + h * h / 2 * y_0[2])[split.index]
+        own = (h * y_0[1] + h * h / 2 * y_0[2])[split.integrated]
         rounding = max(_ROUNDING * self._weight, self._inertia_rounding(y_0[1], h))
         last = error = math.inf
         for iteration in range(_MOST_ITERATIONS):
@@ -243,6 +245,7 @@ class Pair:
             if event.kind == "impact" and step.y[0, 0] * element.side <= 0:
                 # a wall that has just lifted off does not move away
                 element.revert()
+                self._returned_at = t
                 self._stop_on_base(begin[1])
                 return
             event = None
@@ -259,8 +262,10 @@ class Pair:
                     break
                 tau += change
                 step = self._solve(tau)
+        side = element.side
         self._commit(step, tau)
-        if event.kind == "impact":
+        # a short flight may turn while the step is shortened: it then goes on
+        if event.kind == "impact" and step.y[1, 0] * side < 0:
             self._land(step)
 
     def _kinetic(self, velocities: Reals) -> float:
@@ -345,10 +350,12 @@ class Pair:
         step = self._solve(h)
         ends = self._wall.push(self._forces), self._wall.push(step.forces)
         event = self._wall.next_event(h, begin, step.y, grounds, ends)
-        if event is None:
+        is_now = event is not None and event.tau <= _NOTHING * self._dt
+        if event is None or (is_now and t == self._returned_at):
+            # a flight that ends in the step of its lift-off is left out
             self._commit(step, h)
             return
-        if event.tau > _NOTHING * self._dt:
+        if not is_now:
             # the push need not be linear: the rest of the step shows the lift-off, or none
             self._commit(self._solve(event.tau), event.tau)
             return

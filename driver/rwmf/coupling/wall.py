@@ -44,7 +44,7 @@ class Split(NamedTuple):
 
     Attributes
     ----------
-    index : numpy.ndarray of int, shape (own,)
+    integrated : numpy.ndarray of int, shape (own,)
         Coordinates that the wall integrates.
     own : numpy.ndarray, shape (n, own)
         Derivatives of the coordinates by those that the wall integrates.
@@ -56,7 +56,7 @@ class Split(NamedTuple):
         Coordinates whose balance is a condition.
     """
 
-    index: Wholes
+    integrated: Wholes
     own: Reals
     follow: Reals
     tied: Wholes
@@ -115,7 +115,8 @@ class CoupledWall:
             self.links = self.shares[:, np.newaxis]
         else:
             self.shares, self.links = by_u[:, 0], by_u
-        self.none = WallResponse(np.zeros(self.n), *np.zeros((3, self.n, self.n)), 0.0, 0.0)
+        no = np.zeros((self.n, self.n))
+        self.none = WallResponse(no[0], no, no, no, 0.0, 0.0)
         self._splits = [self._split(is_held) for is_held in (False, True)]
 
     def split(self, is_held: bool) -> Split:
@@ -202,16 +203,21 @@ class CoupledWall:
             Forces on the coordinates.
         """
         if self.n == 1:
-            r = self.element.respond(*y[:, 0].tolist(), ground)
+            u, u_dot, u_ddot = y[:, 0].tolist()
+            r = self.element.respond(u, u_dot, u_ddot, ground)
             return WallResponse(
                 np.array([r.force]), np.array([[r.stiffness]]), np.array([[r.damping]]),
                 np.array([[r.mass]]), r.theta, r.theta_dot,
             )  # fmt: skip
         x, by_y = self.element_motion(y)
         found = self.element.respond(x[0], x[1], x[2], ground)
-        tangents = (by_y.T @ matrix @ by_y for matrix in found[1:4])
         return WallResponse(
-            by_y.T @ found.force, *tangents, float(found.theta), float(found.theta_dot)
+            by_y.T @ found.force,
+            by_y.T @ found.stiffness @ by_y,
+            by_y.T @ found.damping @ by_y,
+            by_y.T @ found.mass @ by_y,
+            float(found.theta),
+            float(found.theta_dot),
         )
 
     def next_event(
@@ -240,8 +246,8 @@ class CoupledWall:
         ElementEvent or None
             The event.
         """
-        ends = (self.element_motion(y)[0] for y in (begin, end))
-        return self.element.next_event(h, *ends, grounds, push=push, has_branches=True)
+        x_0, x = self.element_motion(begin)[0], self.element_motion(end)[0]
+        return self.element.next_event(h, x_0, x, grounds, push=push, has_branches=True)
 
     def deflection(self, y: Reals) -> float:
         """Return the deflection of the top.
