@@ -16,6 +16,9 @@ from rwmf.quantities import find_numbered
 
 __all__ = ["text_of", "write_csv"]
 
+# ratios from here on have four digits
+_LONG = 1e4
+
 
 def text_of(found: Checks, *, is_all: bool = False) -> str:
     """Return checks as a table.
@@ -85,8 +88,8 @@ def _cells(row: LimitCheck, label: str) -> list[str]:
         if row.drift_at_limit is not None:
             is_reached = not math.isnan(row.drift_at_limit)
             drift = [f"{100 * row.drift_at_limit:.4g} %" if is_reached else ""]
-        return [name, f"{row.demand:.5g}", f"{row.limit:.5g}", f"{row.ratio:.3f}", *drift, verdict]
-    ratios = [f"{row.ratios[q]:.3f}" for q in PERCENTILES]
+        return [name, f"{row.demand:.5g}", f"{row.limit:.5g}", _ratio(row.ratio), *drift, verdict]
+    ratios = [_ratio(row.ratios[q]) for q in PERCENTILES]
     above = f"{100 * row.share_above:.3g} %"
     return [name, f"{row.limit:.5g}", *ratios, above, verdict]
 
@@ -98,7 +101,7 @@ def _verdict(found: Checks) -> str:
     text = f"all {len(found.rows)} limits are met" if not missed else (
         f"{missed} of {len(found.rows)} limits are not met"
     )  # fmt: skip
-    text += f"; largest ratio {worst.ratio:.3f} of {worst.key}"
+    text += f"; largest ratio {_ratio(worst.ratio)} of {worst.key}"
     if found.ended and worst.drift_at_limit is not None:
         text += "; THE CURVE ENDS EARLY, demands are those until then"
     elif found.ended:
@@ -108,6 +111,10 @@ def _verdict(found: Checks) -> str:
     if found.absent:
         text += f"\nno demand of a static curve: {', '.join(found.absent)}"
     return text + (f"; {found.failed} runs failed and are not counted" if found.failed else "")
+
+
+def _ratio(ratio: float) -> str:
+    return f"{ratio:.3f}" if not abs(ratio) >= _LONG else f"{ratio:.4g}"
 
 
 def _show(value: Any) -> str:  # noqa: ANN401 (a number or a text)

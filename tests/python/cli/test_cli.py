@@ -179,6 +179,21 @@ def test_numerical_failure(command: Runner, batch: Runner, tmp_path: Path) -> No
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_batch_notes_groups_of_the_command(batch: Runner, tmp_path: Path) -> None:
+    """`rwmf-batch` has no checks, gradients and designs; a case without them has no note."""
+    path, plain = tmp_path / "limited.nml", tmp_path / "plain.nml"
+    case = coupled(solver={"t_end": 1.0})
+    case.to_namelist(plain)
+    case.replace(
+        limits={"theta_max_over_alpha": 0.3}, sensitivity={"parameters": ["T_s"]}
+    ).to_namelist(path)
+    found = batch(plain, path)
+    assert found.returncode == 0
+    assert [line for line in found.stderr.splitlines() if " note: " in line] == [
+        f"rwmf-batch: {path}: note: &limits, &sensitivity: evaluated by the command rwmf only"
+    ]
+
+
 def test_overturning_is_a_result(command: Runner, tmp_path: Path) -> None:
     path = tmp_path / "fallen.nml"
     block(initial={"theta_over_alpha": 1.2}).to_namelist(path)

@@ -318,6 +318,44 @@ def test_slow_motion(coupling: str) -> None:
     assert np.abs(dynamic - loading).max() < 1e-3 * dynamic.max()
 
 
+@pytest.mark.parametrize("coupling", ["springs", "bending"])
+def test_slow_stairs(coupling: str) -> None:
+    """At the end of slow stairs of the ground acceleration the floors stand on the curve.
+
+    The wall is light: its distributed inertia is no load of floors. Storeys and a fuse yield.
+    """
+    light = 40.0
+    heavy = {key: [light * value for value in STOREYS[key]] for key in ("m_over_m_w", "k_over_m_w")}
+    case = _storeys(
+        "springs",
+        cable={"law": "truss", "eta_0": light, "eta_alpha": 4 * light},
+        fuse={"eta_y": 0.3 * light, "stroke_y": 0.004, "hardening": 0.1},
+        yielding={"storey_u_y": 0.008, "hardening": 0.2},
+        impact={"rule": "coupled"},
+    ).replace(storeys=heavy | {"k_link_over_m_w": 2000.0 * light}, frame={"xi_s": 1.0})
+    if coupling == "bending":
+        case = case.replace(bending={"EI_over_m_w": 4e3 * light, "modes": 1})
+    loads = np.array(heavy["m_over_m_w"])
+    loads[-1] += 0.5
+    curve = rwmf.pushover(case, 0.02, loads.tolist(), steps=400)
+    weight = 1 + sum(heavy["m_over_m_w"])
+    acceleration = curve["base_shear_over_weight"].values * weight * G / loads.sum()
+    for mark in ("fuse_left_yield", "storey_1_yield", "storey_3_yield"):
+        assert 2.2 < acceleration[_marked(curve, mark)[0]] < 3.4
+    levels = np.array([0.4, 2.2, 3.4])
+    times = np.cumsum([0.0, 5.0, 5.0, 5.0, 5.0, 5.0, 9.0])
+    motion = rwmf.Motion(-np.array([0.0, *np.repeat(levels, 2)]), times=times, unit="m/s2")
+    run = rwmf.simulate(
+        case.replace(motion=motion, solver={"t_end": times[-1]}, output={"dt": 1.0})
+    )
+    at = [int(t) for t in times[2::2]]
+    found = run["floors"].sel(time=at, method="nearest").values
+    for i in range(3):
+        drift = curve["floors"].values[:, i]
+        expected = np.interp(levels, acceleration, drift)
+        assert np.abs(found[:, i] - expected).max() < 1e-3 * expected.max()
+
+
 @pytest.mark.parametrize("coupling", ["every_floor", "full", "springs"])
 def test_first_mode(coupling: str) -> None:
     """The pattern is mass times first mode of the frame, by SciPy or the straight line."""

@@ -64,7 +64,9 @@ contains
          call move_roof(path, u, spacing_of_rows, is_complete)
          if (.not. is_complete) then
             call fail(error, err_numerical, 'the static path does not reach the drift ' &
-               //trim(real_to_text(protocol%drifts(i)))//': branches change without end')
+               //trim(real_to_text(protocol%drifts(i)))//': at ' &
+               //trim(real_to_text(path%curve%values(1, path%curve%n))) &
+               //' branches change without end')
             return
          end if
          if (path%has_ended) exit
