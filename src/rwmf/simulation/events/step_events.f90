@@ -315,8 +315,8 @@ contains
       hybrid%y(1) = level
    end subroutine end_piece
 
-   !> Return whether a wall leaves its base in a monotone piece. The first rotations after a lift-off
-   !> are far below the tolerance of a method and may have either sign.
+   !> Return whether a wall leaves its base in a monotone piece. The first rotations after lift-off
+   !> are below the tolerance of a method and may have either sign.
    pure logical function leaves_base(piece)
       type(step_view_t), intent(in) :: piece
 

@@ -329,8 +329,10 @@ contains
 
       acceleration = batch%k(i, 2, 1)
       if (max(abs(batch%y(i, 1)), abs(batch%y(i, 2))) > 0) return
-      if (abs(batch%table(i, of_low)) <= 0) acceleration = max(tiny(acceleration), acceleration)
-      if (abs(batch%table(i, of_high)) <= 0) acceleration = min(-tiny(acceleration), acceleration)
+      associate (low => batch%table(i, of_low), high => batch%table(i, of_high))
+         if (abs(low) <= 0 .and. high > 0) acceleration = max(tiny(low), acceleration)
+         if (abs(high) <= 0 .and. low < 0) acceleration = min(-tiny(low), acceleration)
+      end associate
    end function first_acceleration
 
    !> Polygon of theta' in the last trial step of a lane, with the interpolation error.

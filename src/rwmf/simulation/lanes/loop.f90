@@ -37,9 +37,9 @@ module rwmf_simulation_lanes_loop
       mode_rest, mode_rocking, progress_t
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
-   use rwmf_simulation_lanes_batch, only: create_batch, find_steps_to_inspect, &
-      first_acceleration, follow_curves, follow_interval, lane_state_t, line_row, longest_step, may_shorten, &
-      turns_in_step, batch_t
+   use rwmf_simulation_lanes_batch, only: batch_t, create_batch, find_steps_to_inspect, &
+      first_acceleration, follow_curves, follow_interval, lane_state_t, line_row, longest_step, &
+      may_shorten, turns_in_step
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_piece, recorder_t
    use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
