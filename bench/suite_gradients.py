@@ -4,9 +4,8 @@
         [--quantity storey_drift_max] [--records fema:far_field] [--steps 100] [--median-steps 20]
 
 A record is sensitive when the relative change of its result per relative change of the parameter
-exceeds 10. `--steps` random steps of random records lie within the record's `valid_within`, and
-`--median-steps` within that of the median; the linear prediction must err by at most 10 % of the
-change there.
+exceeds 10. The linear prediction must err by at most 10 % of the change at random steps within
+`valid_within`: `--steps` of random records, and `--median-steps` of the median.
 """
 
 from __future__ import annotations
