@@ -8,6 +8,7 @@ from typing import Any
 
 from rwmf._sweep.sweep_file import located
 from rwmf.case import Case
+from rwmf.errors import InputError
 
 __all__ = ["DESIGNS", "DesignRequest", "request_of"]
 
@@ -59,11 +60,19 @@ def request_of(case: Case) -> DesignRequest | None:
     -------
     DesignRequest or None
         None without the group.
+
+    Raises
+    ------
+    InputError
+        When a parameter is given twice.
     """
     group = case.design
     if group is None:
         return None
     names = group.parameters
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise InputError(f"parameters: {twice[0]}: is given twice")
     targets: list[dict[str, Any]] = []
     if case.limits is not None:
         share: dict[str, Any] = {"percentile": group.get("percentile", _PERCENTILE)}

@@ -217,6 +217,10 @@ def targets_of(targets: Sequence[Mapping[str, Any]], case: Case) -> list[Target]
         When an entry is unknown, missing or out of range.
     """
     items = [targets] if isinstance(targets, Mapping) else to_items(targets)
+    if items is not None and not items:
+        raise InputError(
+            "targets: none is given: give quantity and limit; the default are &limits and &design"
+        )
     if not items or not all(isinstance(item, Mapping) for item in items):
         raise InputError(f"targets = {show(targets)}: must be mappings with quantity and limit")
     limits = limits_of(case)

@@ -5,14 +5,18 @@ from __future__ import annotations
 import argparse
 import math
 import shlex
+from typing import TypeVar
 
 from rwmf._design.design import Design, design
 from rwmf._files import files
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_written
+from rwmf.errors import InputError
 from rwmf.plotting import design_page
 
 __all__ = ["run"]
+
+_T = TypeVar("_T")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -36,17 +40,23 @@ def run(options: argparse.Namespace) -> int:
     case = Case.from_namelist(options.case)
     files.check_outputs([options.out, options.report], case.inputs)
     design_page.check_format_of_page(options.report)
-    found = design(
-        case,
-        dict(options.vary) if options.vary else None,
-        options.target,
-        dict(options.cost) if options.cost else None,
-        options.records,
-        left_out=options.left_out,
-        designs=options.designs,
-        unit=options.unit,
-        threads=options.threads,
-    )
+    bounds, weights = _by_key("--vary", options.vary), _by_key("--cost", options.cost)
+    try:
+        found = design(
+            case,
+            bounds,
+            options.target,
+            weights,
+            options.records,
+            left_out=options.left_out,
+            designs=options.designs,
+            unit=options.unit,
+            threads=options.threads,
+        )
+    except InputError as error:
+        if bounds or options.target or weights or options.records or case.design is None:
+            raise
+        raise InputError(f"{options.case}, &design: {error}") from None
     if options.out:
         found.case.to_namelist(options.out)
     if options.report:
@@ -57,6 +67,15 @@ def run(options: argparse.Namespace) -> int:
         _print(found)
     print_written([options.out, options.report], is_json=options.json)
     return 0
+
+
+def _by_key(option: str, items: list[tuple[str, _T]] | None) -> dict[str, _T] | None:
+    """Return the words of an option by their keys; None without any."""
+    found = dict(items or ())
+    for key, _ in items or ():
+        if [word for word, _ in items or ()].count(key) > 1:
+            raise InputError(f"{option}: {key}: is given twice")
+    return found or None
 
 
 def _print(found: Design) -> None:
@@ -72,7 +91,9 @@ def _print(found: Design) -> None:
     for text in found.missed:
         print(f"  missed: {text}")
     if found.left_out:
-        print(f"judged on {len(found.left_out)} records left out: {', '.join(found.left_out)}")
+        names = ", ".join(found.left_out)
+        plural = "" if len(found.left_out) == 1 else "s"
+        print(f"judged on {len(found.left_out)} record{plural} left out: {names}")
     else:
         print("no record was left out: the design is judged on its own motions")
 

@@ -237,7 +237,8 @@ def _print_table(table: xr.Dataset) -> None:
             values = values[np.isfinite(values)]
             if values.size:
                 low, middle, high = np.quantile(values, [0, 0.5, 1], method="inverted_cdf")
-                print(f"  {name}: {low:.4g} to {high:.4g}, median {middle:.4g}, without collapse")
+                numbers = f"{low:.4g} to {high:.4g}, median {middle:.4g}"
+                print(f"  {name}: {numbers} of runs without collapse")
 
 
 def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namespace) -> None:

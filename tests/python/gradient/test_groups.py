@@ -90,6 +90,28 @@ def test_refused_designs(changes: dict[str, object], message: str) -> None:
         coupled(limits={"u_s_max_m": 0.2}, design=DESIGN | changes)
 
 
+def test_refused_requests_name_their_place(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    limits = {"u_s_max_m": 0.2}
+    twice = {"parameters": ["xi_s", "xi_s"], "low": [0.02] * 2, "high": [0.2] * 2, "cost": [1, 1]}
+    for changes, reason in (
+        (twice, "parameters: xi_s: is given twice"),
+        ({"parameters": ["law"]}, "bounds: law: is a choice"),
+        ({"parameters": ["rtol"]}, "bounds: rtol: is a setting of the solver"),
+        ({"low": [-1.0]}, "bounds, lower ends:"),
+        ({"records": ["none*.csv"], "unit": "g"}, "no record is there"),
+    ):
+        path = _write(tmp_path / "case.nml", design=DESIGN | changes, limits=limits)
+        assert main(["design", path]) == 2
+        message = capsys.readouterr().err
+        assert "case.nml, &design: " in message
+        assert reason in message
+    words = ["design", path, "--target", "u_s_max=0.2@84", "--cost", "xi_s=1"]
+    assert main([*words, "--vary", "xi_s=0.02:0.1", "xi_s=0.1:0.2"]) == 2
+    assert "--vary: xi_s: is given twice" in capsys.readouterr().err
+
+
 def test_refused_groups(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(rwmf.InputError, match=r"&design.*has no target.*&limits"):
         coupled(design=DESIGN)
