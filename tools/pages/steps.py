@@ -94,7 +94,6 @@ def run_blocks(page: Path) -> None:
     PageError
         For the first block whose result differs from the page.
     """
-
     # a notebook holds the prose of its page as well
     is_notebook = notebooks.is_offered(page)
 
