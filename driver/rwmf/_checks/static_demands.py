@@ -116,7 +116,7 @@ def demand_along(case: Case, columns: Mapping[str, Array], key: str) -> Array | 
         return columns[name]
     if name == "storey_drift":
         storeys = [values for item, values in columns.items() if _is_drift_of_storey(item)]
-        return np.max(np.abs(storeys), axis=0) if storeys else None
+        return np.asarray(np.max(np.abs(storeys), axis=0)) if storeys else None
     if name == "theta_over_alpha":
         return columns["theta_rad"] / math.atan2(case.wall.b, case.wall.h)
     for beginning in ("tendon_force", "cable_force_increment"):
@@ -125,7 +125,7 @@ def demand_along(case: Case, columns: Mapping[str, Array], key: str) -> Array | 
             if force is None or beginning == "tendon_force":
                 return force
             # without load the wall stands and the cable has its prestress
-            return force - force[0]
+            return np.asarray(force - force[0])
     return None
 
 
