@@ -198,3 +198,16 @@ def test_pip_knows_the_optional_packages_in_a_checkout(tmp_path: Path) -> None:
             for wanted in optional[purpose]
         ),
     ]
+
+
+@pytest.mark.parametrize("name", ["bindings/python/_kernel.*.so", "app/rwmf-batch"])
+def test_the_kernel_needs_no_newer_c_library_than_the_wheels_say(name: str) -> None:
+    """A function with a newer version of its symbol would end `tools/wheel` after its build."""
+    minor = int(_found(r"^platform=\"manylinux_2_(\d+)_", "tools/wheel"))
+    assert f"glibc 2.{minor} or newer" in _text("README.md")
+    (program,) = (ROOT / "build/src").glob(name)
+    listed = subprocess.run(
+        ["objdump", "--dynamic-syms", program], capture_output=True, text=True, check=True
+    )
+    needed = [int(found) for found in re.findall(r"\(GLIBC_2\.(\d+)", listed.stdout)]
+    assert 0 < max(needed) <= minor
