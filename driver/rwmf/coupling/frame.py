@@ -54,7 +54,7 @@ class LinkedFrame:
         again = self._increments(longer)[host.links] * 4 / longer**2
         if not np.allclose(at_links, again, rtol=_SAME_MASS) or not np.all(np.diag(again) > 0):
             raise InputError("host: a link has no mass")
-        self.mass: Reals = np.linalg.inv(at_links)
+        self.mass: Reals = np.asarray(np.linalg.inv(at_links), dtype=np.float64)
 
     def _increments(self, h: float) -> Reals:
         """Increments of the frame in a step by unit forces on the frame at the links [m/N]."""

@@ -50,9 +50,9 @@ class Split(NamedTuple):
         Derivatives of the coordinates by those that the wall integrates.
     follow : numpy.ndarray, shape (n, links)
         Derivatives by the displacements of the links of the host.
-    tied : numpy.ndarray of int
+    tied : numpy.ndarray of int, shape (tied,)
         Links whose displacement is a condition.
-    balanced : numpy.ndarray of int
+    balanced : numpy.ndarray of int, shape (balanced,)
         Coordinates whose balance is a condition.
     """
 

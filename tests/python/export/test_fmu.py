@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import subprocess
 import zipfile
 from collections.abc import Callable
@@ -67,9 +68,10 @@ def summary(case: rwmf.Case) -> dict[str, Any]:
         return dict(run.summary())
 
 
-def impacts(case: rwmf.Case) -> list[float]:
-    """Return the instants of the impacts of a run."""
-    run = rwmf.simulate(case, dt=0.1)
+@functools.cache
+def impacts() -> list[float]:
+    """Return the instants of the impacts of the recorded run."""
+    run = rwmf.simulate(recorded(), dt=0.1)
     return [float(t) for t in run.event_time[run.event == "impact"]]
 
 
@@ -154,10 +156,23 @@ def link(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Return the unit of a case, exported once."""
+    folder = tmp_path_factory.mktemp("cases")
+
+    def find(name: str) -> Path:
+        path = folder / f"{name}.fmu"
+        if not path.exists():
+            export_fmu(rwmf.Case.from_text(CASES[name]), path)
+        return path
+
+    return find
+
+
 @pytest.mark.parametrize("name", CASES)
-def test_unit_is_valid_and_repeats_the_run(name: str, tmp_path: Path) -> None:
-    case, path = rwmf.Case.from_text(CASES[name]), tmp_path / "case.fmu"
-    export_fmu(case, path)
+def test_unit_is_valid_and_repeats_the_run(name: str, exported: Callable[[str], Path]) -> None:
+    case, path = rwmf.Case.from_text(CASES[name]), exported(name)
     assert validate_fmu(str(path)) == []
     unit = Unit(path).begin()
     t_end = case.solver.t_end
@@ -216,10 +231,8 @@ def test_constant_ground_acceleration(record: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["fuses", "storeys", "bending", "yielding", "tendon"])
-def test_restored_state_repeats_all_outputs(name: str, tmp_path: Path) -> None:
-    path = tmp_path / "case.fmu"
-    export_fmu(rwmf.Case.from_text(CASES[name]), path)
-    unit = Unit(path).begin()
+def test_restored_state_repeats_all_outputs(name: str, exported: Callable[[str], Path]) -> None:
+    unit = Unit(exported(name)).begin()
     unit.fmu.doStep(0.0, 0.45)
     before = unit.outputs()
     state = unit.fmu.getFMUState()
@@ -277,7 +290,7 @@ def test_steps_end_at_the_impacts(by: str, record: Path) -> None:
             assert unit.fmu.updateDiscreteStates()[0] is False
             unit.fmu.enterStepMode()
         t = last if early else t + min(0.5, 2.98 - t)
-    expected = impacts(recorded())
+    expected = impacts()
     assert found == pytest.approx(expected, abs=1e-9)
     assert unit["impacts"] == len(expected)
     assert asked == (found if by == "request" else [])
@@ -298,7 +311,7 @@ def test_impacts_are_told_without_an_early_return(record: Path) -> None:
     told: list[float] = []
     unit = Unit(record, intermediateUpdate=lambda _e, t, *_: told.append(t)).begin()
     unit.fmu.doStep(0.0, 2.98)
-    assert told == pytest.approx(impacts(recorded()), abs=1e-9)
+    assert told == pytest.approx(impacts(), abs=1e-9)
 
 
 def test_parameters_are_those_of_the_case(tmp_path: Path) -> None:

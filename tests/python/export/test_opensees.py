@@ -5,6 +5,7 @@ The runs need openseespy, or the environment variable RWMF_OPENSEES: a Python th
 
 from __future__ import annotations
 
+import csv
 import importlib.util
 import math
 import os
@@ -14,61 +15,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
+from checkout import ROOT
+from exported_scenes import ALONE, CASES, FRAME, MOTION, WALL, case_of
 from rwmf.cli import main
 from rwmf.errors import InputError
 from rwmf.export.opensees import opensees_script
 from rwmf.export.opensees_run import compare_with_opensees, run_opensees
-
-WALL = "&wall h = 5.0, b = 1.2, m_w = 40e3 / &impact rule = 'coupled' /"
-FRAME = "&frame T_s = 0.8, gamma = 3.0, xi_s = 0.04 /"
-CABLE = "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss' /"
-TENDON = "&cable eta_0 = 0.8, eta_alpha = 5.0, {} /"
-MOTION = "&motion kind = 'one_sine', a_max_g = 0.7, T_p = 0.8 / &solver t_end = 1.2 /"
-PINCHED = (
-    "&yielding storey_u_y = 0.012, law = 'pinched', hardening = 0.03, cap = 5.0, post_cap = 8.0, "
-    "residual = 0.1, lambda = 60.0, pinch_force = 0.4, pinch_displacement = 0.5 /"
-)
-
-
-SPRINGS = (
-    "&frame xi_s = 0.03 / &storeys n = 4, m = 25e3, k = 25e6, height = 2.5, coupling = 'springs', "
-    "k_link = 3e7, 2e7, 2e7, 1e7 /"
-)
-
-
-def storeys(n: int, coupling: str) -> str:
-    return (
-        f"&frame xi_s = 0.03 / &storeys n = {n}, m = 25e3, k = 25e6, height = {10.0 / n}, "
-        f"coupling = '{coupling}', distribution = 'linear' /"
-    )
-
-
-CASES = {
-    "a frame": "&frame T_s = 0.8, xi_s = 0.04, m_s = 1e5 /",
-    "storeys": storeys(3, "full"),
-    "storeys that pinch": storeys(4, "full") + PINCHED + "&p_delta m_g = 150e3 /",
-    "a wall": WALL,
-    "tendon": WALL + FRAME + CABLE,
-    "Eq. (1)": WALL + FRAME + TENDON.format("law = 'linear'"),
-    "a tendon that yields": WALL + FRAME + TENDON.format("law = 'truss', eta_y = 1.1"),
-    "a tendon that breaks": WALL + FRAME + TENDON.format("law = 'truss', rupture_strain = 0.006"),
-    "link": WALL + FRAME + CABLE + "&link L = 12.0 /",
-    "fuses": WALL + FRAME + CABLE + "&fuse F_y = 40e3, k = 2e7, hardening = 0.02 /",
-    "damper": WALL + FRAME + CABLE + "&damper c = 4e4 /",
-    "damper by a power": WALL + FRAME + CABLE + "&nl_damper F_1 = 3e4, exponent = 0.5 /",
-    "vertical": WALL + FRAME + CABLE + "&vertical ratio = 0.5 /",
-    "flag": WALL + FRAME + "&yielding u_y = 0.03, hardening = 0.05, law = 'flag' /",
-    "first mode": WALL + storeys(3, "reduced") + CABLE + "&p_delta m_g = 90e3 /",
-    "roof": WALL + storeys(4, "full") + CABLE + PINCHED,
-    "every floor": WALL + storeys(9, "every_floor") + CABLE,
-    "springs": WALL + SPRINGS + CABLE,
-    "hinge": "&wall h = 5.0, b = 1.2, m_w = 40e3, base = 'pinned' /" + FRAME,
-}
-
-
-def case_of(text: str) -> rwmf.Case:
-    more = "" if "&motion" in text else MOTION
-    return rwmf.Case.from_text(text + more + "&model formulation = 'exact' /")
 
 
 def calls(script: str, name: str) -> list[list[str]]:
@@ -76,7 +28,7 @@ def calls(script: str, name: str) -> list[list[str]]:
     return [x.split(", ") for x in re.findall(rf"^ops\.{name}\((.*)\)$", script, re.MULTILINE)]
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ALONE)
 def test_script_has_the_masses_and_the_motion(name: str) -> None:
     case = case_of(CASES[name])
     script = opensees_script(case)
@@ -164,3 +116,21 @@ def test_no_openseespy_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     with pytest.raises(InputError, match="pip install openseespy"):
         run_opensees("script.py")
+
+
+def test_the_stored_comparison_with_opensees() -> None:
+    """Rows of ``bench/opensees_export.py``, which the page repeats."""
+    path = ROOT / "validation" / "opensees" / "export.csv"
+    page = (ROOT / "docs" / "howto" / "opensees.md").read_text(encoding="utf-8")
+    with path.open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    names = [row["case"] for row in rows]
+    assert names == [name for name in CASES if name in names]
+    assert len(names) > 5
+    for row in rows:
+        assert float(row["drift_percent"]) < 0.5 or row["drift_percent"] == "nan"
+        assert float(row["impact_ms"]) < 0.5 or row["impacts"] == "0"
+        assert f"| {row['case']} | " in page
+        if row["impacts"] != "0":
+            cell = f"{float(row['impact_ms']):.2g} ({row['impacts']}) |"
+            assert cell in next(line for line in page.splitlines() if f"| {row['case']} |" in line)

@@ -1,0 +1,104 @@
+"""Exported scripts in OpenSees beside rwmf: each group alone, and ten buildings.
+
+``python bench/opensees_export.py [NAME ...]`` exports the cases of
+``tests/support/exported_scenes.py``, runs the scripts, writes ``validation/opensees/export.csv``
+and prints it as a table. It needs RWMF_OPENSEES, a Python that has ``openseespy``; it may be this
+one.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from rwmf.export.opensees import opensees_script
+from rwmf.export.opensees_run import Demand, compare_with_opensees, run_opensees
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+
+from exported_scenes import CASES, case_of  # noqa: E402
+
+# differences above this are no round-off: they need a reason on the page [%]
+MOST = 10.0
+STORE = ROOT / "validation" / "opensees" / "export.csv"
+
+
+class Row(NamedTuple):
+    """Largest differences of a case; NaN without a value."""
+
+    case: str
+    drift_percent: float
+    acceleration_percent: float
+    impacts: int
+    impact_ms: float
+
+
+def largest(found: list[Demand], words: str) -> float:
+    """Return the largest difference of the demands whose names have a word."""
+    sizes = [abs(demand.difference) for demand in found if words in demand.name]
+    return max(sizes, default=np.nan)
+
+
+def compare(name: str) -> Row:
+    """Export and run a case."""
+    case = case_of(CASES[name])
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / "script.py"
+        script.write_text(opensees_script(case), encoding="utf-8")
+        found = compare_with_opensees(case, run_opensees(script))
+    row = Row(
+        name,
+        1e2 * largest(found, "drift"),
+        1e2 * largest(found, "acceleration"),
+        sum("impact" in demand.name for demand in found),
+        1e3 * largest(found, "impact"),
+    )
+    print(row, file=sys.stderr, flush=True)
+    return row
+
+
+def cells(row: Row) -> str:
+    """Write a row of the table of a page; accelerations that differ by more as a dash."""
+    drift = "-" if np.isnan(row.drift_percent) else f"{row.drift_percent:.2g}"
+    is_far = not row.acceleration_percent < MOST
+    acceleration = "-" if is_far else f"{row.acceleration_percent:.2g}"
+    impact = f"{row.impact_ms:.2g} ({row.impacts})" if row.impacts else "-"
+    return f"| {row.case} | {drift} | {acceleration} | {impact} |"
+
+
+def read() -> list[Row]:
+    """Read the stored rows."""
+    with STORE.open(encoding="utf-8") as stream:
+        return [
+            Row(case, float(drift), float(acceleration), int(impacts), float(impact))
+            for case, drift, acceleration, impacts, impact in list(csv.reader(stream))[1:]
+        ]
+
+
+def write(rows: list[Row]) -> None:
+    """Store rows."""
+    with STORE.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(Row._fields)
+        for row in rows:
+            writer.writerow([x if isinstance(x, str | int) else f"{x:.3g}" for x in row])
+
+
+def main() -> None:
+    """Compute all cases, or those given; print the table."""
+    rows = {row.case: row for row in read()} if STORE.is_file() else {}
+    for name in sys.argv[1:] or CASES:
+        rows[name] = compare(name)
+        write([rows[known] for known in CASES if known in rows])
+    print("| case | drift [%] | acceleration [%] | impacts [ms] (compared) |")
+    print("|---|---|---|---|")
+    print("\n".join(cells(row) for row in read()))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,98 @@
+"""Cases that are exported to OpenSees: each group alone, and ten buildings."""
+
+from __future__ import annotations
+
+import rwmf
+
+__all__ = ["ALONE", "BUILDINGS", "CASES", "FRAME", "MOTION", "WALL", "case_of"]
+
+WALL = "&wall h = 5.0, b = 1.2, m_w = 40e3 / &impact rule = 'coupled' /"
+FRAME = "&frame T_s = 0.8, gamma = 3.0, xi_s = 0.04 /"
+CABLE = "&cable eta_0 = 0.8, eta_alpha = 5.0, law = 'truss' /"
+TENDON = "&cable eta_0 = 0.8, eta_alpha = 5.0, {} /"
+FUSE = "&fuse F_y = 40e3, k = 2e7, hardening = 0.02, law = '{}' /"
+MOTION = "&motion kind = 'one_sine', a_max_g = 0.7, T_p = 0.8 / &solver t_end = 1.2 /"
+LONGER = MOTION.replace("1.2", "2.5")
+COLUMNS = "&yielding u_y = 0.03, hardening = 0.05, law = '{}' /"
+STOREYS_YIELD = "&yielding storey_u_y = 0.012, hardening = 0.03, law = '{}' /"
+CAPPED = (
+    "&yielding storey_u_y = 0.012, law = '{}', hardening = 0.03, cap = 5.0, post_cap = 8.0, "
+    "residual = 0.1, lambda = 60.0{} /"
+)
+PINCHED = CAPPED.format("pinched", ", pinch_force = 0.4, pinch_displacement = 0.5")
+SPRINGS = (
+    "&frame xi_s = 0.03 / &storeys n = 4, m = 25e3, k = 25e6, height = 2.5, coupling = 'springs', "
+    "k_link = 3e7, 2e7, 2e7, 1e7 /"
+)
+
+
+def storeys(n: int, coupling: str) -> str:
+    """Write storeys of 10 m together."""
+    return (
+        f"&frame xi_s = 0.03 / &storeys n = {n}, m = 25e3, k = 25e6, height = {10.0 / n}, "
+        f"coupling = '{coupling}', distribution = 'linear' /"
+    )
+
+
+ALONE = {
+    "a frame": "&frame T_s = 0.8, xi_s = 0.04, m_s = 1e5 /",
+    "storeys": storeys(3, "full"),
+    "storeys that pinch": storeys(4, "full") + PINCHED + "&p_delta m_g = 150e3 /",
+    "a wall": WALL,
+    "tendon": WALL + FRAME + CABLE,
+    "Eq. (1)": WALL + FRAME + TENDON.format("law = 'linear'"),
+    "a tendon that yields": WALL + FRAME + TENDON.format("law = 'truss', eta_y = 1.1"),
+    "a tendon that breaks": WALL + FRAME + TENDON.format("law = 'truss', rupture_strain = 0.006"),
+    "link": WALL + FRAME + CABLE + "&link L = 12.0 /",
+    "fuses": WALL + FRAME + CABLE + FUSE.format("elastic_plastic"),
+    "damper": WALL + FRAME + CABLE + "&damper c = 4e4 /",
+    "damper by a power": WALL + FRAME + CABLE + "&nl_damper F_1 = 3e4, exponent = 0.5 /",
+    "vertical": WALL + FRAME + CABLE + "&vertical ratio = 0.5 /",
+    "flag": WALL + FRAME + COLUMNS.format("flag"),
+    "first mode": WALL + storeys(3, "reduced") + CABLE + "&p_delta m_g = 90e3 /",
+    "roof": WALL + storeys(4, "full") + CABLE + PINCHED,
+    "every floor": WALL + storeys(9, "every_floor") + CABLE,
+    "springs": WALL + SPRINGS + CABLE,
+    "hinge": "&wall h = 5.0, b = 1.2, m_w = 40e3, base = 'pinned' /" + FRAME,
+}
+BUILDINGS = {
+    "1 storey, tendon, fuses": WALL + FRAME + CABLE + FUSE.format("elastic_plastic") + LONGER,
+    "2 storeys, roof, flag fuses": WALL + storeys(2, "full") + CABLE + FUSE.format("flag") + LONGER,
+    "3 storeys, every floor, columns yield, P-Delta": WALL
+    + storeys(3, "every_floor")
+    + STOREYS_YIELD.format("elastic_plastic")
+    + "&p_delta m_g = 90e3 /"
+    + LONGER,
+    "4 storeys, roof, pinching, tendon": WALL + storeys(4, "full") + CABLE + PINCHED + LONGER,
+    "4 storeys, every floor, peak oriented": WALL
+    + storeys(4, "every_floor")
+    + CAPPED.format("peak_oriented", "")
+    + LONGER,
+    "5 storeys, roof, tendon that yields": WALL
+    + storeys(5, "full")
+    + TENDON.format("law = 'truss', eta_y = 1.1")
+    + LONGER,
+    "6 storeys, every floor, tendon, fuses": WALL
+    + storeys(6, "every_floor")
+    + CABLE
+    + FUSE.format("elastic_plastic")
+    + LONGER,
+    "7 storeys, roof, flag columns, tendon": WALL
+    + storeys(7, "full")
+    + CABLE
+    + STOREYS_YIELD.format("flag")
+    + LONGER,
+    "8 storeys, every floor, dampers": WALL
+    + storeys(8, "every_floor")
+    + CABLE
+    + "&nl_damper F_1 = 3e4, exponent = 0.5 /"
+    + LONGER,
+    "9 storeys, every floor, tendon": WALL + storeys(9, "every_floor") + CABLE + LONGER,
+}
+CASES = ALONE | BUILDINGS
+
+
+def case_of(text: str) -> rwmf.Case:
+    """Return a case, with a pulse unless the text has a motion."""
+    more = "" if "&motion" in text else MOTION
+    return rwmf.Case.from_text(text + more + "&model formulation = 'exact' /")
