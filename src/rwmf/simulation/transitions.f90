@@ -161,8 +161,6 @@ contains
 
       time = huge(time)
       if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0) return
-      ! the modes of the wall, not the ground motion, give the duration
-      if (equation%beam%n > 0 .and. abs(hybrid%y(2)) <= 0) return
       pull = -equation%state%side*second_derivative(equation, hybrid%t, hybrid%y)
       if (abs(hybrid%y(2)) < pull*sqrt(huge(time))) then
          time = flight_margin*abs(hybrid%y(2))/max(pull, tiny(pull))

@@ -38,11 +38,6 @@ contains
       call rates_at(self%step%equation, t, y, y_dot)
       allocate (f(1, 0:2))
       f(1, :) = [y(1), y(2), y_dot(2)]
-      ! a wall that lifts off moves away from its base; round-off may give the zero either sign
-      associate (equation => self%step%equation)
-         if (equation%has_impacts .and. max(abs(y(1)), abs(y(2))) <= 0) f(1, 2) = &
-            equation%state%side*max(tiny(t), equation%state%side*f(1, 2))
-      end associate
    end subroutine evaluate_rotation
 
    !> Evaluate velocity and acceleration at a state.
