@@ -115,10 +115,12 @@ def gradient(
     found = find_parameters(scenes.case, parameters, scenes.columns)
     lanes = Lanes(scenes, found, names, threads)
     suite = None
-    if statistic is None and over != RECORD:
-        raise InputError("over: needs a statistic")
-    reduced = texts_of("over", over) if statistic is not None else []
-    if statistic is not None:
+    reduced = texts_of("over", over)
+    if statistic is None:
+        if reduced != [RECORD]:
+            raise InputError("over: needs a statistic")
+        reduced = []
+    else:
         axes = tuple(scenes.index_of(name) for name in reduced)
         suite = SuiteStatistic(statistic, axes, tuple(scenes.sizes.values()))
     steps = Steps(scenes, lanes, found, suite)
