@@ -8,10 +8,10 @@ from collections.abc import Callable
 from rwmf._arguments import case_of
 from rwmf._numbers import show, to_number
 from rwmf.case import CaseLike
+from rwmf.coupling.coupled_run import CoupledRun
+from rwmf.coupling.coupled_wall import CoupledWall
 from rwmf.coupling.host import Host
 from rwmf.coupling.pair import Pair
-from rwmf.coupling.run import CoupledRun
-from rwmf.coupling.wall import CoupledWall
 from rwmf.errors import InputError
 
 __all__ = ["couple"]

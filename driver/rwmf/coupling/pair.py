@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from rwmf._hosts.states import WallEvent
+from rwmf.coupling.coupled_run import CoupledRun, CouplingEnergy
+from rwmf.coupling.coupled_wall import CoupledWall, Split, WallResponse
 from rwmf.coupling.frame import LinkedFrame
 from rwmf.coupling.host import Host, Reals, end_rates
-from rwmf.coupling.run import CoupledRun, CouplingEnergy
-from rwmf.coupling.wall import CoupledWall, Split, WallResponse
 from rwmf.errors import InputError, NumericalError
 
 __all__ = ["Pair"]

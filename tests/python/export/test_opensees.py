@@ -92,7 +92,7 @@ def case_text(text: str) -> list[str]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ALONE)
 def test_demands_of_opensees(name: str, tmp_path: Path) -> None:
     if not os.environ.get("RWMF_OPENSEES") and not importlib.util.find_spec("openseespy"):
         pytest.skip("no OpenSees: RWMF_OPENSEES names no Python that has openseespy")
