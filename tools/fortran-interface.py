@@ -3,8 +3,8 @@
 
 fortran-interface.py HEADER MODULE
 
-Module files fit one compiler; this source fits all. The header is the only definition: what the
-tables below do not know, and every declaration of a new form, is an error.
+Module files fit one compiler; this source fits all. The header is the only definition. Names
+that the tables below do not know, and declarations of a new form, are errors.
 """
 
 import re
@@ -112,9 +112,9 @@ class _Header:
     def _argument(self, word: str, absent: set[str]) -> tuple[str, str]:
         """Return the name of an argument and its attributes."""
         if "(*" in word:
-            name = re.search(r"\(\*(\w+)\)", word)
-            assert name
-            return name[1], "type(c_funptr), value"
+            pointer = re.search(r"\(\*(\w+)\)", word)
+            assert pointer
+            return pointer[1], "type(c_funptr), value"
         kind, stars, name, size, is_const = _parts(word)
         if size:
             raise SystemExit(f"no argument that this program knows: {word}")

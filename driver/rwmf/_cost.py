@@ -172,9 +172,9 @@ def cost(
     target : float
         Relative error of the peak for which a method is recommended [-].
     progress : callable or bool, optional
-        True for a bar in a notebook or terminal, or a function that is called with the numbers of
-        finished and of all units of work. During the reference it is called about 20 times a
-        second; an exception that it raises stops the kernel.
+        True for a bar in a notebook or terminal. A function is called with the numbers of finished
+        and of all units of work. During the reference it is called about 20 times a second; an
+        exception that it raises stops the kernel.
     quantities : str, optional
         Peak whose error is compared, by its key or its name in a dataset. The default is the
         largest displacement of the frame, or without a frame the largest rotation. The time

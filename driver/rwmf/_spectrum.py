@@ -52,8 +52,8 @@ def spectrum(
         Threads of the kernel, 0 for all. The result does not depend on it. The limits are 256
         threads and 16 for each processor.
     progress : callable or bool, optional
-        True for a bar in a notebook or terminal, or a function that is called about 20 times a
-        second with the numbers of finished and of all ordinates.
+        True for a bar in a notebook or terminal. A function is called about 20 times a second with
+        the numbers of finished and of all ordinates.
     quantities : str or sequence of str, optional
         Requested quantities by names or keys of reference/outputs.md; otherwise those of
         `&spectrum`. The default is ``u_s_max``, and without a frame ``theta_max_over_alpha``.

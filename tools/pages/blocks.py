@@ -229,6 +229,11 @@ def commands_of(text: str) -> list[tuple[str, str]]:
     -------
     list of (str, str)
         Each command, with its lines continued by a backslash, and its output.
+
+    Raises
+    ------
+    PageError
+        If the block begins without a command.
     """
     found: list[tuple[str, str]] = []
     goes_on = False

@@ -1,16 +1,16 @@
 """Lessons as Jupyter notebooks: pages that link to ``figures/PAGE/PAGE.ipynb``.
 
-Such a page is run once, in a Jupyter kernel; its blocks become the cells of the notebook, and the
+Such a page is run once, in a Jupyter kernel. Its blocks become the cells of the notebook. Their
 outputs are compared with those on the page.
 
 ================ =================================================================================
 page             cell
 ================ =================================================================================
-prose            Markdown, without links to other pages
-named block      ``%%writefile``
-command          ``%%bash``
-python           code; its printed output is that of the kernel
-figure           ``Image``, unless the cells since the last one show their own figure
+prose            Markdown, without links to other pages.
+named block      ``%%writefile``.
+command          ``%%bash``.
+python           code; its printed output is that of the kernel.
+figure           ``Image``, unless the cells since the last one show their own figure.
 others           Markdown; checked as on other pages
 ================ =================================================================================
 """
@@ -109,7 +109,7 @@ def _kernel(folder: Path) -> Iterator[NotebookClient]:
         coalesce_streams=True,
         resources={"metadata": {"path": str(folder)}},
     )
-    # a folder of its own: paths of sockets have at most 107 characters
+    # a temporary folder: paths of sockets have at most 107 characters
     with tempfile.TemporaryDirectory() as apart:
         manager = client.create_kernel_manager()
         # sockets instead of ports of the machine

@@ -516,11 +516,12 @@ class NotebookPage:
     def _repr_html_(self) -> str:
         if not self._is_open:
             return repr(self)
-        return (
+        frame = (
             f'<iframe src="{self.address}" title="explorer" width="100%" height="{_HEIGHT}" '
-            f'style="border: 1px solid #999"></iframe><a href="{self.address}" target="_blank" '
-            'rel="noopener">Open the explorer in a tab of its own</a>'
+            'style="border: 1px solid #999"></iframe>'
         )
+        link = f'<a href="{self.address}" target="_blank" rel="noopener">Open in another tab</a>'
+        return frame + link
 
 
 def _json(content: bytes) -> object:

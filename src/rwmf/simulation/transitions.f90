@@ -403,7 +403,7 @@ contains
       t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e/pull(2))/(1 - e**2)
       t = min(t, interval_end(equation%motion, interval_of(equation)))
       if (equation%beam%n > 0) then
-         ! the impacts take back what the flights give to the modes
+         ! the impacts take back the energy that the flights give to the modes
          call hold_wall(equation%state)
          call rates_at(equation, hybrid%t, y, rates)
          call release_wall(equation%state)

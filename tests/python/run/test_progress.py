@@ -21,7 +21,7 @@ class _Shell:
 
 
 class _Cell:
-    """Output of a notebook's cell: what a reader has seen, one text for each change."""
+    """Output of a notebook's cell: one text for each change that a reader has seen."""
 
     def __init__(self) -> None:
         self.seen: list[str] = []

@@ -157,7 +157,7 @@ def test_percentiles_are_infinite_where_records_collapse(table: xr.Dataset) -> N
 
 
 def test_records_replace_a_motion_in_memory() -> None:
-    """A case that has a motion of its own needs no file for it."""
+    """A case whose motion is in memory needs no file for it."""
     first, second = suite(2)
     own = frame().replace(motion=first)
     found, other = (rwmf.stripes(case, [second], [0.1], "u_s_max") for case in (own, frame()))

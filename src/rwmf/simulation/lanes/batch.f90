@@ -326,6 +326,7 @@ contains
    pure real(wp) function first_acceleration(batch, i) result(acceleration)
       type(batch_t), intent(in) :: batch
       integer, intent(in) :: i
+      !! lane
 
       acceleration = batch%k(i, 2, 1)
       if (max(abs(batch%y(i, 1)), abs(batch%y(i, 2))) > 0) return

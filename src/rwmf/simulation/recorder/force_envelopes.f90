@@ -253,9 +253,11 @@ contains
       type(equation_t), intent(in) :: equation
       !! equation of a scene with a wall
       real(wp), intent(in) :: t
+      !! time [s]
       real(wp), intent(in) :: y(:)
+      !! (states) [units of the states]
       real(wp), intent(in) :: y_dot(:)
-      !! (states) their rates
+      !! (states) their rates [units of the states/s]
 
       if (equation%beam%n > 0) then
          associate (sections => self%building%sections)
