@@ -96,7 +96,7 @@ def building(n: int, coupling: str, law: str | None, method: str) -> str:
     if law is not None:
         text += f"&yielding storey_u_y = 0.01, hardening = 0.05, law = '{law}'"
         text += f"{_LAWS.get(law, '')} /\n"
-    text += "&output dt = 1e-4, reactions = .true., energy = .true. /\n"
+    text += "&output dt = 1e-4, reactions = .true., energy = .true., conditioning = .false. /\n"
     return text + f"&solver method = '{method}', t_end = 2e-4, rtol = 1e-4 /\n"
 
 

@@ -110,6 +110,7 @@ class PageServer(ThreadingHTTPServer):
     request_queue_size = 128
 
     def __init__(self, case: Case, port: int = 0, in_frame: bool = False) -> None:
+        self._is_stopped = False
         self.in_frame = in_frame
         self.folder = Folder()
         try:
@@ -188,8 +189,28 @@ class PageServer(ThreadingHTTPServer):
         self.arriving.pop(request, None)
         super().shutdown_request(request)
 
+    def stop(self, number: int, frame: object) -> None:
+        """Handle a signal: ask `serve_forever` to end, with a KeyboardInterrupt.
+
+        Parameters
+        ----------
+        number : int
+            The signal.
+        frame : object
+            Where it arrived.
+        """
+        self._is_stopped = True
+
     def service_actions(self) -> None:
-        """Close connections with overdue requests."""
+        """Close connections with overdue requests.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            After `stop`.
+        """
+        if self._is_stopped:
+            raise KeyboardInterrupt
         now = time.monotonic()
         for connection, until in list(self.arriving.items()):
             if now > until:
@@ -611,6 +632,8 @@ def _serve(case: Case, port: int, open_browser: bool) -> None:
     server = None
     try:
         server = PageServer(case, port)
+        # not an exception wherever the program is: a second one would interrupt the end
+        _set_signals(server.stop, before)
         _say(f"{server.address}\nCtrl-C ends it")
         if open_browser:
             # a terminal browser blocks until its user leaves it

@@ -130,7 +130,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! `err_interrupt` on the caller's request, `err_numerical` after too many steps
 
-      call check_progress(hybrid%progress, hybrid%t, error)
+      call check_progress(hybrid%progress, size(hybrid%y), hybrid%t, error)
       if (allocated(error)) return
       if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
       if (is_cancelled(control)) then

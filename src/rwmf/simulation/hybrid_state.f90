@@ -90,17 +90,21 @@ contains
 
    !> Count a step or an event, and fail if round-off holds the run at nearly the same time.
    !>
-   !> The shortest flights last 64 spacings of the time and take a few steps each.
-   subroutine check_progress(progress, t, error)
+   !> The shortest flights last 64 spacings of the time and take a few steps each. All storeys may
+   !> reverse at one instant.
+   subroutine check_progress(progress, n_states, t, error)
       type(progress_t), intent(inout) :: progress
+      integer, intent(in) :: n_states
+      !! number of states
       real(wp), intent(in) :: t
       !! [s]
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most = 1000
-      !! number of steps and events in which the time must advance by as many of its spacings
+      !! number of steps and events, without those of the storeys, in which the time must advance by
+      !! as many of its spacings
 
       progress%count = progress%count + 1
-      if (progress%count < most) return
+      if (progress%count < most + 4*n_states) return
       if (t - progress%t <= most*spacing(t)) call fail(error, err_numerical, &
          'no step leads on from t = '//trim(real_to_text(t)) &
          //' s: the motion is lost in round-off; raise rtol', 'too_many_steps')

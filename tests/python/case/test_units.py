@@ -59,6 +59,8 @@ def test_same_motion(both: tuple[rwmf.Case, rwmf.Case]) -> None:
     runs = [rwmf.simulate(case.replace(output=output)) for case in both]
     for key in runs[0].data_vars:
         if runs[0][key].ndim == 0 and runs[0][key].dtype.kind == "f":
+            if key == "tendon_strain_max" and "rupture_strain" in both[0].groups.get("cable", {}):
+                continue  # over its own length, as above
             # a flat peak determines its value well, but its time and place poorly
             rtol = 1e-6 if re.search("^t_|_height$", str(key)) else 1e-9
             np.testing.assert_allclose(

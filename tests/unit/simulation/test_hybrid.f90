@@ -270,7 +270,7 @@ contains
          progress = progress_t()
          do i = 0, 2500
             t = 1 + (i*half_spacings(k)/2)*spacing(1.0_wp)
-            call check_progress(progress, t, error)
+            call check_progress(progress, 0, t, error)
             if (allocated(error)) exit
          end do
          if (k == 1) then

@@ -93,7 +93,7 @@ contains
       if (quantity%group /= '') then
          if (.not. has_group(values, trim(quantity%group))) lacking = '&'//trim(quantity%group)
       end if
-      if (lacking == '') lacking = lacking_need(values, quantity)
+      if (lacking == '') call find_lacking(values, quantity, lacking)
       if (lacking == '' .and. quantity%ratio > 0 .and. unit_of(values, 'N') <= 0) then
          lacking = 'the mass of the wall, or of the frame without a wall,'
       end if
@@ -102,11 +102,11 @@ contains
       end if
    end subroutine check_limit
 
-   !> First requirement of a quantity that a case does not meet; '' if it meets all.
-   function lacking_need(values, quantity) result(lacking)
+   !> Find the first requirement of a quantity that a case does not meet; '' if it meets all.
+   subroutine find_lacking(values, quantity, lacking)
       type(group_values_t), intent(in) :: values
       type(quantity_t), intent(in) :: quantity
-      character(:), allocatable :: lacking
+      character(:), allocatable, intent(out) :: lacking
       integer :: first, last, i
 
       first = 1
@@ -126,7 +126,7 @@ contains
          first = last + 2
       end do
       lacking = ''
-   end function lacking_need
+   end subroutine find_lacking
 
    !> True if a case has one of the groups and keys in backticks, or with 'no ' none of them. Other
    !> requirements count as met.

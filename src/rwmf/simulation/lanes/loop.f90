@@ -468,7 +468,8 @@ contains
       integer, intent(in) :: i
       type(batch_t), intent(inout) :: batch
 
-      call check_progress(lane%hybrid%progress, batch%table(i, of_time), lane%error)
+      call check_progress(lane%hybrid%progress, size(lane%hybrid%y), batch%table(i, of_time), &
+         lane%error)
       if (.not. allocated(lane%error)) return
       call catch_up(lane, i, batch)
       batch%table(i, of_length) = 0
