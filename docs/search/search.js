@@ -70,9 +70,12 @@ function termsOf(query) {
     const found = rest.match(finder([phrase]));
     if (!found) continue;
     rest = rest.replace(finder([phrase]), " ");
-    const others = group.filter((other) => other !== phrase);
-    terms.push({ own: finder([phrase]), any: finder([phrase, ...others]) });
+    // words of one group are one term
+    const known = terms.find((term) => term.group === group);
+    if (known) known.phrases.push(phrase);
+    else terms.push({ group, phrases: [phrase], any: finder(group) });
   }
+  for (const term of terms) term.own = finder(term.phrases);
   for (const word of rest.split(" ")) {
     if (word && !STOPS.has(word) && !/^\d+$/.test(word))
       terms.push({ own: finder([word]), any: finder([word]), isUnit: UNITS.has(word) });
