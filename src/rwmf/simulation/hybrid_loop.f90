@@ -38,7 +38,7 @@ module rwmf_simulation_hybrid_loop
    implicit none
    private
 
-   public :: start_hybrid, advance_hybrid, begin_step, end_step, stay_at_rest, check_work
+   public :: start_hybrid, advance_hybrid, begin_step, end_step, stay_at_rest, check_steps
    public :: may_stand_on_fuses, stands_on_fuses
 
 contains
@@ -131,7 +131,17 @@ contains
       !! `err_interrupt` on the caller's request, `err_numerical` after too many steps
 
       call check_progress(hybrid%progress, size(hybrid%y), hybrid%t, error)
-      if (allocated(error)) return
+      if (.not. allocated(error)) call check_steps(hybrid, integrator, control, error)
+   end subroutine check_work
+
+   !> Check the number of steps and the caller's request to stop.
+   subroutine check_steps(hybrid, integrator, control, error)
+      type(hybrid_t), intent(in) :: hybrid
+      class(integrator_t), intent(in) :: integrator
+      type(control_t), intent(in) :: control
+      type(error_t), allocatable, intent(out) :: error
+      !! as `check_work`
+
       if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
       if (is_cancelled(control)) then
          call fail(error, err_interrupt, 'interrupted at t = '//trim(real_to_text(hybrid%t))//' s')
@@ -140,7 +150,7 @@ contains
             //trim(real_to_text(hybrid%t))//' s, theta = '//trim(real_to_text(hybrid%y(1))) &
             //': raise max_steps or rtol, or shorten t_end', 'too_many_steps')
       end if
-   end subroutine check_work
+   end subroutine check_steps
 
    !> Keep the wall at rest until the ground motion lifts it.
    subroutine stay_at_rest(hybrid, equation, recorder, t_target, error)

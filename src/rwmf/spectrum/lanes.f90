@@ -19,7 +19,8 @@ module rwmf_spectrum_lanes
    use rwmf_simulation_conditioning, only: perturb
    use rwmf_simulation_finite_check, only: is_finite
    use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_overturned
-   use rwmf_simulation_lanes_loop, only: join_batch, step_batch
+   use rwmf_simulation_lanes_lane_loading, only: join_batch
+   use rwmf_simulation_lanes_loop, only: step_batch
    use rwmf_simulation_lanes_batch, only: create_batch, lane_state_t, leave_batch, &
       tabulate_lines, batch_t
    use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
