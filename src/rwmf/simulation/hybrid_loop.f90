@@ -9,37 +9,35 @@ module rwmf_simulation_hybrid_loop
    use rwmf_core_error, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_integrator, only: integrator_t
-   use rwmf_math_roots, only: bracket_between, bracket_t, narrow
-   use rwmf_model_assembly, only: cable_at, enter_interval, enter_side, equation_t, &
-      interval_of, second_derivative
-   use rwmf_model_cable, only: cable_state_t
+   use rwmf_model_assembly, only: enter_interval, enter_side, equation_t, interval_of, &
+      second_derivative
    use rwmf_model_drift_limits, only: count_drifts
    use rwmf_model_effects_storeys_yielding_storeys, only: start_storeys
    use rwmf_model_hysteresis_bouc_wen, only: load_bouc_wen
-   use rwmf_model_hysteresis_spring_set, only: fuse_uplift, load_to, reset_springs
+   use rwmf_model_hysteresis_spring_set, only: load_to, reset_springs
    use rwmf_model_lift_off, only: find_uplift_capacity, find_lift_off, find_uplift_acceleration
    use rwmf_model_rest, only: release_wall
    use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
    use rwmf_simulation_elastic_chatter, only: skip_chatter
-   use rwmf_simulation_events_drift_events, only: cut_step, has_collapsed
+   use rwmf_simulation_events_drift_events, only: has_collapsed
+   use rwmf_simulation_events_first_change, only: ending_t
+   use rwmf_simulation_events_fuse_support, only: check_fuses
    use rwmf_simulation_events_lift_off_events, only: side_pulled
    use rwmf_simulation_events_step_events, only: search_step
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
-   use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_free_vibration, only: follow_free_vibration
    use rwmf_simulation_hybrid_state, only: advance_interval, check_progress, count_steps, &
       has_ended, hybrid_t, mode_collapsed, mode_held, mode_no_impacts, mode_overturned, mode_rest, &
       mode_rocking, progress_t
    use rwmf_simulation_recorder_recorder, only: observe_piece, observe_rest, recorder_t, sees_rest
    use rwmf_simulation_result, only: event_lift_off
-   use rwmf_simulation_transitions, only: apply_event, begin_piece, change_storey, enter_rest, &
-      lift_off, negligible
+   use rwmf_simulation_transitions, only: apply_event, begin_piece, enter_rest, lift_off, &
+      negligible
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
    public :: start_hybrid, advance_hybrid, begin_step, end_step, stay_at_rest, check_steps
-   public :: may_stand_on_fuses, stands_on_fuses
 
 contains
 
@@ -181,56 +179,6 @@ contains
       if (side /= 0) call lift_off(hybrid, equation, recorder, side, error)
    end subroutine stay_at_rest
 
-   !> Fail at the first time in the step at which the wall rests on its fuses.
-   !>
-   !> After yielding in tension, fuses push both corners up on the way back. A wall that one fuse
-   !> holds up at one corner rocks on the other corner. If both fuses together exceed weight and
-   !> cable force, they lift the wall off both corners.
-   subroutine check_fuses(equation, piece, error)
-      type(equation_t), intent(in) :: equation
-      type(step_view_t), intent(in) :: piece
-      !! up to the end of the step, or up to the event that ends it
-      type(error_t), allocatable, intent(out) :: error
-      type(bracket_t) :: bracket
-      real(wp) :: y(equation%n)
-
-      if (.not. may_stand_on_fuses(equation)) return
-      if (.not. stands_on_fuses(equation, piece%y_b(1))) return
-      bracket = bracket_between(piece%t_a, piece%t_b)
-      do while (bracket%is_open)
-         call piece%integrator%state_at(bracket%middle, y, error)
-         if (allocated(error)) return
-         call narrow(bracket, stands_on_fuses(equation, y(1)))
-      end do
-      call fail(error, err_numerical, 'the wall stands on its fuses at t = ' &
-         //trim(real_to_text(bracket%high)) &
-         //' s: drawn out before, both together push it up with more than weight and cable, and ' &
-         //'no corner stays on the ground, which is not in the model; fuses with eta_y <= ' &
-         //'(1 + eta_0)/2 never do that while the cable keeps its prestress', 'wall_on_fuses')
-   end subroutine check_fuses
-
-   !> Return whether the fuses may lift the wall off the ground. The fuse forces grow with the
-   !> stroke, so the cheap check at theta = 0 excludes most cases.
-   pure logical function may_stand_on_fuses(equation)
-      type(equation_t), intent(in) :: equation
-
-      may_stand_on_fuses = .false.
-      if (.not. equation%has_fuses) return
-      may_stand_on_fuses = -sum(equation%state%springs(size(equation%springs) - 1:)%offset) &
-         > equation%p%g
-   end function may_stand_on_fuses
-
-   !> Return whether the fuse force exceeds weight plus cable force beyond round-off.
-   logical function stands_on_fuses(equation, theta)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
-      type(cable_state_t) :: cable
-
-      cable = cable_at(equation, theta)
-      stands_on_fuses = fuse_uplift(equation, theta) > (1 + cable%force)*(1 + sqrt(epsilon(theta)))
-   end function stands_on_fuses
-
    !> Take one step of the integrator and end it at the first event.
    subroutine integrate_step(hybrid, equation, integrator, recorder, t_target, error)
       type(hybrid_t), intent(inout), target :: hybrid
@@ -320,27 +268,23 @@ contains
       type(recorder_t), intent(inout) :: recorder
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails, the wall jumps or rests on its fuses
-      type(storey_end_t) :: ending
+      type(ending_t) :: ending
       type(step_view_t) :: step
-      integer :: event
 
       call view_step(step, equation, integrator)
-      call cut_step(step, hybrid%drifts, ending, error)
-      if (allocated(error)) return
-      call search_step(hybrid, step, recorder, event, error)
+      call search_step(hybrid, step, recorder, ending, error)
       if (allocated(error)) return
       step%t_b = hybrid%t
       step%y_b => hybrid%y
       if (equation%has_fuses) call check_fuses(equation, step, error)
       if (allocated(error)) return
       ! A motion that jumps at the start of the step lifts a held wall at once, without any rest.
-      if (event /= event_lift_off .or. step%t_b > step%t_a) call observe_piece(recorder, step, &
-         error)
+      if (ending%kind /= event_lift_off .or. step%t_b > step%t_a) call observe_piece(recorder, &
+         step, error)
       if (allocated(error)) return
-      call apply_event(hybrid, equation, recorder, event, error)
+      call apply_event(hybrid, equation, recorder, ending, error)
       if (allocated(error)) return
-      ! Without any other event, the flight continues with the next step.
-      if (event == 0 .and. ending%storey > 0) call change_storey(hybrid, equation, recorder, ending)
+      ! Without an event, the flight continues with the next step.
       call advance_interval(hybrid, equation, integrator%steps)
    end subroutine end_step
 

@@ -50,8 +50,6 @@ module rwmf_simulation_hybrid_state
    type, extends(hybrid_state_t) :: hybrid_t
       type(restitution_t) :: restitution
       !! velocity factor at impact
-      logical :: is_rising = .false.
-      !! theta increases at the end of a spring's branch or at lift-off
       real(wp) :: overturning_angle
       !! [rad]
       real(wp) :: rtol

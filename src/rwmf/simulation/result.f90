@@ -9,6 +9,7 @@ module rwmf_simulation_result
    public :: append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture, event_passage, event_collapsed, ending_name
+   public :: event_storey_limit, event_storey_turn, event_storey_zero
 
    integer, parameter :: event_impact = 1
    integer, parameter :: event_peak = 2
@@ -23,6 +24,12 @@ module rwmf_simulation_result
    !! the hysteretic force of the frame passes zero; ends a piece of motion and is not reported
    integer, parameter :: event_collapsed = 9
    !! a drift exceeds the collapse limit
+   integer, parameter :: event_storey_limit = 10
+   !! a storey reaches a limit of its branch; reported as the end of a branch
+   integer, parameter :: event_storey_turn = 11
+   !! a storey unloads, or starts to move; reported as the end of a branch
+   integer, parameter :: event_storey_zero = 12
+   !! the hysteretic force of a storey passes zero; not reported
 
    !> Change of the regime of motion, or a peak of the rotation.
    type :: event_t

@@ -16,19 +16,21 @@ module rwmf_simulation_transitions
    use rwmf_model_restitution, only: factor_at, largest_factor
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_elastic_chatter, only: drop_chatter
-   use rwmf_simulation_events_storey_events, only: end_branch, storey_end_t
+   use rwmf_simulation_events_first_change, only: ending_t
+   use rwmf_simulation_events_storey_events, only: end_branch
    use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_held, &
       mode_overturned, mode_rest, mode_rocking
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
       observe_state, observe_still, recorder_t, sees_forces
    use rwmf_simulation_result, only: event_branch, event_collapsed, event_impact, event_lift_off, &
-      event_overturned, event_passage, event_peak, event_rest, event_rupture
+      event_overturned, event_passage, event_peak, event_rest, event_rupture, event_storey_limit, &
+      event_storey_turn, event_storey_zero
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
 
    public :: reason_of_jump
-   public :: apply_event, begin_piece, change_storey, enter_rest, lift_off, observe_peak, negligible
+   public :: apply_event, begin_piece, enter_rest, lift_off, observe_peak, negligible
 
    character(*), parameter :: reason_of_jump = 'vertical motion or fuses take all of weight and ' &
       //'cable force from the base, and a wall in the air is not in the model'
@@ -41,23 +43,23 @@ module rwmf_simulation_transitions
 contains
 
    !> Apply the event at the current time.
-   subroutine apply_event(hybrid, equation, recorder, event, error)
+   subroutine apply_event(hybrid, equation, recorder, ending, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
-      integer, intent(in) :: event
-      !! one of the `event_` numbers, or 0 without an event
+      type(ending_t), intent(in) :: ending
+      !! event, or none
       type(error_t), allocatable, intent(out) :: error
       !! the wall jumps
 
-      select case (event)
+      select case (ending%kind)
       case (event_impact)
          call apply_impact(hybrid, equation, recorder)
          call check_ground(hybrid, equation, error)
       case (event_lift_off)
-         call lift_off(hybrid, equation, recorder, merge(1, -1, hybrid%is_rising), error)
+         call lift_off(hybrid, equation, recorder, 2*ending%number - 3, error)
       case (event_branch)
-         call enter_branch(hybrid, equation, recorder)
+         call enter_branch(hybrid, equation, recorder, ending%is_rising)
       case (event_peak)
          hybrid%y(2) = 0
          call turn_back(equation%model_t, equation%state, hybrid%y(1))
@@ -70,6 +72,11 @@ contains
       case (event_overturned)
          hybrid%mode = mode_overturned
          call observe_event(recorder, event_overturned, hybrid%t, hybrid%y)
+      case (event_collapsed)
+         hybrid%mode = mode_collapsed
+         call observe_event(recorder, event_collapsed, hybrid%t, hybrid%y)
+      case (event_storey_limit, event_storey_turn, event_storey_zero)
+         call change_storey(hybrid, equation, recorder, ending)
       case default
          ! no change
       end select
@@ -172,15 +179,17 @@ contains
    end function flight_time
 
    !> Move a spring to its next branch.
-   subroutine enter_branch(hybrid, equation, recorder)
+   subroutine enter_branch(hybrid, equation, recorder, is_rising)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
+      logical, intent(in) :: is_rising
+      !! true if the rotation increases
       logical :: was_broken
 
       was_broken = tendon_is_broken(equation)
       call observe_state(recorder, equation, hybrid%t, hybrid%y)
-      call pass_window(equation%model_t, equation%state, is_rising=hybrid%is_rising)
+      call pass_window(equation%model_t, equation%state, is_rising)
       hybrid%must_restart = .true.
       if (tendon_is_broken(equation) .and. .not. was_broken) then
          call observe_event(recorder, event_rupture, hybrid%t, hybrid%y)
@@ -189,23 +198,18 @@ contains
       end if
    end subroutine enter_branch
 
-   !> End the branch of a storey at the current state, or end the run by collapse.
+   !> End the branch of a storey at the current state.
    subroutine change_storey(hybrid, equation, recorder, ending)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout) :: equation
       type(recorder_t), intent(inout) :: recorder
-      type(storey_end_t), intent(in) :: ending
+      type(ending_t), intent(in) :: ending
 
-      if (ending%collapses) then
-         hybrid%mode = mode_collapsed
-         call observe_event(recorder, event_collapsed, hybrid%t, hybrid%y)
-         return
-      end if
       call observe_state(recorder, equation, hybrid%t, hybrid%y)
       call end_branch(equation%model_t, equation%state, ending, hybrid%y)
       if (.not. allocated(equation%floors%laws)) call observe_event(recorder, event_branch, &
          hybrid%t, hybrid%y)
-      if (ending%turns) hybrid%t_turn = hybrid%t
+      if (ending%kind == event_storey_turn) hybrid%t_turn = hybrid%t
       hybrid%must_restart = .true.
    end subroutine change_storey
 

@@ -1,4 +1,8 @@
-!> First sign change of a function of time and state inside the last step of an integrator.
+!> First event inside the last step of an integrator: a sign change of a watched function of time
+!> and state.
+!>
+!> Functions of a kind declare their events as watches: value or rate, level, expected side and
+!> consequence. One search serves all of them, and one rule decides whether a step has no event.
 !>
 !> All functions of a kind (storey displacements, drifts, rotation) share the samples of values,
 !> rates and second derivatives. A span is quiet if the polygon of each function
@@ -12,12 +16,34 @@ module rwmf_simulation_events_first_change
    use rwmf_math_roots, only: close_in, secant_between, secant_t
    use rwmf_math_sign_changes, only: change_at_begin, changes_of, no_change, one_change, &
       polygon_t, rate_polygon, root_of, roughness, value_polygon
-   use rwmf_simulation_events_step_view, only: fastest_angle, sample_state, step_view_t
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, fastest_angle, &
+      sample_state, shorten, step_view_t
    implicit none
    private
 
-   public :: functions_t, moment_t, samples_t, span_t, watch_t, are_quiet, changes_in, &
-      sample_functions, span_between, stop_at_change, stop_at_first, stop_at_root, value_at
+   public :: ending_t, functions_t, moment_t, samples_t, span_t, watch_t
+   public :: any_course, monotone, changed_at_begin
+   public :: changes_in, sample_functions, shows_no_event, span_between, stop_at_change, &
+      stop_at_event, value_at
+
+   integer, parameter :: any_course = 0
+   !! the function may change and return
+   integer, parameter :: monotone = 1
+   !! the function cannot return, so the end of a span shows its change
+   integer, parameter :: changed_at_begin = 2
+   !! the function changes at the beginning of the span
+
+   !> Event that ends a step.
+   type :: ending_t
+      integer :: kind = 0
+      !! one of the `event_` numbers; 0 without an event
+      integer :: number = 0
+      !! number of the watched function: storey from the ground up, drift, side of the wall
+      real(wp) :: t = huge(1.0_wp)
+      !! [s]
+      logical :: is_rising = .false.
+      !! the rotation or the watched function increases through its level
+   end type ending_t
 
    !> Values of the functions at one time.
    type :: moment_t
@@ -47,8 +73,13 @@ module rwmf_simulation_events_first_change
       type(step_view_t) :: step
       type(samples_t), pointer :: samples => null()
       !! samples of this step; null: no storage
+      integer :: n = 0
+      !! number of functions with events
+      integer :: derivatives = 2
+      !! 1 if derivatives that cost an evaluation of the right-hand side are not required
    contains
       procedure(evaluate_i), deferred :: evaluate
+      procedure :: watches => no_watches
    end type functions_t
 
    abstract interface
@@ -75,9 +106,101 @@ module rwmf_simulation_events_first_change
       real(wp) :: level = 0
       real(wp) :: side = 1
       !! +1 for values at the level or above, -1 for values at the level or below
+      integer :: kind = 0
+      !! event at the change: one of the `event_` numbers
+      integer :: course = any_course
+      !! `any_course`, `monotone` or `changed_at_begin`
    end type watch_t
 
 contains
+
+   !> Declare the events of a function in a span. By default there is none.
+   function no_watches(self, i, span) result(watches)
+      class(functions_t), intent(in) :: self
+      integer, intent(in) :: i
+      !! number of the function
+      type(span_t), intent(in) :: span
+      type(watch_t), allocatable :: watches(:)
+
+      allocate (watches(0))
+   end function no_watches
+
+   !> Return whether the ends of a step show that no event of the functions lies in it.
+   !>
+   !> The cubics through values and rates show it in most steps, the quintics with second
+   !> derivatives in nearly all.
+   logical function shows_no_event(functions, step) result(is_quiet)
+      class(functions_t), intent(inout) :: functions
+      type(step_view_t), intent(in) :: step
+      type(moment_t) :: a, b
+      type(span_t) :: span
+      integer :: derivatives, i
+
+      functions%step = step
+      a%t = step%t_a
+      b%t = step%t_b
+      do derivatives = 1, 2
+         functions%derivatives = derivatives
+         call functions%evaluate(a%t, step%y_a, a%f)
+         call functions%evaluate(b%t, step%y_b, b%f)
+         span = span_between(functions, a, b)
+         is_quiet = .true.
+         do i = 1, functions%n
+            is_quiet = are_quiet(span, functions%watches(i, span))
+            if (.not. is_quiet) exit
+         end do
+         if (is_quiet .or. ubound(a%f, 2) < derivatives) exit
+      end do
+      functions%derivatives = 2
+   end function shows_no_event
+
+   !> End a step at the first event of the functions, if any.
+   subroutine stop_at_event(functions, step, ending, error)
+      class(functions_t), intent(inout) :: functions
+      type(step_view_t), intent(inout) :: step
+      type(ending_t), intent(inout) :: ending
+      !! event at the end of the step
+      type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
+      logical :: is_found
+
+      if (count_parts(step) == 1) then
+         if (shows_no_event(functions, step)) return
+      end if
+      functions%step = step
+      allocate (functions%samples)
+      call search_parts(functions, ending, is_found, error)
+      deallocate (functions%samples)
+      if (is_found .and. .not. allocated(error)) call shorten(step, ending%t, error)
+   end subroutine stop_at_event
+
+   !> Search the parts of a step for the first event of the functions.
+   subroutine search_parts(functions, ending, is_found, error)
+      class(functions_t), intent(in) :: functions
+      type(ending_t), intent(inout) :: ending
+      logical, intent(out) :: is_found
+      type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
+      type(moment_t) :: a, b
+      type(span_t) :: span
+      integer :: parts, i, k
+
+      is_found = .false.
+      parts = count_parts(functions%step)
+      call sample_functions(functions, functions%step%t_a, b, error)
+      do i = 1, parts
+         a = b
+         if (.not. allocated(error)) call sample_functions(functions, end_of_part(functions%step, &
+            i, parts), b, error)
+         if (allocated(error)) return
+         span = span_between(functions, a, b)
+         do k = 1, functions%n
+            call stop_at_first(functions, functions%watches(k, span), span, ending, is_found, error)
+            if (allocated(error)) return
+         end do
+         if (is_found) return
+      end do
+   end subroutine search_parts
 
    !> Sample the functions at a time of the step.
    subroutine sample_functions(functions, t, moment, error)
@@ -161,11 +284,18 @@ contains
       type(watch_t), intent(in) :: watches(:)
       integer :: i
 
+      are_quiet = .true.
       do i = 1, size(watches)
-         are_quiet = changes_in(span, watches(i)) == no_change
+         select case (watches(i)%course)
+         case (changed_at_begin)
+            are_quiet = .false.
+         case (monotone)
+            are_quiet = value_at(watches(i), span%b) >= 0
+         case default
+            are_quiet = changes_in(span, watches(i)) == no_change
+         end select
          if (.not. are_quiet) return
       end do
-      are_quiet = .true.
    end function are_quiet
 
    !> Round-off of a watched function.
@@ -202,24 +332,37 @@ contains
       end associate
    end function polygon_in
 
-   !> End a span at the first change of several watched functions. Each change shortens the span, so
-   !> that the last one found is the first in time.
-   subroutine stop_at_first(functions, watches, span, which, error)
+   !> End a span at the first change of several watches. Each change shortens the span, so that the
+   !> last one found is the first in time.
+   subroutine stop_at_first(functions, watches, span, ending, is_found, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watches(:)
       type(span_t), intent(inout) :: span
-      integer, intent(out) :: which
-      !! number of the watch; 0 if no function changes
+      type(ending_t), intent(inout) :: ending
+      logical, intent(inout) :: is_found
+      !! on return also true if a watch changes
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      logical :: is_found
+      logical :: changes
       integer :: i
 
-      which = 0
       do i = 1, size(watches)
-         call stop_at_change(functions, watches(i), span, is_found, error)
-         if (allocated(error)) return
-         if (is_found) which = i
+         associate (watch => watches(i))
+            select case (watch%course)
+            case (changed_at_begin)
+               changes = .true.
+               span%b = span%a
+            case (monotone)
+               changes = value_at(watch, span%b) < 0
+               if (changes) call stop_at_root(functions, watch, span, error)
+            case default
+               call stop_at_change(functions, watch, span, changes, error)
+            end select
+            if (allocated(error)) return
+            if (.not. (changes .and. span%b%t < ending%t)) cycle
+            ending = ending_t(watch%kind, watch%which, span%b%t, watch%side < 0)
+            is_found = .true.
+         end associate
       end do
    end subroutine stop_at_first
 

@@ -7,14 +7,16 @@ module rwmf_simulation_events_step_events
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
+   use rwmf_model_lift_off, only: find_uplift_acceleration
    use rwmf_simulation_events_event_time, only: find_event_time
-   use rwmf_simulation_events_lift_off_events, only: search_lift_off
+   use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, &
       sample_state, step_view_t, until
    use rwmf_simulation_events_turns, only: farthest_turn, keeps_direction, split_turns
+   use rwmf_simulation_events_watched_functions, only: cut_step
    use rwmf_simulation_hybrid_state, only: hybrid_t, mode_held, mode_rocking
    use rwmf_simulation_recorder_recorder, only: observe_event, recorder_t
-   use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_overturned, &
+   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, &
       event_passage, event_peak
    use rwmf_simulation_transitions, only: observe_peak
    implicit none
@@ -28,24 +30,24 @@ module rwmf_simulation_events_step_events
 contains
 
    !> Search the integrator's last step; store time and state of its end or of the event in hybrid.
-   subroutine search_step(hybrid, step, recorder, event, error)
+   subroutine search_step(hybrid, step, recorder, ending, error)
       type(hybrid_t), intent(inout) :: hybrid
-      type(step_view_t), intent(in) :: step
+      type(step_view_t), intent(inout) :: step
       type(recorder_t), intent(inout) :: recorder
-      integer, intent(out) :: event
+      type(ending_t), intent(out) :: ending
       !! `event_impact`, `event_overturned`, `event_branch`, `event_passage`, `event_peak` (only if
-      !! a spring unloads at the peak), for a held wall `event_lift_off`, or 0
+      !! a spring unloads at the peak), or an event of a watched function
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       real(wp), dimension(size(step%y_a)), target :: y_a, y_b
       type(step_view_t) :: part
-      integer :: i, n, side
+      type(ending_t) :: rotation
+      integer :: i, n
 
-      event = 0
+      call cut_step(step, hybrid, ending, error)
+      if (allocated(error)) return
       if (hybrid%mode == mode_held) then
-         call search_lift_off(step, hybrid%t, hybrid%y, side, error)
-         if (side /= 0) event = event_lift_off
-         hybrid%is_rising = side > 0
+         call stay_on_base(hybrid, step)
          return
       end if
       if (is_quiet(hybrid, step)) then
@@ -60,12 +62,28 @@ contains
          part%t_b = end_of_part(step, i, n)
          call sample_state(step, part%t_b, y_b, error)
          if (allocated(error)) return
-         call search_part(hybrid, part, recorder, event, error)
-         if (allocated(error) .or. event /= 0) return
+         call search_part(hybrid, part, recorder, rotation, error)
+         if (allocated(error)) return
+         if (rotation%kind /= 0) then
+            ending = rotation
+            return
+         end if
          part%t_a = part%t_b
          y_a = y_b
       end do
    end subroutine search_step
+
+   !> Store the end of a step of a wall held on its base.
+   subroutine stay_on_base(hybrid, step)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(step_view_t), intent(in) :: step
+
+      hybrid%t = step%t_b
+      hybrid%y(:) = step%y_b
+      ! an implicit method solves for all states together and leaves round-off in the held ones
+      hybrid%y(:2) = 0
+      call find_uplift_acceleration(step%equation%model_t, step%equation%state, hybrid%y)
+   end subroutine stay_on_base
 
    !> Return whether the ends of the step exclude any event in it.
    logical function is_quiet(hybrid, step)
@@ -88,11 +106,11 @@ contains
    end function is_quiet
 
    !> Search a part of the step, in spans with at most one sign change of theta'.
-   subroutine search_part(hybrid, part, recorder, event, error)
+   subroutine search_part(hybrid, part, recorder, ending, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: part
       type(recorder_t), intent(inout) :: recorder
-      integer, intent(out) :: event
+      type(ending_t), intent(out) :: ending
       type(error_t), allocatable, intent(out) :: error
       type(step_view_t) :: rest
       real(wp) :: t_m
@@ -104,34 +122,32 @@ contains
       do i = 1, most_spans
          call split_turns(rest, direction_of(hybrid, rest), t_m, y_m, is_split, error)
          if (allocated(error) .or. .not. is_split) exit
-         call search_span(hybrid, until(rest, t_m, y_m), recorder, event, error)
-         if (allocated(error) .or. event /= 0) return
+         call search_span(hybrid, until(rest, t_m, y_m), recorder, ending, error)
+         if (allocated(error) .or. ending%kind /= 0) return
          y_a = y_m
          rest = from(rest, t_m, y_a)
       end do
-      event = 0
-      if (.not. allocated(error)) call search_span(hybrid, rest, recorder, event, error)
+      if (.not. allocated(error)) call search_span(hybrid, rest, recorder, ending, error)
    end subroutine search_part
 
    !> Search a span with at most one sign change of theta'.
-   subroutine search_span(hybrid, span, recorder, event, error)
+   subroutine search_span(hybrid, span, recorder, ending, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: span
       type(recorder_t), intent(inout) :: recorder
-      integer, intent(out) :: event
+      type(ending_t), intent(out) :: ending
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_peak
       real(wp), target :: y_peak(size(span%y_a))
       logical :: is_plain
 
-      event = 0
       if (.not. has_peak(hybrid, span) .or. stands_still(span)) then
-         call search_piece(hybrid, span, event, error)
+         call search_piece(hybrid, span, ending, error)
          return
       end if
       is_plain = turns_inside(hybrid, span)
       if (is_plain) then
-         call search_piece(hybrid, span, event, error)
+         call search_piece(hybrid, span, ending, error)
          if (allocated(error)) return
          if (.not. recorder%keeps_events) then
             if (.not. may_be_extreme(recorder, span)) return
@@ -139,14 +155,14 @@ contains
       end if
       call find_event_time(span, 2, 0.0_wp, t_peak, y_peak, error)
       if (allocated(error)) return
-      if (.not. is_plain) call search_piece(hybrid, until(span, t_peak, y_peak), event, error)
-      if (allocated(error) .or. (event /= 0 .and. .not. is_plain)) return
+      if (.not. is_plain) call search_piece(hybrid, until(span, t_peak, y_peak), ending, error)
+      if (allocated(error) .or. (ending%kind /= 0 .and. .not. is_plain)) return
       call observe_peak(hybrid, span%equation, recorder, span%y_a(2), t_peak, y_peak)
       if (is_plain) return
       if (span%equation%state%ends_at_peak) then
-         event = event_peak
+         ending%kind = event_peak
       else
-         call search_piece(hybrid, from(span, t_peak, y_peak), event, error)
+         call search_piece(hybrid, from(span, t_peak, y_peak), ending, error)
       end if
    end subroutine search_span
 
@@ -184,17 +200,17 @@ contains
    end function may_be_extreme
 
    !> Search a piece with monotone theta; store time and state of its end or of the event in hybrid.
-   subroutine search_piece(hybrid, piece, event, error)
+   subroutine search_piece(hybrid, piece, ending, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: piece
-      integer, intent(out) :: event
+      type(ending_t), intent(out) :: ending
       type(error_t), allocatable, intent(out) :: error
 
       hybrid%t = piece%t_b
       hybrid%y(:) = piece%y_b
-      call end_piece(hybrid, piece, event, error)
+      call end_piece(hybrid, piece, ending, error)
       if (piece%equation%has_loading_direction .and. .not. allocated(error)) then
-         call end_at_zero(hybrid, piece, event, error)
+         call end_at_zero(hybrid, piece, ending, error)
       end if
    end subroutine search_piece
 
@@ -237,10 +253,10 @@ contains
    !>
    !> Without previous yielding, the force passes zero at the time of an impact. The impact is then
    !> the event, and the next piece sets the signs again.
-   subroutine end_at_zero(hybrid, piece, event, error)
+   subroutine end_at_zero(hybrid, piece, ending, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: piece
-      integer, intent(inout) :: event
+      type(ending_t), intent(inout) :: ending
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t_b
       real(wp), target :: y_b(size(hybrid%y))
@@ -256,14 +272,14 @@ contains
          else
             call find_event_time(until(piece, t_b, y_b), place, 0.0_wp, hybrid%t, hybrid%y, error)
             if (allocated(error)) return
-            if (t_b - hybrid%t <= 8*spacing(t_b) .or. (event == event_impact &
+            if (t_b - hybrid%t <= 8*spacing(t_b) .or. (ending%kind == event_impact &
                 .and. equation%state%side*hybrid%y(1) <= 0)) then
                hybrid%t = t_b
                hybrid%y(:) = y_b
                return
             end if
          end if
-         event = event_passage
+         ending%kind = event_passage
          hybrid%y(place) = 0
       end associate
    end subroutine end_at_zero
@@ -280,32 +296,31 @@ contains
    end function passes_zero
 
    !> Search a monotone piece for the end of the flight or for a branch end of a spring.
-   subroutine end_piece(hybrid, piece, event, error)
+   subroutine end_piece(hybrid, piece, ending, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(step_view_t), intent(in) :: piece
-      integer, intent(out) :: event
+      type(ending_t), intent(out) :: ending
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: level
 
-      event = 0
       level = 0
       associate (equation => piece%equation, theta_a => piece%y_a(1), theta_b => piece%y_b(1))
          ! The two limits of a spring without strength coincide; the direction of motion selects
          ! one.
-         hybrid%is_rising = theta_b > theta_a
-         if (leaves_window(hybrid, equation, theta_a, theta_b, level)) event = event_branch
-         if (event == 0) then
+         ending%is_rising = theta_b > theta_a
+         if (leaves_window(hybrid, equation, theta_a, theta_b, level)) ending%kind = event_branch
+         if (ending%kind == 0) then
             if (hybrid%mode == mode_rocking .and. equation%state%side*theta_b < 0 &
                 .and. .not. leaves_base(piece)) then
-               event = event_impact
+               ending%kind = event_impact
             else if (equation%has_wall .and. abs(theta_b) >= hybrid%overturning_angle) then
-               event = event_overturned
+               ending%kind = event_overturned
                level = sign(hybrid%overturning_angle, theta_b)
             else
                return
             end if
          end if
-         if (event == event_branch .and. abs(level - theta_a) <= 0) then
+         if (ending%kind == event_branch .and. abs(level - theta_a) <= 0) then
             hybrid%t = piece%t_a
             hybrid%y(:) = piece%y_a
             return

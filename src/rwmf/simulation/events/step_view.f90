@@ -3,12 +3,12 @@ module rwmf_simulation_events_step_view
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_integrator_integrator, only: integrator_t
-   use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
+   use rwmf_model_assembly, only: equation_t, interval_of, rates_at, second_derivative
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, turning_point
    implicit none
    private
 
-   public :: step_view_t, view_step, until, from
+   public :: step_view_t, view_step, until, from, shorten, rates_in
    public :: count_parts, end_of_part, sample_state, accelerations
    public :: fastest_angle, is_short, turning_frequency
 
@@ -21,6 +21,8 @@ module rwmf_simulation_events_step_view
       !! [s]
       real(wp), pointer, contiguous :: y_a(:) => null(), y_b(:) => null()
       !! (states) at both ends
+      real(wp), pointer, contiguous :: rates_a(:) => null(), rates_b(:) => null()
+      !! (states) rates at both ends, if known
    end type step_view_t
 
 contains
@@ -51,6 +53,7 @@ contains
       piece = step
       piece%t_b = t
       piece%y_b => y
+      nullify (piece%rates_b)
    end function until
 
    !> Return the piece from a time [s] with the states y(:) at that time.
@@ -65,7 +68,43 @@ contains
       piece = step
       piece%t_a = t
       piece%y_a => y
+      nullify (piece%rates_a)
    end function from
+
+   !> Shorten the last step of an integrator to a time inside it.
+   subroutine shorten(step, t, error)
+      type(step_view_t), intent(inout) :: step
+      real(wp), intent(in) :: t
+      !! [s]
+      type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
+      real(wp) :: y(size(step%y_a))
+
+      call sample_state(step, t, y, error)
+      if (allocated(error)) return
+      step%t_b = t
+      step%integrator%t1 = t
+      step%integrator%y1(:) = y
+   end subroutine shorten
+
+   !> Compute the rates of a state in a step; those at its ends may be known.
+   subroutine rates_in(step, t, y, rates)
+      type(step_view_t), intent(in) :: step
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states) at t
+      real(wp), intent(out) :: rates(:)
+      !! (states)
+
+      if (associated(step%rates_a) .and. t <= step%t_a) then
+         rates = step%rates_a
+      else if (associated(step%rates_b) .and. t >= step%t_b) then
+         rates = step%rates_b
+      else
+         call rates_at(step%equation, t, y, rates)
+      end if
+   end subroutine rates_in
 
    !> Number of parts for the search of a step.
    !>

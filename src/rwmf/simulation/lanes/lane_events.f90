@@ -10,6 +10,7 @@ module rwmf_simulation_lanes_lane_events
    use rwmf_math_sign_changes, only: no_change, unclear
    use rwmf_model_assembly, only: enter_interval, interval_of, rates_at
    use rwmf_motion_ground_motion, only: interval_end
+   use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cross_window, &
       cubic_of, first_event, no_event, place_event, quartic_of, quartic_t, quintic_of
    use rwmf_simulation_free_vibration, only: long_rest
@@ -343,22 +344,22 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) approximately at t
       type(batch_t), intent(inout) :: batch
-      integer :: event
+      type(ending_t) :: ending
 
       associate (hybrid => lane%hybrid, equation => lane%equation, table => batch%table)
          hybrid%t = min(t, table(i, of_limit))
          hybrid%y(:) = y
-         event = event_peak
+         ending%kind = event_peak
          if (lane%target_event == at_turn) then
             hybrid%y(2) = 0
          else if (lane%target_event == at_state) then
             hybrid%y(further_state(equation)) = 0
-            event = event_passage
+            ending%kind = event_passage
          else
             hybrid%y(1) = table(i, merge(of_low, of_high, lane%target_event == at_low))
-            event = event_at_level(lane, hybrid%y(1))
+            ending%kind = event_at_level(lane, hybrid%y(1))
          end if
-         hybrid%is_rising = lane%target_event == at_high
+         ending%is_rising = lane%target_event == at_high
          lane%integrator%steps = lane%integrator%steps + 1_i8
          lane%integrator%h = table(i, of_length)
          if ((batch%is_watched(i) .or. allocated(batch%work)) .and. hybrid%t &
@@ -366,12 +367,12 @@ contains
             call pass_step(lane, i, batch, hybrid%t, hybrid%y)
          end if
          lane%recorder%theta_dot_ends = max(table(i, of_fastest), abs(hybrid%y(2)))
-         if (event == event_peak) then
+         if (ending%kind == event_peak) then
             call observe_peak(hybrid, equation, lane%recorder, (batch%y(i, 2)), hybrid%t, hybrid%y)
          end if
          if (allocated(lane%error)) return
-         if (event /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
-            equation, lane%recorder, event, lane%error)
+         if (ending%kind /= event_peak .or. equation%state%ends_at_peak) call apply_event(hybrid, &
+            equation, lane%recorder, ending, lane%error)
       end associate
       call enter_batch(lane, i, batch)
    end subroutine happen

@@ -12,9 +12,9 @@ module rwmf_simulation_lanes_lane_loading
    use rwmf_model_assembly, only: equation_t, interval_of
    use rwmf_model_hysteresis_bouc_wen, only: stable_rate, will_pass_zero
    use rwmf_model_lanes, only: power_count
+   use rwmf_simulation_events_fuse_support, only: may_stand_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event
-   use rwmf_simulation_hybrid_loop, only: begin_step, check_steps, may_stand_on_fuses, &
-      stay_at_rest
+   use rwmf_simulation_hybrid_loop, only: begin_step, check_steps, stay_at_rest
    use rwmf_simulation_hybrid_state, only: check_progress, has_ended, mode_held, mode_rest, &
       mode_rocking, progress_t
    use rwmf_simulation_lanes_batch, only: batch_t, follow_interval, lane_state_t, line_row, &

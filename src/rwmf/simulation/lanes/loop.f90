@@ -14,11 +14,11 @@ module rwmf_simulation_lanes_loop
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_model_assembly, only: equation_t
    use rwmf_motion_ground_motion, only: is_piecewise_linear
-   use rwmf_simulation_events_drift_events, only: is_uncut
-   use rwmf_simulation_events_lift_off_events, only: stays_down
+   use rwmf_simulation_events_fuse_support, only: ends_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_events_step_view, only: step_view_t
-   use rwmf_simulation_hybrid_loop, only: check_steps, may_stand_on_fuses, stands_on_fuses
+   use rwmf_simulation_events_watched_functions, only: is_uncut
+   use rwmf_simulation_hybrid_loop, only: check_steps
    use rwmf_simulation_hybrid_state, only: check_progress, has_ended, hybrid_t
    use rwmf_simulation_lanes_batch, only: batch_t, create_batch, follow_curves, follow_interval, &
       lane_state_t
@@ -142,7 +142,7 @@ contains
       type(lane_state_t), intent(inout), target :: lanes(:)
       type(batch_t), intent(inout), target :: batch
       type(step_view_t) :: step
-      real(wp), dimension(lanes(1)%equation%n), target :: y_a, y_b
+      real(wp), dimension(lanes(1)%equation%n), target :: y_a, y_b, rates_a, rates_b
       integer :: i
 
       if (.not. batch%has_limits) return
@@ -158,18 +158,12 @@ contains
          step%t_b = step%t_a + batch%table(i, of_trial)
          step%y_a => y_a
          step%y_b => y_b
-         lanes(i)%is_smooth = is_uncut(step, lanes(i)%hybrid%drifts)
-         if (lanes(i)%is_smooth .and. lanes(i)%is_held) then
-            ! the last stage approximates the rates at the end
-            lanes(i)%is_smooth = stays_down(step, batch%k(i, :, 1), &
-               batch%k(i, :, batch%pair%stages))
-         else if (lanes(i)%is_smooth) then
-            ! a step beyond the base ends with an impact
-            associate (equation => lanes(i)%equation)
-               if (may_stand_on_fuses(equation)) lanes(i)%is_smooth = .not. stands_on_fuses( &
-                  equation, equation%state%side*max(0.0_wp, equation%state%side*y_b(1)))
-            end associate
-         end if
+         rates_a = batch%k(i, :, 1)
+         rates_b = batch%k(i, :, batch%pair%stages)
+         step%rates_a => rates_a
+         step%rates_b => rates_b
+         lanes(i)%is_smooth = is_uncut(step, lanes(i)%hybrid)
+         if (lanes(i)%is_smooth) lanes(i)%is_smooth = .not. ends_on_fuses(step)
          batch%table(i, of_inspection) = merge(0, 1, lanes(i)%is_smooth &
             .and. lanes(i)%target_event == no_event)
       end do
