@@ -29,12 +29,12 @@ module rwmf
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_simulation_simulate, only: simulate_with_motion
    ! one simulation: maxima, counts, history and events
-   use rwmf_simulation_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
-      event_collapsed, event_impact, event_lift_off, event_name, event_overturned, event_peak, &
-      event_rest, event_branch, event_rupture, event_t, history_t, reaction_extremes_t, result_t
    use rwmf_simulation_pushover_curve, only: static_curve_t, mark_t
    use rwmf_simulation_pushover_pushover, only: protocol_t, push_over
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
+      event_collapsed, event_impact, event_lift_off, event_name, event_overturned, event_peak, &
+      event_rest, event_branch, event_rupture, event_t, history_t, reaction_extremes_t, result_t
    ! spectra: maxima over frame period, mass ratio and wall width, in parallel
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum, spectrum_t, status_of
    ! a wall inside the time loop of a host program

@@ -44,14 +44,9 @@ SHARED_TYPE_NAMES = {
 
 # Folders inside one top folder that use each other.
 BOTH_WAYS = (
-    ("rwmf/integrator", "rwmf/integrator/sundials"),
     ("rwmf/model", "rwmf/model/effects"),
     ("rwmf/model", "rwmf/model/effects/storeys"),
     ("rwmf/model", "rwmf/model/hysteresis"),
-    ("rwmf/simulation", "rwmf/simulation/events"),
-    ("rwmf/simulation", "rwmf/simulation/lanes"),
-    ("rwmf/simulation", "rwmf/simulation/recorder"),
-    ("rwmf/simulation/events", "rwmf/simulation/recorder"),
 )
 
 # Modules outside an effect's own files that use it or contain its name in code: wanted are 5.

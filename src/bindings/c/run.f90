@@ -8,8 +8,8 @@ module rwmf_bindings_c_run
    use rwmf_bindings_c_strings, only: put_message, put_text
    use rwmf_core_error, only: error_t
    use rwmf_core_version, only: version
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_result, only: result_t
    implicit none
    private
 

@@ -15,7 +15,7 @@ module rwmf_bindings_c_stepping
       query_events, query_forces, query_state, require, restore_stepping, save_stepping, &
       snapshot_t, stepping_t, wall_forces_t, wall_state_t
    use rwmf_motion_ground_motion, only: ground_t
-   use rwmf_simulation_result, only: event_t
+   use rwmf_simulation_state_result, only: event_t
    implicit none
    private
 

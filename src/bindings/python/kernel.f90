@@ -22,19 +22,19 @@ module rwmf_bindings_python_kernel
    use rwmf_input_describe, only: describe_case
    use rwmf_input_schema, only: write_groups, write_schema
    use rwmf_integrator_factory, only: method_of_spectrum => spectrum_method
+   use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
    use rwmf_model_no_tension_strip, only: base_moment, contact_length, strip_t, toe_stress
    use rwmf_motion_ground_motion, only: motion_end, motion_t, peak_acceleration
    use rwmf_output_csv, only: case_name, file_names, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
-   use rwmf_problem_scene_axes, only: axis_t, list_axes
-   use rwmf_problem_quantity_table, only: all_quantities, key_length, quantities_text
-   use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
-   use rwmf_simulation_result, only: event_collapsed, event_impact, event_name
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: all_quantities, key_length, quantities_text
+   use rwmf_problem_scene_axes, only: axis_t, list_axes
    use rwmf_simulation_conditioning, only: count_digits => digits_of
+   use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
    use rwmf_simulation_simulate, only: simulate_with_motion
-   use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
+   use rwmf_simulation_state_result, only: event_collapsed, event_impact, event_name
    use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_quantities, only: default_quantity, requested_keys_of, list_applicable
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum

@@ -13,9 +13,9 @@ module rwmf_baseline_timed_run
    use rwmf_problem_record, only: record_t
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_peak, only: ask_for_peak, peak_of
-   use rwmf_simulation_result, only: event_impact, result_t
    use rwmf_simulation_run, only: run_once
    use rwmf_simulation_simulate, only: check_peak
+   use rwmf_simulation_state_result, only: event_impact, result_t
    implicit none
    private
 

@@ -16,8 +16,8 @@ module rwmf_embedding_member_events
    use rwmf_model_equation, only: discrete_state_t, straight_displacement
    use rwmf_model_hysteresis_spring_set, only: renew_window, turn_back
    use rwmf_model_restitution, only: factor_at, largest_factor
-   use rwmf_simulation_result, only: event_branch, event_impact, event_lift_off, event_peak
-   use rwmf_simulation_transitions, only: reason_of_jump
+   use rwmf_simulation_hybrid_transitions, only: reason_of_jump
+   use rwmf_simulation_state_result, only: event_branch, event_impact, event_lift_off, event_peak
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

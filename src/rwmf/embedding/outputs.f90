@@ -7,12 +7,12 @@ module rwmf_embedding_outputs
    use rwmf_embedding_stepping, only: require, stepping_t
    use rwmf_embedding_wall_instance, only: wall_instance_t
    use rwmf_problem_quantity_table, only: all_quantities, look_up
-   use rwmf_simulation_hybrid_state, only: is_at_rest
    use rwmf_simulation_recorder_recorder, only: create_columns, find_columns, find_rates, &
       observe_present, recorder_t
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: fill_result
    use rwmf_simulation_scalars, only: scalars_of, value_of, values_t
+   use rwmf_simulation_state_hybrid_state, only: is_at_rest
+   use rwmf_simulation_state_result, only: result_t
    use rwmf_text_strings, only: shown
    implicit none
    private

@@ -22,15 +22,15 @@ module rwmf_embedding_stepping
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
    use rwmf_model_effects_storeys_shear_building, only: link_pulls, resistance
-   use rwmf_model_hysteresis_spring_set, only: uneven_plastic_part
    use rwmf_model_equation, only: frame_acceleration, frame_motion
+   use rwmf_model_hysteresis_spring_set, only: uneven_plastic_part
    use rwmf_model_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       interval_end, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run
-   use rwmf_simulation_hybrid_state, only: is_at_rest, mode_collapsed, mode_overturned
-   use rwmf_simulation_result, only: event_t
+   use rwmf_simulation_state_hybrid_state, only: is_at_rest, mode_collapsed, mode_overturned
+   use rwmf_simulation_state_result, only: event_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

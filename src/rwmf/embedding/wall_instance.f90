@@ -6,7 +6,7 @@ module rwmf_embedding_wall_instance
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_integrator_one_step, only: one_step_t
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_model_equation, only: discrete_state_t
@@ -16,12 +16,12 @@ module rwmf_embedding_wall_instance
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_advance, only: advance
    use rwmf_simulation_finite_check, only: check_numbers
-   use rwmf_simulation_hybrid_loop, only: start_hybrid
-   use rwmf_simulation_hybrid_state, only: has_ended, hybrid_state_t, hybrid_t
+   use rwmf_simulation_hybrid_hybrid_loop, only: start_hybrid
    use rwmf_simulation_lanes_batch, only: batch_t
    use rwmf_simulation_recorder_recorder, only: create_recorder, has_more_than_peaks, peaks_t, &
       recorder_t
    use rwmf_simulation_run, only: guess_size, initial_state, tolerances
+   use rwmf_simulation_state_hybrid_state, only: has_ended, hybrid_state_t, hybrid_t
    implicit none
    private
 

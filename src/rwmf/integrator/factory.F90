@@ -5,7 +5,7 @@
 module rwmf_integrator_factory
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_extrapolation, only: extrapolation_t
-   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_integrator_pairs, only: dormand_prince_853
 #ifndef RWMF_QUAD
    use rwmf_integrator_sundials_cvode, only: cvode_t

@@ -7,7 +7,7 @@ module rwmf_integrator_one_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: fail_step, integrator_t, step_too_small, &
+   use rwmf_integrator_interface_integrator, only: fail_step, integrator_t, step_too_small, &
       tolerance_t
    use rwmf_model_assembly, only: equation_t, rhs
    implicit none

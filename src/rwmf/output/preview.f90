@@ -2,14 +2,14 @@
 module rwmf_output_preview
    use rwmf_core_error, only: err_input, error_t
    use rwmf_model_effects_list, only: all_effects
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_output_summary, only: joined, list_absent_effects, list_effects, summarise, &
       summary_item_t
-   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: group_values_t, has_group, has_key, text_of
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate_instant
+   use rwmf_simulation_state_result, only: result_t
    use rwmf_spectrum_quantities, only: check_request, requested_keys_of
    use rwmf_spectrum_threads, only: choose_threads
    use rwmf_text_text_buffer, only: append, text_buffer_t

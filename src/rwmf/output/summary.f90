@@ -10,8 +10,8 @@ module rwmf_output_summary
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_quantity_table, only: all_quantities, id, is_peak, quantity_t, sensitivity_row
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: floors_of, scalars_of, value_of, values_t
+   use rwmf_simulation_state_result, only: result_t
    use rwmf_text_text_buffer, only: append, clear, text_buffer_t
    implicit none
    private

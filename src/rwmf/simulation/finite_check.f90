@@ -5,8 +5,8 @@ module rwmf_simulation_finite_check
    use rwmf_model_history_row, only: numbered
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: all_quantities, id
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: floors_of, scalars_of, value_of, values_t
+   use rwmf_simulation_state_result, only: result_t
    implicit none
    private
 

@@ -8,8 +8,8 @@ module rwmf_simulation_peak
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_quantity_table, only: all_quantities, key_length, look_up, of_demands, &
       of_envelopes, requested_by
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
+   use rwmf_simulation_state_result, only: result_t
    implicit none
    private
 

@@ -4,7 +4,7 @@ module rwmf_simulation_run
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_factory, only: new_integrator, run_method
-   use rwmf_integrator_integrator, only: integrator_t, tolerance_t
+   use rwmf_integrator_interface_integrator, only: integrator_t, tolerance_t
    use rwmf_model_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t, cable_strain
    use rwmf_model_contributions, only: state_sizes
@@ -19,20 +19,20 @@ module rwmf_simulation_run
    use rwmf_model_rest, only: inverse_inertia
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_quantity_table, only: all_quantities, key_length
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_advance, only: advance, begin_advance
    use rwmf_simulation_finite_check, only: check_result
-   use rwmf_simulation_hybrid_loop, only: start_hybrid
-   use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, is_at_rest, mode_collapsed, &
-      mode_overturned
+   use rwmf_simulation_hybrid_hybrid_loop, only: start_hybrid
    use rwmf_simulation_lanes_batch, only: batch_t
-   use rwmf_problem_quantity_table, only: all_quantities, key_length
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
    use rwmf_simulation_recorder_force_envelopes, only: envelope_extremes
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, &
       recorder_t
-   use rwmf_simulation_result, only: add_warning, result_t
+   use rwmf_simulation_state_hybrid_state, only: has_ended, hybrid_t, is_at_rest, mode_collapsed, &
+      mode_overturned
+   use rwmf_simulation_state_result, only: add_warning, result_t
    use rwmf_simulation_static_rest, only: come_to_rest
    use rwmf_simulation_warnings, only: list_case_warnings, warn_of_chatter, warn_of_grazing, &
       warn_of_reactions, warn_of_short_history

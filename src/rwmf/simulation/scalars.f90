@@ -8,8 +8,8 @@ module rwmf_simulation_scalars
    use rwmf_problem_case, only: case_t, storeys_t
    use rwmf_problem_quantity_table, only: all_quantities, id, sensitivity_id
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
-   use rwmf_simulation_newtons, only: weight_under
-   use rwmf_simulation_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
+   use rwmf_simulation_state_newtons, only: weight_under
+   use rwmf_simulation_state_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
       reaction_extremes_t, result_t
    implicit none
    private

@@ -6,7 +6,7 @@ module rwmf_simulation_warnings
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t, has_numbers
    use rwmf_problem_usual_ranges, only: list_unusual, unusual_text
-   use rwmf_simulation_result, only: add_warning, result_t
+   use rwmf_simulation_state_result, only: add_warning, result_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

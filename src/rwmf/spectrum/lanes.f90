@@ -18,16 +18,17 @@ module rwmf_spectrum_lanes
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_conditioning, only: perturb
    use rwmf_simulation_finite_check, only: is_finite
-   use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_overturned
-   use rwmf_simulation_lanes_lane_loading, only: join_batch
-   use rwmf_simulation_lanes_loop, only: step_batch
    use rwmf_simulation_lanes_batch, only: create_batch, lane_state_t, leave_batch, &
       tabulate_lines, batch_t
-   use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
+   use rwmf_simulation_lanes_lane_loading, only: join_batch
+   use rwmf_simulation_lanes_loop, only: step_batch
    use rwmf_simulation_peak, only: peak_of
-   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
       most_passes, response_size
+   use rwmf_simulation_state_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, &
+      mode_overturned
+   use rwmf_simulation_state_result, only: result_t
    use rwmf_spectrum_quantities, only: request_t, take_values
    use rwmf_spectrum_rows, only: row_motion, rows_t, take_row
    implicit none

@@ -7,16 +7,16 @@ module rwmf_spectrum_quantities
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t, has_numbers, output_t, structure_t
    use rwmf_problem_group_values, only: has_key
+   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, is_peak, key_length, &
+      look_up, of_demands, of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, &
+      of_velocity, of_verification, own_key, sensitivity_id
    use rwmf_problem_rules, only: fail_key
    use rwmf_simulation_conditioning, only: is_conditioned, round_off_of
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
-   use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, is_peak, key_length, &
-      look_up, of_demands, of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, &
-      of_velocity, of_verification, own_key, sensitivity_id
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    use rwmf_simulation_simulate, only: simulate_instant
+   use rwmf_simulation_state_result, only: result_t
    implicit none
    private
 

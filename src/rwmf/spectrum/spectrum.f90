@@ -10,10 +10,10 @@ module rwmf_spectrum_spectrum
    use rwmf_math_ordering, only: rising_order
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, output_t
-   use rwmf_problem_single_run, only: check_tolerance
    use rwmf_problem_quantity_table, only: canonical_key, key_length
-   use rwmf_simulation_result, only: ending_name, result_t
+   use rwmf_problem_single_run, only: check_tolerance
    use rwmf_simulation_simulate, only: check_peak, simulate_with_motion
+   use rwmf_simulation_state_result, only: ending_name, result_t
    use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_estimates, only: run_with_estimates
    use rwmf_spectrum_lanes, only: ordinate_t, queue_t, refused

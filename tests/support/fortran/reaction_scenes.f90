@@ -4,7 +4,7 @@ module reaction_scenes
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t, damper_t, fuse_t, inerter_t, link_t
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
-   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_state_result, only: result_t
    use scenes, only: rwmf_scene
    implicit none
    private

@@ -6,8 +6,8 @@ program test_practice
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_result, only: result_t
    use scenes, only: block_scene, frame_scene, rwmf_scene
    implicit none
 

@@ -17,7 +17,7 @@ program test_member
    use rwmf_model_equation, only: equation_t, frame_acceleration, frame_motion, ground, &
       kinematics_at, straight_displacement, vertical_ground
    use rwmf_model_reactions, only: link_force
-   use rwmf_simulation_hybrid_state, only: has_ended, is_at_rest
+   use rwmf_simulation_state_hybrid_state, only: has_ended, is_at_rest
    implicit none
 
    real(wp), parameter :: m_w = 2.0e4_wp, g = 9.81_wp

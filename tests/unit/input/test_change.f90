@@ -12,8 +12,8 @@ program test_change
    use rwmf_motion_ground_motion, only: motion_from_case
    use rwmf_output_summary, only: summarise, summary_item_t, summary_text
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate_with_motion
+   use rwmf_simulation_state_result, only: result_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
 

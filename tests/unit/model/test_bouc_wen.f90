@@ -9,8 +9,8 @@ program test_bouc_wen
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, &
       virgin_displacement
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_result, only: result_t
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 

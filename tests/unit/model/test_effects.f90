@@ -13,8 +13,8 @@ program test_effects
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_motion_polyline, only: merged_times
    use rwmf_problem_case, only: case_t, damper_t, inerter_t, link_t
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_result, only: result_t
    use scenes, only: rwmf_scene
    implicit none
 

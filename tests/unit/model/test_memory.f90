@@ -14,10 +14,10 @@ program test_memory
    use rwmf_model_jacobian, only: jacobian
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, fuse_t
-   use rwmf_simulation_hybrid_loop, only: start_hybrid
-   use rwmf_simulation_hybrid_state, only: hybrid_t
-   use rwmf_simulation_result, only: result_t
+   use rwmf_simulation_hybrid_hybrid_loop, only: start_hybrid
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_hybrid_state, only: hybrid_t
+   use rwmf_simulation_state_result, only: result_t
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 

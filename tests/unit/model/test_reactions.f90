@@ -12,8 +12,8 @@ program test_reactions
    use rwmf_problem_case, only: case_t, initial_t, output_t
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_shear_frame, only: modal_mass
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_result, only: result_t
    use scenes, only: block_scene, frame_scene
    implicit none
 

@@ -13,8 +13,8 @@ program test_storeys
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_shear_frame, only: damping_matrix, find_modes, modal_height, modal_mass, &
       roof_factor, shear_frame_t
-   use rwmf_simulation_result, only: event_branch, event_lift_off, event_rest, result_t
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_result, only: event_branch, event_lift_off, event_rest, result_t
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    use rwmf_text_strings, only: real_to_text
    use scenes, only: frame_scene, rwmf_scene

@@ -49,18 +49,18 @@ program test_collapse
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_integrator_factory, only: new_integrator
-   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
-   use rwmf_simulation_hybrid_loop, only: advance_hybrid, start_hybrid
-   use rwmf_simulation_hybrid_state, only: has_ended, hybrid_t, mode_collapsed
+   use rwmf_simulation_hybrid_hybrid_loop, only: advance_hybrid, start_hybrid
    use rwmf_simulation_recorder_recorder, only: create_recorder, recorder_t
-   use rwmf_simulation_result, only: ending_name, event_collapsed, event_name, result_t
    use rwmf_simulation_run, only: guess_size, tolerances
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_hybrid_state, only: has_ended, hybrid_t, mode_collapsed
+   use rwmf_simulation_state_result, only: ending_name, event_collapsed, event_name, result_t
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 

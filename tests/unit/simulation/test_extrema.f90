@@ -8,8 +8,8 @@ program test_extrema
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_simulation_recorder_reaction_estimates, only: largest_quotient, n_nodes, node, &
       turns_of_quotient
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_result, only: result_t
    use scenes, only: rwmf_scene
    implicit none
 

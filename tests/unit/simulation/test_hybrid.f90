@@ -11,12 +11,12 @@ program test_hybrid
    use rwmf_model_energy, only: impact_loss
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, initial_t, output_t
-   use rwmf_simulation_elastic_chatter, only: skip_chatter
-   use rwmf_simulation_hybrid_state, only: check_progress, hybrid_t, progress_t
+   use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter
    use rwmf_simulation_recorder_recorder, only: recorder_t
-   use rwmf_simulation_result, only: result_t
    use rwmf_simulation_run, only: begin_run
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_hybrid_state, only: check_progress, hybrid_t, progress_t
+   use rwmf_simulation_state_result, only: result_t
    use scenes, only: block_scene, frame_scene, rwmf_scene
    implicit none
 

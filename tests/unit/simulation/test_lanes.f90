@@ -16,8 +16,8 @@ program test_lanes
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, cross_window, no_event
-   use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate
+   use rwmf_simulation_state_result, only: ending_name, result_t
    use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
    implicit none
 

@@ -5,10 +5,10 @@ program test_rows
    use rwmf_core_kinds, only: wp
    use rwmf_input_reader, only: read_case_text
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_result, only: ending_name, result_t
    use rwmf_simulation_simulate, only: simulate
-   use scenes, only: frame_scene, rwmf_scene
+   use rwmf_simulation_state_result, only: ending_name, result_t
    use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum, spectrum_t, status_of
+   use scenes, only: frame_scene, rwmf_scene
    implicit none
 
    integer, parameter :: n = 20

@@ -11,7 +11,7 @@ module rwmf_integrator_sundials_common
    use fsundials_nvector_mod, only: FN_VDestroy, N_Vector
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: fail_step, integrator_t, step_too_small, &
+   use rwmf_integrator_interface_integrator, only: fail_step, integrator_t, step_too_small, &
       tolerance_t
    use rwmf_model_assembly, only: equation_t, rhs
    implicit none

@@ -17,7 +17,7 @@ module rwmf_integrator_sundials_cvode
    use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: taylor_step, tolerance_t
+   use rwmf_integrator_interface_integrator, only: taylor_step, tolerance_t
    use rwmf_integrator_sundials_common, only: create_common, data_of, destroy_common, &
       evaluate_rhs, first_end, has_failed, made, stay_silent, step_end, sundials_t, too_small
    use rwmf_model_assembly, only: equation_t

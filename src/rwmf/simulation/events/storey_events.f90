@@ -12,7 +12,7 @@ module rwmf_simulation_events_storey_events
    use rwmf_model_floor_motion, only: storey_accelerations, storey_motion
    use rwmf_simulation_events_first_change, only: changed_at_begin, ending_t, functions_t, &
       monotone, span_t, value_at, watch_t
-   use rwmf_simulation_result, only: event_storey_limit, event_storey_turn, event_storey_zero
+   use rwmf_simulation_state_result, only: event_storey_limit, event_storey_turn, event_storey_zero
    implicit none
    private
 

@@ -10,7 +10,7 @@ module rwmf_simulation_events_watched_functions
    use rwmf_simulation_events_lift_off_events, only: reserve_t
    use rwmf_simulation_events_step_view, only: count_parts, step_view_t
    use rwmf_simulation_events_storey_events, only: displacements_t, hysteretic_t
-   use rwmf_simulation_hybrid_state, only: hybrid_t, mode_held
+   use rwmf_simulation_state_hybrid_state, only: hybrid_t, mode_held
    implicit none
    private
 

@@ -13,17 +13,17 @@ module rwmf_simulation_lanes_lane_events
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cross_window, &
       cubic_of, first_event, no_event, place_event, quartic_of, quartic_t, quintic_of
-   use rwmf_simulation_free_vibration, only: long_rest
-   use rwmf_simulation_hybrid_loop, only: end_step
-   use rwmf_simulation_hybrid_state, only: mode_rocking
+   use rwmf_simulation_hybrid_free_vibration, only: long_rest
+   use rwmf_simulation_hybrid_hybrid_loop, only: end_step
+   use rwmf_simulation_hybrid_transitions, only: apply_event, observe_peak
    use rwmf_simulation_lanes_batch, only: batch_t, first_acceleration, lane_state_t, may_shorten, &
       turns_in_step
    use rwmf_simulation_lanes_lane_loading, only: bound_work, catch_up, enter_batch, forget_target, &
       further_state, load_line
    use rwmf_simulation_lanes_lane_outputs, only: pass_step
-   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, event_passage, &
-      event_peak
-   use rwmf_simulation_transitions, only: apply_event, observe_peak
+   use rwmf_simulation_state_hybrid_state, only: mode_rocking
+   use rwmf_simulation_state_result, only: event_branch, event_impact, event_overturned, &
+      event_passage, event_peak
    implicit none
    private
 

@@ -3,7 +3,7 @@ module rwmf_simulation_lanes_lane_loading
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: err_numerical, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: step_too_small
+   use rwmf_integrator_interface_integrator, only: step_too_small
    use rwmf_integrator_lane_columns, only: of_bottom, of_fastest, of_high, of_inspection, &
       of_interval, of_least, of_length, of_limit, of_line, of_longest, of_low, of_max_rate, &
       of_most, of_rejected, of_steps, of_target, of_time, of_top, of_vertical_line
@@ -14,12 +14,12 @@ module rwmf_simulation_lanes_lane_loading
    use rwmf_model_lanes, only: power_count
    use rwmf_simulation_events_fuse_support, only: may_stand_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event
-   use rwmf_simulation_hybrid_loop, only: begin_step, check_steps, stay_at_rest
-   use rwmf_simulation_hybrid_state, only: check_progress, has_ended, mode_held, mode_rest, &
-      mode_rocking, progress_t
+   use rwmf_simulation_hybrid_hybrid_loop, only: begin_step, check_steps, stay_at_rest
    use rwmf_simulation_lanes_batch, only: batch_t, follow_interval, lane_state_t, line_row, &
       longest_step
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions
+   use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, mode_held, mode_rest, &
+      mode_rocking, progress_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

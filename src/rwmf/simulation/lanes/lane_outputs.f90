@@ -5,14 +5,14 @@ module rwmf_simulation_lanes_lane_outputs
    use rwmf_integrator_lane_columns, only: at_limit, is_done, of_calm, of_length, of_plain, &
       of_time, of_trial
    use rwmf_model_lanes, only: power_count
-   use rwmf_simulation_events_step_events, only: list_turns
    use rwmf_simulation_events_step_view, only: step_view_t, until, view_step
-   use rwmf_simulation_hybrid_state, only: has_ended
+   use rwmf_simulation_hybrid_step_events, only: list_turns
    use rwmf_simulation_lanes_batch, only: batch_t, find_steps_to_inspect, follow_interval, &
       lane_state_t
    use rwmf_simulation_lanes_reaction_screen, only: note_extremes, screen_reactions
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_piece
+   use rwmf_simulation_state_hybrid_state, only: has_ended
    implicit none
    private
 

@@ -18,8 +18,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_events_watched_functions, only: is_uncut
-   use rwmf_simulation_hybrid_loop, only: check_steps
-   use rwmf_simulation_hybrid_state, only: check_progress, has_ended, hybrid_t
+   use rwmf_simulation_hybrid_hybrid_loop, only: check_steps
    use rwmf_simulation_lanes_batch, only: batch_t, create_batch, follow_curves, follow_interval, &
       lane_state_t
    use rwmf_simulation_lanes_lane_events, only: converge_to_event, find_event, inspect_step, &
@@ -28,6 +27,7 @@ module rwmf_simulation_lanes_loop
       forget_target, further_state, join_batch
    use rwmf_simulation_lanes_lane_outputs, only: choose_steps, observe_steps
    use rwmf_simulation_recorder_recorder, only: recorder_t
+   use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, hybrid_t
    implicit none
    private
 

@@ -8,7 +8,7 @@ module rwmf_simulation_recorder_demand_extremes
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_state
-   use rwmf_simulation_result, only: demand_extremes_t
+   use rwmf_simulation_state_result, only: demand_extremes_t
    implicit none
    private
 

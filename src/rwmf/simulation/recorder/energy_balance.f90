@@ -15,7 +15,7 @@ module rwmf_simulation_recorder_energy_balance
       power_count
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_step_view, only: step_view_t
-   use rwmf_simulation_result, only: energy_t
+   use rwmf_simulation_state_result, only: energy_t
    implicit none
    private
 

@@ -26,7 +26,7 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_simulation_events_turns, only: keeps_direction, rotation_t
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece, &
       search_state
-   use rwmf_simulation_result, only: envelope_extremes_t
+   use rwmf_simulation_state_result, only: envelope_extremes_t
    implicit none
    private
 

@@ -25,7 +25,6 @@ module rwmf_simulation_recorder_recorder
       sample_state, step_view_t, until
    use rwmf_simulation_events_storey_events, only: displacements_t
    use rwmf_simulation_events_turns, only: fastest_in, velocity_t
-   use rwmf_simulation_newtons, only: weight_under
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
       observe_demands_at_rest, put_demands, put_storeys
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
@@ -38,7 +37,9 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
    use rwmf_simulation_recorder_top_motion, only: top_count, top_displacements, &
       top_motion_t
-   use rwmf_simulation_result, only: append_event, energy_t, event_t, history_t, shorten_events
+   use rwmf_simulation_state_newtons, only: weight_under
+   use rwmf_simulation_state_result, only: append_event, energy_t, event_t, history_t, &
+      shorten_events
    implicit none
    private
 

@@ -1,5 +1,5 @@
 !> Result of one simulation: maxima, counts, and the requested history and events.
-module rwmf_simulation_result
+module rwmf_simulation_state_result
    use rwmf_core_kinds, only: i8, wp
    implicit none
    private
@@ -357,4 +357,4 @@ contains
       call move_alloc(longer, result%warnings)
    end subroutine add_warning
 
-end module rwmf_simulation_result
+end module rwmf_simulation_state_result

@@ -1,12 +1,12 @@
 !> Transitions of the hybrid system at events, shared by all methods, spectra and hosts.
 !>
 !> The events are impact, rest, lift-off, branch ends, turns, overturning and collapse.
-module rwmf_simulation_transitions
+module rwmf_simulation_hybrid_transitions
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_assembly, only: enter_side, equation_t, interval_of, rates_at, second_derivative
    use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
+   use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, tendon_is_broken, &
       turn_back
@@ -15,16 +15,16 @@ module rwmf_simulation_transitions
       will_settle
    use rwmf_model_restitution, only: factor_at, largest_factor
    use rwmf_motion_ground_motion, only: interval_end
-   use rwmf_simulation_elastic_chatter, only: drop_chatter
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_storey_events, only: end_branch
-   use rwmf_simulation_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_held, &
-      mode_overturned, mode_rest, mode_rocking
+   use rwmf_simulation_hybrid_elastic_chatter, only: drop_chatter
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
       observe_state, observe_still, recorder_t, sees_forces
-   use rwmf_simulation_result, only: event_branch, event_collapsed, event_impact, event_lift_off, &
-      event_overturned, event_passage, event_peak, event_rest, event_rupture, event_storey_limit, &
-      event_storey_turn, event_storey_zero
+   use rwmf_simulation_state_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_held, &
+      mode_overturned, mode_rest, mode_rocking
+   use rwmf_simulation_state_result, only: event_branch, event_collapsed, event_impact, &
+      event_lift_off, event_overturned, event_passage, event_peak, event_rest, event_rupture, &
+      event_storey_limit, event_storey_turn, event_storey_zero
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -451,4 +451,4 @@ contains
       end if
    end subroutine leave_without_velocity
 
-end module rwmf_simulation_transitions
+end module rwmf_simulation_hybrid_transitions

@@ -2,7 +2,7 @@
 !>
 !> Peaks (theta' = 0) split the step into monotone pieces. The values at the ends of each piece then
 !> show a return to theta = 0 or a passage of the overturning angle.
-module rwmf_simulation_events_step_events
+module rwmf_simulation_hybrid_step_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t
@@ -14,11 +14,11 @@ module rwmf_simulation_events_step_events
       sample_state, step_view_t, until
    use rwmf_simulation_events_turns, only: farthest_turn, keeps_direction, split_turns
    use rwmf_simulation_events_watched_functions, only: cut_step
-   use rwmf_simulation_hybrid_state, only: hybrid_t, mode_held, mode_rocking
+   use rwmf_simulation_hybrid_transitions, only: observe_peak
    use rwmf_simulation_recorder_recorder, only: observe_event, recorder_t
-   use rwmf_simulation_result, only: event_branch, event_impact, event_overturned, &
+   use rwmf_simulation_state_hybrid_state, only: hybrid_t, mode_held, mode_rocking
+   use rwmf_simulation_state_result, only: event_branch, event_impact, event_overturned, &
       event_passage, event_peak
-   use rwmf_simulation_transitions, only: observe_peak
    implicit none
    private
 
@@ -401,4 +401,4 @@ contains
       if (.not. allocated(error)) call observe_event(recorder, event_peak, t, y)
    end subroutine list_turn
 
-end module rwmf_simulation_events_step_events
+end module rwmf_simulation_hybrid_step_events

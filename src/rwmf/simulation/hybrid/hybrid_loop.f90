@@ -4,11 +4,11 @@
 !> ground motion. The event search (`step_events`) covers each of its steps, so that it also finds
 !> two impacts in one step, or a peak and an impact. The hybrid state stores the side of a flight,
 !> so that a start at theta = 0 is no event.
-module rwmf_simulation_hybrid_loop
+module rwmf_simulation_hybrid_hybrid_loop
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_error, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_integrator, only: integrator_t
+   use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_model_assembly, only: enter_interval, enter_side, equation_t, interval_of, &
       second_derivative
    use rwmf_model_drift_limits, only: count_drifts
@@ -18,21 +18,21 @@ module rwmf_simulation_hybrid_loop
    use rwmf_model_lift_off, only: find_uplift_capacity, find_lift_off, find_uplift_acceleration
    use rwmf_model_rest, only: release_wall
    use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
-   use rwmf_simulation_elastic_chatter, only: skip_chatter
    use rwmf_simulation_events_drift_events, only: has_collapsed
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_fuse_support, only: check_fuses
    use rwmf_simulation_events_lift_off_events, only: side_pulled
-   use rwmf_simulation_events_step_events, only: search_step
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
-   use rwmf_simulation_free_vibration, only: follow_free_vibration
-   use rwmf_simulation_hybrid_state, only: advance_interval, check_progress, count_steps, &
+   use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter
+   use rwmf_simulation_hybrid_free_vibration, only: follow_free_vibration
+   use rwmf_simulation_hybrid_step_events, only: search_step
+   use rwmf_simulation_hybrid_transitions, only: apply_event, begin_piece, enter_rest, lift_off, &
+      negligible
+   use rwmf_simulation_recorder_recorder, only: observe_piece, observe_rest, recorder_t, sees_rest
+   use rwmf_simulation_state_hybrid_state, only: advance_interval, check_progress, count_steps, &
       has_ended, hybrid_t, mode_collapsed, mode_held, mode_no_impacts, mode_overturned, mode_rest, &
       mode_rocking, progress_t
-   use rwmf_simulation_recorder_recorder, only: observe_piece, observe_rest, recorder_t, sees_rest
-   use rwmf_simulation_result, only: event_lift_off
-   use rwmf_simulation_transitions, only: apply_event, begin_piece, enter_rest, lift_off, &
-      negligible
+   use rwmf_simulation_state_result, only: event_lift_off
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -288,4 +288,4 @@ contains
       call advance_interval(hybrid, equation, integrator%steps)
    end subroutine end_step
 
-end module rwmf_simulation_hybrid_loop
+end module rwmf_simulation_hybrid_hybrid_loop

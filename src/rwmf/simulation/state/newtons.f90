@@ -1,7 +1,7 @@
 !> Weights that convert reported force ratios to N and moment ratios to N m.
 !>
 !> For example, `wall_shear_max_N` is `wall_shear_max_over_m_w_g` times m_w g.
-module rwmf_simulation_newtons
+module rwmf_simulation_state_newtons
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: structure_t
    use rwmf_problem_quantity_table, only: key_of
@@ -41,4 +41,4 @@ contains
       end associate
    end function weight_under
 
-end module rwmf_simulation_newtons
+end module rwmf_simulation_state_newtons

@@ -1,5 +1,5 @@
 !> State of the hybrid system and its change at knots of the motion.
-module rwmf_simulation_hybrid_state
+module rwmf_simulation_state_hybrid_state
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
@@ -151,4 +151,4 @@ contains
       hybrid%steps_at_knot = steps
    end subroutine advance_interval
 
-end module rwmf_simulation_hybrid_state
+end module rwmf_simulation_state_hybrid_state

@@ -1,5 +1,5 @@
 !> Interface of an integrator to the hybrid loop, and procedures for all integrators.
-module rwmf_integrator_integrator
+module rwmf_integrator_interface_integrator
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: equation_t, rhs
@@ -134,4 +134,4 @@ contains
       y(1) = y(1) + h**2/2*y_dot(2)
    end subroutine taylor_step
 
-end module rwmf_integrator_integrator
+end module rwmf_integrator_interface_integrator

@@ -6,7 +6,7 @@
 !> decelerations change slowly, the action v**3 (1/a_1 + 1/a_2) is an adiabatic invariant. Viscous
 !> damping d reduces v at the relative rate d/3, because the mean of v**2 over a parabola is a third
 !> of its largest value.
-module rwmf_simulation_elastic_chatter
+module rwmf_simulation_hybrid_elastic_chatter
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
    use rwmf_model_energy, only: impact_loss
@@ -14,9 +14,9 @@ module rwmf_simulation_elastic_chatter
    use rwmf_model_lift_off, only: demand_turns
    use rwmf_model_rest, only: decelerations
    use rwmf_model_restitution, only: factor_at
-   use rwmf_simulation_hybrid_state, only: hybrid_t, mode_rocking
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_chatter, observe_rest, recorder_t
+   use rwmf_simulation_state_hybrid_state, only: hybrid_t, mode_rocking
    implicit none
    private
 
@@ -146,4 +146,4 @@ contains
       damping = max(0.0_wp, (second_derivative(equation, hybrid%t, y) - ahead)/(2*v))
    end function damping_at
 
-end module rwmf_simulation_elastic_chatter
+end module rwmf_simulation_hybrid_elastic_chatter

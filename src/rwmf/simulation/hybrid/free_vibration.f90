@@ -1,12 +1,12 @@
 !> Closed-form free vibration of a bare linear frame after the motion, used as soon as no recorded
 !> maximum can grow any more.
-module rwmf_simulation_free_vibration
+module rwmf_simulation_hybrid_free_vibration
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_assembly, only: equation_t, interval_of
    use rwmf_model_scene, only: frame_term
    use rwmf_motion_ground_motion, only: interval_last, is_known_until
-   use rwmf_simulation_hybrid_state, only: hybrid_t
    use rwmf_simulation_recorder_recorder, only: recorder_t, sees_forces
+   use rwmf_simulation_state_hybrid_state, only: hybrid_t
    implicit none
    private
 
@@ -77,4 +77,4 @@ contains
       y_end = [real(sum(part), wp), real(sum(part*root), wp)]
    end function vibrated
 
-end module rwmf_simulation_free_vibration
+end module rwmf_simulation_hybrid_free_vibration
