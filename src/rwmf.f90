@@ -36,7 +36,7 @@ module rwmf
       event_collapsed, event_impact, event_lift_off, event_name, event_overturned, event_peak, &
       event_rest, event_branch, event_rupture, event_t, history_t, reaction_extremes_t, result_t
    ! spectra: maxima over frame period, mass ratio and wall width, in parallel
-   use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum, spectrum_t, status_of
+   use rwmf_spectrum_ordinates, only: compute_rows, compute_spectrum, spectrum_t, status_of
    ! a wall inside the time loop of a host program
    use rwmf_motion_ground_motion, only: ground_t
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &

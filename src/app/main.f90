@@ -13,7 +13,7 @@ program rwmf_batch
    use rwmf_output_preview, only: check_run
    use rwmf_problem_group_values, only: has_group
    use rwmf_problem_single_run, only: has_period
-   use rwmf_spectrum_spectrum, only: spectrum_periods, status_of
+   use rwmf_spectrum_ordinates, only: spectrum_periods, status_of
    use rwmf_text_atomic_file, only: check_folder, join_path, remove_leftovers
    use rwmf_text_strings, only: string_t
    implicit none

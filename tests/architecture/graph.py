@@ -34,7 +34,7 @@ _COMMENTS = {
 }
 # Entry points of a simulation and of an ordinate, with their former names.
 SIMULATE = ("rwmf_simulation_simulate", "rwmf_simulation")
-ORDINATE = ("rwmf_spectrum_lanes", "rwmf_spectrum_fast_driver")
+ORDINATE = ("rwmf_spectrum_lane_rows", "rwmf_spectrum_fast_driver")
 
 # low + (high - low)/2 and (low + high)/2
 _HALVED = re.compile(

@@ -7,8 +7,8 @@ module rwmf_bindings_c_rows
    use rwmf_bindings_c_strings, only: get_names, put_message
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_ranges, only: any_number, is_number, require_number
-   use rwmf_spectrum_lanes, only: refused
-   use rwmf_spectrum_spectrum, only: compute_rows, spectrum_t
+   use rwmf_spectrum_lane_rows, only: refused
+   use rwmf_spectrum_ordinates, only: compute_rows, spectrum_t
    use rwmf_text_strings, only: integer_to_text
    implicit none
    private

@@ -15,7 +15,7 @@ module rwmf_bindings_python_handles
    use rwmf_problem_quantity_table, only: key_length
    use rwmf_simulation_pushover_curve, only: static_curve_t
    use rwmf_simulation_state_result, only: result_t
-   use rwmf_spectrum_spectrum, only: spectrum_t
+   use rwmf_spectrum_ordinates, only: spectrum_t
    implicit none
    private
 

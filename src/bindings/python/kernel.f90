@@ -37,7 +37,7 @@ module rwmf_bindings_python_kernel
    use rwmf_simulation_state_result, only: event_collapsed, event_impact, event_name
    use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_quantities, only: default_quantity, requested_keys_of, list_applicable
-   use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum
+   use rwmf_spectrum_ordinates, only: compute_rows, compute_spectrum
    use rwmf_spectrum_threads, only: kernel_most_threads => most_threads
    use rwmf_text_strings, only: real_to_text
    use rwmf_text_text_buffer, only: append, clear, text_buffer_t

@@ -15,7 +15,7 @@ module rwmf_problem_case
    public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
    public :: spring_law_t
    public :: impact_t, motion_spec_t, inerter_t, vertical_t
-   public :: initial_t, model_t, solver_t, output_t, spectrum_spec_t, structure_t
+   public :: initial_t, model_choice_t, solver_t, output_t, spectrum_spec_t, structure_t
    public :: keep_numbers, has_numbers, numbers_of, has_all_modes
    public :: copy_without_frame, list_links, upward_ratio
 
@@ -209,14 +209,14 @@ module rwmf_problem_case
    end type initial_t
 
    !> Mathematical model, `&model`.
-   type :: model_t
+   type :: model_choice_t
       character(:), allocatable :: formulation
       !! 'published', 'symmetric' or 'exact'
       real(wp) :: g
       !! gravity [m/s2]
       real(wp) :: overturning_angle
       !! rotation at which the wall counts as overturned [rad]
-   end type model_t
+   end type model_choice_t
 
    !> Time integration, `&solver`.
    type :: solver_t
@@ -301,7 +301,7 @@ module rwmf_problem_case
       type(impact_t), allocatable :: impact
       type(vertical_t), allocatable :: vertical
       type(initial_t), allocatable :: initial
-      type(model_t) :: model
+      type(model_choice_t) :: model
       real(wp) :: unit_mass = 0
       !! reference mass of all ratios [kg]: mass of the wall; without a wall, mass of the frame. It
       !! is 1 kg for storeys in kg, and 0 if the case gives no mass.

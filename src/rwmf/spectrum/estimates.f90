@@ -10,7 +10,7 @@ module rwmf_spectrum_estimates
    use rwmf_simulation_conditioning, only: has_motion, probe_step, sensitivity_of
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
       next_tolerance, refinement, relative_change, tightest, verifying_tolerance
-   use rwmf_spectrum_lanes, only: ordinate_t, queue_t, run_ordinates
+   use rwmf_spectrum_lane_rows, only: ordinate_t, queue_t, run_ordinates
    use rwmf_spectrum_quantities, only: request_of, request_t
    implicit none
    private

@@ -15,7 +15,7 @@ program test_storeys
       roof_factor, shear_frame_t
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: event_branch, event_lift_off, event_rest, result_t
-   use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_spectrum_ordinates, only: compute_spectrum, spectrum_t
    use rwmf_text_strings, only: real_to_text
    use scenes, only: frame_scene, rwmf_scene
    implicit none

@@ -9,7 +9,7 @@ program test_output
    use rwmf_output_summary, only: list_effects, summarise, summary_item_t, summary_text
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_state_result, only: result_t
-   use rwmf_spectrum_spectrum, only: spectrum_t
+   use rwmf_spectrum_ordinates, only: spectrum_t
    use rwmf_text_strings, only: integer_to_text
    implicit none
 

@@ -18,7 +18,7 @@ program test_lanes
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, cross_window, no_event
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: ending_name, result_t
-   use rwmf_spectrum_spectrum, only: compute_spectrum, spectrum_t
+   use rwmf_spectrum_ordinates, only: compute_spectrum, spectrum_t
    implicit none
 
    character(*), parameter :: wall = '&wall h=2.0, b=0.5 / &frame T_s=0.8, gamma=3, xi_s=0.05 / ' &

@@ -7,7 +7,7 @@ program test_rows
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: ending_name, result_t
-   use rwmf_spectrum_spectrum, only: compute_rows, compute_spectrum, spectrum_t, status_of
+   use rwmf_spectrum_ordinates, only: compute_rows, compute_spectrum, spectrum_t, status_of
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 

@@ -21,7 +21,7 @@ module rwmf_simulation_events_first_change
    implicit none
    private
 
-   public :: ending_t, functions_t, moment_t, samples_t, span_t, watch_t
+   public :: ending_t, functions_t, moment_t, kept_samples_t, span_t, watch_t
    public :: any_course, monotone, changed_at_begin
    public :: changes_in, sample_functions, shows_no_event, span_between, stop_at_change, &
       stop_at_event, value_at
@@ -63,15 +63,15 @@ module rwmf_simulation_events_first_change
    end type span_t
 
    !> Stored samples of one step; consecutive searches of its functions share the halved spans.
-   type :: samples_t
+   type :: kept_samples_t
       integer :: n = 0
       type(moment_t), allocatable :: moments(:)
-   end type samples_t
+   end type kept_samples_t
 
    !> Functions of one kind in a step.
    type, abstract :: functions_t
       type(step_view_t) :: step
-      type(samples_t), pointer :: samples => null()
+      type(kept_samples_t), pointer :: samples => null()
       !! samples of this step; null: no storage
       integer :: n = 0
       !! number of functions with events
@@ -229,7 +229,7 @@ contains
 
    !> Store a sample while there is space.
    pure subroutine keep_moment(samples, moment)
-      type(samples_t), intent(inout) :: samples
+      type(kept_samples_t), intent(inout) :: samples
       type(moment_t), intent(in) :: moment
       integer, parameter :: most = 256
 

@@ -6,7 +6,7 @@ module rwmf_simulation_recorder_storey_drifts
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_math_sign_changes, only: no_change
    use rwmf_simulation_events_first_change, only: changes_in, moment_t, sample_functions, &
-      samples_t, span_between, span_t, stop_at_change, watch_t
+      kept_samples_t, span_between, span_t, stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
    use rwmf_simulation_events_storey_events, only: displacements_t
    implicit none
@@ -43,7 +43,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       class(displacements_t), allocatable :: storeys
-      type(samples_t), target :: samples
+      type(kept_samples_t), target :: samples
       type(moment_t) :: before, after
       type(span_t) :: span
       integer :: n, i, k

@@ -2,7 +2,7 @@
 !>
 !> Each lane has its own numbers, time, step and events. When its run ends, it takes the next
 !> ordinate from the queue, the shortest periods first.
-module rwmf_spectrum_lanes
+module rwmf_spectrum_lane_rows
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
@@ -428,4 +428,4 @@ contains
       if (request%has_peak) ordinate%peak = peak_of(run%case, result)
    end subroutine report
 
-end module rwmf_spectrum_lanes
+end module rwmf_spectrum_lane_rows

@@ -1,6 +1,6 @@
 !> Response spectra: parallel runs over frame periods, mass ratios and wall widths, or over the
 !> rows of a table.
-module rwmf_spectrum_spectrum
+module rwmf_spectrum_ordinates
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int8
    use rwmf_core_control, only: control_t, count_done, is_cancelled
@@ -16,7 +16,7 @@ module rwmf_spectrum_spectrum
    use rwmf_simulation_state_result, only: ending_name, result_t
    use rwmf_simulation_warnings, only: list_case_warnings
    use rwmf_spectrum_estimates, only: run_with_estimates
-   use rwmf_spectrum_lanes, only: ordinate_t, queue_t, refused
+   use rwmf_spectrum_lane_rows, only: ordinate_t, queue_t, refused
    use rwmf_spectrum_quantities, only: request_of, check_request, requested_keys_of, take_values, &
       with_sensitivities
    use rwmf_spectrum_rows, only: period_of, row_motion, rows_of_grid, &
@@ -387,4 +387,4 @@ contains
       evaluations = evaluations + result%rhs_evaluations
    end subroutine run_one
 
-end module rwmf_spectrum_spectrum
+end module rwmf_spectrum_ordinates
