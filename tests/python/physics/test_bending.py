@@ -371,11 +371,6 @@ def test_a_strong_frame_beside_a_bending_wall_is_elastic() -> None:
         ({"model": {"formulation": "published"}}, "exact"),
         ({"wall": {"h": H, "b": B, "base": "pinned"}, "impact": {}}, "pinned"),
         ({"frame": {"T_s": 1.0, "gamma": 2.0}, "link": {"length": 3.0}}, "link"),
-        ({"frame": {"xi_s": 0.05}, "yielding": {"u_y": 0.01},
-          "storeys": {"m_over_m_w": 2.0, "k_over_m_w": 200.0, "height": 2 * H}},
-         "'full' or 'springs' with &yielding and &bending"),
-        ({"frame": {"T_s": 1.0, "gamma": 2.0, "xi_s": 0.05}, "yielding": {"u_y": 0.01},
-          "p_delta": {"h_f": 4.0}}, "h_f = 4.0: must not be given with &yielding and &bending"),
     ],
 )  # fmt: skip
 def test_refusals_name_the_group(changed: Groups, message: str) -> None:

@@ -62,7 +62,7 @@ contains
       real(wp) :: y_dot(size(y))
 
       associate (equation => self%step%equation)
-         allocate (f(equation%floors%n, 0:self%derivatives))
+         allocate (f(equation%floors%storeys, 0:self%derivatives))
          call storey_motion(equation, equation%state%side, y, f(:, 0), f(:, 1))
          if (self%derivatives < 2) return
          call rates_at(equation, t, y, y_dot)
@@ -79,7 +79,7 @@ contains
       real(wp) :: y_dot(size(y))
 
       associate (equation => self%step%equation)
-         allocate (f(equation%floors%n, 0:1))
+         allocate (f(equation%floors%storeys, 0:1))
          call rates_at(equation, t, y, y_dot)
          f(:, 0) = hysteretic_states(equation, y)
          f(:, 1) = hysteretic_states(equation, y_dot)
@@ -142,7 +142,7 @@ contains
          call storeys%evaluate(a%t, step%y_a, a%f)
          call storeys%evaluate(b%t, step%y_b, b%f)
          span = span_between(storeys, a, b)
-         do i = 1, step%equation%floors%n
+         do i = 1, step%equation%floors%storeys
             is_quiet = stays_on_branch(storeys, i, span)
             if (.not. is_quiet) exit
          end do
@@ -204,13 +204,13 @@ contains
       type(span_t), intent(inout) :: span
       type(storey_end_t), intent(inout) :: found
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: y(size(storeys%step%y_a)), z(storeys%step%equation%floors%n)
+      real(wp) :: y(size(storeys%step%y_a)), z(storeys%step%equation%floors%storeys)
       real(wp) :: t_z
       !! time of `y` and `z`
       integer :: i
 
       t_z = -huge(t_z)
-      do i = 1, storeys%step%equation%floors%n
+      do i = 1, storeys%step%equation%floors%storeys
          associate (equation => storeys%step%equation)
             if (stands_still(equation%state, i)) then
                call leave_standstill(i, span, found)
