@@ -27,9 +27,9 @@ module rwmf_simulation_hybrid_loop
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: storey_end_t
    use rwmf_simulation_free_vibration, only: follow_free_vibration
-   use rwmf_simulation_hybrid_state, only: advance_interval, check_progress, count_steps, &
-      has_ended, hybrid_t, mode_collapsed, mode_held, mode_no_impacts, mode_overturned, mode_rest, &
-      mode_rocking, progress_t
+   use rwmf_simulation_hybrid_state, only: advance_interval, check_creep, check_progress, &
+      count_steps, creep_t, has_ended, hybrid_t, mode_collapsed, mode_held, mode_no_impacts, &
+      mode_overturned, mode_rest, mode_rocking, progress_t
    use rwmf_simulation_recorder_recorder, only: observe_piece, observe_rest, recorder_t, sees_rest
    use rwmf_simulation_result, only: event_lift_off
    use rwmf_simulation_transitions, only: apply_event, begin_piece, change_storey, enter_rest, &
@@ -58,6 +58,7 @@ contains
       hybrid%must_restart = .true.
       hybrid%t_turn = -huge(t)
       hybrid%drifts = count_drifts(equation)
+      call watch_creep(hybrid, equation)
       call enter_interval(equation%model_t, equation%state, interval_at(equation%motion, t))
       call count_steps(hybrid, equation)
       call enter_side(equation%model_t, equation%state, 1)
@@ -83,6 +84,24 @@ contains
       if (has_collapsed(equation, hybrid%drifts, y)) hybrid%mode = mode_collapsed
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
    end subroutine start_hybrid
+
+   !> Prepare the count of the steps of a wall with nonlinear dampers.
+   pure subroutine watch_creep(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(in) :: equation
+      real(wp), parameter :: short = 1.0e-3_wp
+      !! part of the time unit of the wall in which a wall that moves needs far fewer steps [-]
+      integer :: i
+
+      hybrid%creep = creep_t(t=hybrid%t)
+      if (.not. equation%creep > 0) return
+      do i = 1, size(equation%effects)
+         associate (effect => equation%effects(i))
+            if (effect%has_corner_at_turn) hybrid%creep%exponent = effect%constants(2)
+         end associate
+      end do
+      hybrid%creep%shortest = short/sqrt(equation%p%g_over_R)
+   end subroutine watch_creep
 
    !> Start smooth hysteresis without previous motion at the initial rotation. From rest, the
    !> acceleration gives the loading direction.
@@ -131,6 +150,7 @@ contains
       !! `err_interrupt` on the caller's request, `err_numerical` after too many steps
 
       call check_progress(hybrid%progress, size(hybrid%y), hybrid%t, error)
+      if (.not. allocated(error)) call check_creep(hybrid%creep, integrator%steps, hybrid%t, error)
       if (allocated(error)) return
       if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
       if (is_cancelled(control)) then

@@ -33,8 +33,8 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_free_vibration, only: long_rest
    use rwmf_simulation_hybrid_loop, only: begin_step, check_work, end_step, &
       may_stand_on_fuses, stands_on_fuses, stay_at_rest
-   use rwmf_simulation_hybrid_state, only: check_progress, has_ended, hybrid_t, mode_held, &
-      mode_rest, mode_rocking, progress_t
+   use rwmf_simulation_hybrid_state, only: check_creep, check_progress, has_ended, hybrid_t, &
+      mode_held, mode_rest, mode_rocking, most_creeping, progress_t
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions, note_extremes, &
       screen_reactions
    use rwmf_simulation_lanes_batch, only: batch_t, create_batch, find_steps_to_inspect, &
@@ -166,7 +166,8 @@ contains
             batch%coef(i, j) = equation%state%coef(1, j)
          end do
          table(i, of_steps) = real(lane%integrator%steps, wp)
-         batch%steps_left = min(batch%steps_left, batch%max_steps - table(i, of_steps))
+         batch%steps_left = min(batch%steps_left, batch%max_steps - table(i, of_steps), &
+            real(most_creeping, wp))
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = lane%recorder%theta_dot_ends
          table(i, of_rejected) = 0
@@ -305,7 +306,8 @@ contains
          do i = 1, batch%width
             if (batch%is_busy(i)) call bound_work(lanes(i), i, batch)
          end do
-         batch%steps_left = batch%max_steps - maxval(batch%table(:, of_steps), batch%is_busy)
+         batch%steps_left = min(batch%max_steps - maxval(batch%table(:, of_steps), &
+            batch%is_busy), real(most_creeping, wp))
          batch%has_ended = .true.
       end if
    end subroutine step_batch
@@ -444,9 +446,12 @@ contains
       type(batch_t), intent(inout) :: batch
       type(control_t) :: no_control
 
-      if (batch%table(i, of_steps) <= batch%max_steps) return
+      call check_creep(lane%hybrid%creep, int(batch%table(i, of_steps), i8), batch%table(i, &
+         of_time), lane%error)
+      if (batch%table(i, of_steps) <= batch%max_steps .and. .not. allocated(lane%error)) return
       call catch_up(lane, i, batch)
-      call check_work(lane%hybrid, lane%integrator, no_control, lane%error)
+      if (.not. allocated(lane%error)) call check_work(lane%hybrid, lane%integrator, no_control, &
+         lane%error)
       batch%table(i, of_length) = 0
    end subroutine bound_work
 
