@@ -518,6 +518,7 @@ class Course:
     energy: dict[str, float] = field(default_factory=dict)
 
 
+CHATTER = 3e-8  # duration of the flight that ends a chatter [s]
 POWERS = ("input", "viscous", "bending_damping", "hysteretic")
 
 
@@ -821,7 +822,7 @@ class _Run:
         t = np.array([self.t])
         a = self.wall.accelerate(x[None], v[None], a_g(t), a_v(t), side, self.wall.fuses,
                                  self.wall.storeys, held=False).a[0, 0] * side  # fmt: skip
-        return a < 0 and 2 * abs(v[0]) / -a < 3e-8
+        return a < 0 and 2 * abs(v[0]) / -a < CHATTER
 
 
 def solved(number: int) -> dict[str, Any]:

@@ -22,7 +22,6 @@ SCENES = [
     (9, {"u_y": 0.04}, 0.05),
     (33, {"u_y": 0.12}, 0.0),
     (13, {"u_y": 0.06}, 0.01),
-    (25, {"u_y": 0.07}, 0.0),
     (1, {"storey_u_y": [0.029, 0.037]}, 0.09),
     (19, {"storey_u_y": [0.0114, 0.0106, 0.0105]}, 0.09),
     (116, {"storey_u_y": [0.054, 0.041]}, 0.01),
@@ -34,7 +33,8 @@ def _case(
 ) -> rwmf.Case:
     given = {name: dict(group) for name, group in groups.items()}
     given["solver"] = given.get("solver", {}) | {"rtol": 1e-11} | solver
-    given["output"] = {"energy": True, "reactions": True} | given.get("output", {})
+    asked = {"energy": True, "reactions": True, "conditioning": False}
+    given["output"] = asked | given.get("output", {})
     if record:
         values, times = np.array(record["values"]), np.array(record["times"])
         given["motion"] = rwmf.Motion(values, times=times, unit="m/s2")
@@ -103,7 +103,7 @@ def test_one_storey_is_the_same_with_every_coupling(law: dict[str, object]) -> N
         runs.append(rwmf.simulate(_case(groups | {"yielding": law | {key: 0.01}})))
     assert float(runs[0].ductility) > 5
     # the place of a flat maximum has half the digits of the maximum
-    skipped = ("sensitivity", "energy_balance", "wall_moment_max_height")
+    skipped = ("energy_balance", "wall_moment_max_height")
     for key, value in runs[0].data_vars.items():
         if value.ndim or value.dtype.kind != "f" or str(key).startswith(skipped):
             continue
@@ -154,7 +154,7 @@ def test_ordinates_of_a_spectrum_are_runs(coupling: str, key: str) -> None:
 
 
 @pytest.mark.parametrize("coupling", ["reduced", "every_floor"])
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", LAWS[:2])
 def test_a_stiff_wall_tends_to_the_rigid_wall(coupling: str, law: dict[str, object]) -> None:
     """Up to the first impact the difference falls with the reciprocal of the stiffness."""
     scene = _building(coupling, yielding=law | {"u_y": 0.01}, solver={"t_end": 0.35})
