@@ -178,3 +178,26 @@ def test_the_wall_comes_to_the_rest_that_the_program_states(coupling: str) -> No
     last = rwmf.simulate(_case(scene | {"output": {"dt": 1.0}}, rtol=1e-9, t_end=60.0)).u_s[-1]
     assert abs(float(last)) > 0.03
     assert float(stated) == pytest.approx(float(last), rel=1e-6)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("coupling", ["reduced", "every_floor"])
+def test_a_pushover_beside_a_stiff_wall_is_that_of_the_rigid_wall(
+    coupling: str, law: dict[str, object]
+) -> None:
+    scene = _building(coupling, yielding=law | {"u_y": 0.03}, cable={"eta_0": 0.5, "eta_alpha": 3})
+    scene["bending"] = {"EI_over_m_w": 1e12, "modes": 2}
+    bent = rwmf.pushover(_case(scene), (0.2, -0.05, 0.1), steps=20)
+    del scene["bending"]
+    rigid = rwmf.pushover(_case(scene), (0.2, -0.05, 0.1), steps=20)
+    if coupling == "reduced":
+        assert bent.mark.values.tolist() == rigid.mark.values.tolist()
+    assert float(rigid.energy_hysteretic[-1]) > 1
+    # storeys that yield one by one have no common force
+    others = set() if coupling == "reduced" else {"frame_force_over_m_s_g"}
+    for name in sorted(set(rigid.data_vars) - others, key=str):
+        both = [curve[name].transpose(curve.roof_drift.dims[0], ...) for curve in (bent, rigid)]
+        size = np.nanmax(np.abs(both[1].values))
+        ends = [np.nan_to_num(values.values[-1]) for values in both]
+        assert np.nanmax(np.abs(both[0].values)) == pytest.approx(size, rel=1e-6), name
+        np.testing.assert_allclose(*ends, rtol=0, atol=1e-6 * size, err_msg=str(name))
