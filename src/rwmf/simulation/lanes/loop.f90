@@ -445,13 +445,14 @@ contains
       integer, intent(in) :: i
       type(batch_t), intent(inout) :: batch
       type(control_t) :: no_control
+      type(error_t), allocatable :: error
 
-      call check_creep(lane%hybrid%creep, int(batch%table(i, of_steps), i8), batch%table(i, &
-         of_time), lane%error)
-      if (batch%table(i, of_steps) <= batch%max_steps .and. .not. allocated(lane%error)) return
+      call check_creep(lane%hybrid%creep, int(batch%table(i, of_steps), i8), &
+         batch%table(i, of_time), error)
+      if (batch%table(i, of_steps) <= batch%max_steps .and. .not. allocated(error)) return
       call catch_up(lane, i, batch)
-      if (.not. allocated(lane%error)) call check_work(lane%hybrid, lane%integrator, no_control, &
-         lane%error)
+      if (.not. allocated(error)) call check_work(lane%hybrid, lane%integrator, no_control, error)
+      call move_alloc(error, lane%error)
       batch%table(i, of_length) = 0
    end subroutine bound_work
 
