@@ -73,6 +73,7 @@ class Piece:
     a_g: Callable[[Array], Array]
     a_v: Callable[[Array], Array]
     fuses: list[Fuse]
+    storeys: list[Fuse] = field(default_factory=list)  # springs of yielding storeys
     stored: dict[str, float] = field(default_factory=dict)  # integrals of powers at its begin
     v_g: float = 0.0  # velocity of the ground at its begin
 
@@ -114,6 +115,7 @@ class BentWall:
         self.inerter = groups.get("inerter", {}).get("inertance_over_m_w", 0.0)
         self.cable = groups.get("cable")
         self.fuses = self._fuses(groups.get("fuse"))
+        self.storeys: list[Fuse] = self.frame.springs
         self.size = 1 + self.n + self.frame.free
         self._inverses: dict[tuple[Any, ...], Array] = {}
         self._slopes: dict[tuple[int, bool], tuple[Array, Array]] = {}
@@ -237,8 +239,8 @@ class BentWall:
         return f
 
     def accelerate(
-        self, x: Array, v: Array, a_g: Array, a_v: Array, side: int, fuses: list[Fuse], *,
-        held: bool,
+        self, x: Array, v: Array, a_g: Array, a_v: Array, side: int, fuses: list[Fuse],
+        storeys: list[Fuse], *, held: bool,
     ) -> Flow:  # fmt: skip
         """Solve the equations of motion; `held`: both corners touch."""
         frame, k = self.frame, 1 + self.n
@@ -251,6 +253,11 @@ class BentWall:
             moved = np.einsum("tij,tj->ti", d, v[:, :k])
             u, u_t = np.hstack([free, linked]), np.hstack([free_t, moved])
         force = u @ (frame.stiff - frame.lean) + u_t @ frame.damping + a_g[:, None] * frame.push
+        if storeys:
+            d_s = u @ frame.rows.T
+            k = np.array([s.k for s in storeys])
+            force = force + (frame.pulls(storeys, d_s) - k * d_s) @ frame.rows
+            k = 1 + self.n
         a = np.zeros_like(x)
         if is_rigid:
             m = frame.m[frame.free :]
@@ -326,7 +333,7 @@ class BentWall:
         v_all[2 * n + i, i] += step
         v_all[3 * n + i, i] -= step
         zero = np.zeros(4 * n)
-        a = self.accelerate(x_all, v_all, zero, zero, side, self.fuses, held=held).a
+        a = self.accelerate(x_all, v_all, zero, zero, side, self.fuses, self.storeys, held=held).a
         a = a.reshape(4, n, n)
         by_x, by_v = (a[0] - a[1]).T / (2 * step), (a[2] - a[3]).T / (2 * step)
         if held:
@@ -345,7 +352,7 @@ class BentWall:
 
     def _inverse(self, x: Array, side: int, h: float, *, held: bool, fresh: bool) -> Array:
         """Return the inverse of the Newton matrix of a step, kept for alike steps."""
-        state = tuple(f.on for f in self.fuses)
+        state = tuple(f.on for f in [*self.fuses, *self.storeys])
         key = (side, held, float(f"{h:.9e}"), state)
         if fresh or (side, held, state) not in self._slopes:
             at = x if fresh else np.zeros(self.size)
@@ -370,7 +377,8 @@ class BentWall:
         inverse = self._inverse(piece.x, piece.side, h, held=piece.held, fresh=False)
         for count in range(60):
             flow = self.accelerate(shift + h**2 * TWICE @ a, piece.v + h * ONCE @ a, a_g, a_v,
-                                   piece.side, piece.fuses, held=piece.held)  # fmt: skip
+                                   piece.side, piece.fuses, piece.storeys,
+                                   held=piece.held)  # fmt: skip
             change = (inverse @ (flow.a - a).ravel()).reshape(a.shape)
             a = a + change
             scale = np.abs(a).max(axis=0) + 1e-5 * np.abs(a).max() + TINY
@@ -400,7 +408,7 @@ class BentWall:
         """Return the acceleration away from the base that rocking on a side would have."""
         time = piece.t + piece.h * t
         flow = self.accelerate(x, v, piece.a_g(time), piece.a_v(time), side, piece.fuses,
-                               held=False)  # fmt: skip
+                               piece.storeys, held=False)  # fmt: skip
         return side * flow.a[:, 0]
 
     def _floors(self, x: Array, side: int) -> Array:
@@ -435,6 +443,9 @@ class BentWall:
             fuse = self.lifting(piece.fuses, side)
             stroke = 2 * self.b * np.cos(theta / 2) * np.abs(rate)
             plastic = abs(fuse.on) * fuse.force_y * (1 - fuse.ratio) * stroke
+        if piece.storeys:
+            lost = np.array([abs(s.on) * s.force_y * (1 - s.ratio) for s in piece.storeys])
+            plastic = plastic + np.abs(flow.u_t @ self.frame.rows.T) @ lost
         bending = v[:, 1 : 1 + n] ** 2 @ self.decay
         return dict(zip(POWERS, (given, viscous, bending, plastic), strict=True))
 
@@ -442,7 +453,7 @@ class BentWall:
         """Return accelerations and forces at shares of a piece."""
         time = piece.t + piece.h * t
         return self.accelerate(x, v, piece.a_g(time), piece.a_v(time), piece.side, piece.fuses,
-                               held=piece.held)  # fmt: skip
+                               piece.storeys, held=piece.held)  # fmt: skip
 
     def energies(self, course: Course, piece: Piece, share: float = 1.0) -> dict[str, float]:
         """Return stored and dissipated energies at a share of a piece [J/kg]."""
@@ -456,10 +467,13 @@ class BentWall:
         spun = 4 * self.inerter * self.b**2 * math.cos(theta / 2) ** 2 * v[0, 0] ** 2
         kinetic -= spun
         gap = flow.linked[0] - x[0, k:] if frame.link_k.size else np.zeros(0)
-        q = x[0, 1:k]
+        q, strain = x[0, 1:k], u @ frame.stiff @ u
+        if piece.storeys:
+            d_s = frame.rows @ u
+            strain = 2 * sum(s.stored(d) for s, d in zip(piece.storeys, d_s, strict=True))
         found = {
             "kinetic": kinetic / 2,
-            "strain": (u @ frame.stiff @ u + frame.link_k @ gap**2) / 2,
+            "strain": (strain + frame.link_k @ gap**2) / 2,
             "gravity": self.g * (rise - math.sin(theta) * (q @ self.area)),
             "bending": self.mass * self.omega**2 @ q**2 / 2,
             "cable": float(self.cable_force(side * x[:, 0])[2][0]),
@@ -504,6 +518,7 @@ class Course:
     energy: dict[str, float] = field(default_factory=dict)
 
 
+CHATTER = 3e-8  # duration of the flight that ends a chatter [s]
 POWERS = ("input", "viscous", "bending_damping", "hysteretic")
 
 
@@ -513,6 +528,7 @@ class _Run:
     def __init__(self, wall: BentWall, t_end: float) -> None:
         self.wall, self.t_end, self.course = wall, t_end, Course()
         wall.fuses = [copy.copy(f) for f in wall.fuses]
+        wall.storeys = [copy.copy(s) for s in wall.frame.springs]
         for fuse in wall.fuses:
             fuse.p, fuse.on = 0.0, 0
         first = wall.groups.get("initial", {})
@@ -554,7 +570,8 @@ class _Run:
         a_g, a_v = self._motion(begin, stop)
         while i < count:
             piece = Piece(begin + i * h, h, self.side, self.held, self.x, self.v,
-                          np.zeros(0), a_g, a_v, [copy.copy(f) for f in wall.fuses])  # fmt: skip
+                          np.zeros(0), a_g, a_v, [copy.copy(f) for f in wall.fuses],
+                          [copy.copy(s) for s in wall.storeys])  # fmt: skip
             if not wall.step(piece):
                 count, i, h = 2 * count, 2 * i, h / 2
                 if h < 1e-12:
@@ -595,6 +612,7 @@ class _Run:
             found.append(("over", lambda t, x, v: side * x[:, 0] - wall.limit))
             if piece.fuses:
                 found += self._fuse_events(piece)
+        found += self._storey_events(piece)
         limit = wall.groups.get("p_delta", {}).get("drift_limit", 0.1)
         if "p_delta" in wall.groups:
             found.append(("collapse", lambda t, x, v: (
@@ -614,6 +632,28 @@ class _Run:
             # the stroke grows from zero, where a fuse that closed in yielding has its lower limit
             return [loads]
         return [loads, ("yield -1", lambda t, x, v: fuse.limit(-1) - drawn(x))]
+
+    def _storey_events(self, piece: Piece) -> list[tuple[str, Callable[..., Array]]]:
+        found: list[tuple[str, Callable[..., Array]]] = []
+        for i, s in enumerate(piece.storeys):
+            if s.on:
+                found.append((f"storey {i} 0", lambda t, x, v, i=i, s=s: (
+                    -s.on * self._storeys(x, v, piece.side)[1][:, i])))  # fmt: skip
+                continue
+            for way in (1, -1):
+                found.append((f"storey {i} {way}", lambda t, x, v, i=i, s=s, way=way: (
+                    way * (self._storeys(x, v, piece.side)[0][:, i] - s.limit(way)))))  # fmt: skip
+        return found
+
+    def _storeys(self, x: Array, v: Array, side: int) -> tuple[Array, Array]:
+        """Return the displacements of yielding storeys and their rates."""
+        wall, k = self.wall, 1 + self.wall.n
+        u, u_t = x[:, k:], v[:, k:]
+        if not wall.frame.link_k.size:
+            linked, d, _ = wall._jacobian(x, v, side)
+            u = np.hstack([u, linked])
+            u_t = np.hstack([u_t, np.einsum("tij,tj->ti", d, v[:, :k])])
+        return u @ wall.frame.rows.T, u_t @ wall.frame.rows.T
 
     def _rotation(self, piece: Piece, t: Array) -> Array:
         """Return the rotation over time or its square, for a start at zero."""
@@ -701,6 +741,13 @@ class _Run:
             self.power = 2
         elif name in ("over", "collapse"):
             course.overturned, course.collapsed = name == "over", name == "collapse"
+        elif name.startswith("storey"):
+            i, way = (int(x) for x in name.split()[1:])
+            if way:
+                self.wall.storeys[i].on = way
+            else:
+                d = self._storeys(self.x[None], self.v[None], self.side)[0]
+                self.wall.storeys[i].turn(float(d[0, i]))
         elif name == "unload":
             self._fuse().turn(self._drawn())
         else:
@@ -730,7 +777,8 @@ class _Run:
         """Let a wall go whose contact has no duration."""
         a_g, a_v = self._motion(self.t, stop)
         piece = Piece(self.t, 0.0, self.side, True, self.x, self.v,
-                      np.zeros((NODES, self.wall.size)), a_g, a_v, self.wall.fuses)  # fmt: skip
+                      np.zeros((NODES, self.wall.size)), a_g, a_v, self.wall.fuses,
+                      self.wall.storeys)  # fmt: skip
         zero = np.zeros(1)
         drive = {s: float(self.wall.drive(piece, zero, self.x[None], self.v[None], s)[0])
                  for s in (1, -1)}  # fmt: skip
@@ -761,6 +809,10 @@ class _Run:
             v, goes = held, False
         course.losses.append(loss)
         self.x, self.v, self.side, self.held, self.power = x, v, side, not goes, 1
+        d, d_t = self._storeys(x[None], v[None], side) if wall.storeys else (x[None], v[None])
+        for i, s in enumerate(wall.storeys):
+            if s.on * d_t[0, i] < 0:
+                s.turn(float(d[0, i]))
         if not goes:
             course.contacts.append(self.t)
 
@@ -769,8 +821,8 @@ class _Run:
         a_g, a_v = self._motion(self.t, self.t + 1e-9)
         t = np.array([self.t])
         a = self.wall.accelerate(x[None], v[None], a_g(t), a_v(t), side, self.wall.fuses,
-                                 held=False).a[0, 0] * side  # fmt: skip
-        return a < 0 and 2 * abs(v[0]) / -a < 3e-8
+                                 self.wall.storeys, held=False).a[0, 0] * side  # fmt: skip
+        return a < 0 and 2 * abs(v[0]) / -a < CHATTER
 
 
 def solved(number: int) -> dict[str, Any]:

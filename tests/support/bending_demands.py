@@ -152,7 +152,7 @@ class Demands:
         if piece.fuses:
             found["fuse_stroke_max_m"] = 4 * self.b * np.sin(theta / 2)
         v_g = piece.v_g + piece.h * (basis[1] @ TO_LEGENDRE @ piece.a_g(piece.t + piece.h * POINTS))
-        found |= self._frame_columns(piece.a_g(time), v_g, flow)
+        found |= self._frame_columns(piece, piece.a_g(time), v_g, flow)
         at = {0.0: "base", self.h: "mid"} | self._names()
         for i, (low, high) in enumerate(pairwise(self.ends)):
             for end, node, place in ((low, 0, "above"), (high, -1, "below")):
@@ -185,7 +185,7 @@ class Demands:
             standing = float(self.wall.lifting(piece.fuses, -side).force(np.zeros(1))[0])
         return np.array([size * np.sin(half), size * np.cos(half) + standing])
 
-    def _frame_columns(self, a_g: Array, v_g: Array, flow: Flow) -> dict[str, Array]:
+    def _frame_columns(self, piece: Piece, a_g: Array, v_g: Array, flow: Flow) -> dict[str, Array]:
         """Return demands of floors, storeys and links."""
         frame = self.frame
         if frame.coupling == "none":
@@ -193,6 +193,15 @@ class Demands:
         found: dict[str, Array] = {}
         u, u_t, u_tt = (frame.floors(y) for y in (flow.u, flow.u_t, flow.u_tt))
         drift = np.diff(u, prepend=0.0)
+        shear = frame.k * drift
+        if piece.storeys:
+            d = flow.u @ frame.rows.T
+            shear = frame.pulls(piece.storeys, d)
+            for i, s in enumerate(piece.storeys):
+                key = "ductility" if len(piece.storeys) == 1 else f"storey_{i + 1}_ductility"
+                found[key] = d[:, i] * s.k / s.force_y
+            if frame.coupling == "reduced":
+                shear = shear / frame.stiff[0] * frame.k * np.diff(frame.share, prepend=0.0)
         u_roof = flow.linked[:, -1]
         found["u_s_max_m"], found["roof_drift_max"] = u_roof, u_roof / self.length
         for i in range(u.shape[1]):
@@ -201,7 +210,7 @@ class Demands:
             found[f"floor_{i + 1}_velocity_max_m_s"] = u_t[:, i] + v_g
             if frame.coupling != "single":
                 found[f"storey_{i + 1}_drift_max"] = drift[:, i] / frame.heights[i]
-                found[f"storey_{i + 1}_shear_max_over_m_w_g"] = frame.k[i] * drift[:, i] / self.g
+                found[f"storey_{i + 1}_shear_max_over_m_w_g"] = shear[:, i] / self.g
         first = 1 + u.shape[1] - frame.linked
         for j in range(frame.linked):
             found[f"link_{first + j}_force_max_over_m_w_g"] = flow.links[:, j] / self.g

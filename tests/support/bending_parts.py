@@ -222,7 +222,7 @@ class Ground:
 
 @dataclass
 class Fuse:
-    """A bilinear spring under a corner: force over m_w."""
+    """A bilinear spring under a corner or of a storey: force over m_w."""
 
     k: float
     force_y: float
@@ -266,6 +266,7 @@ class Frame:
         self.stiff = self.damping = self.lean = np.zeros((0, 0))
         self.free, self.storey_z, self.share = 0, np.zeros(0), np.zeros(0)
         self.heights, self.total = np.zeros(0), 0.0
+        self.rows, self.springs = np.zeros((0, 0)), []
         if not frame or (not storeys and not frame.get("gamma")):
             self.coupling = "none"
             return
@@ -280,8 +281,10 @@ class Frame:
             self.heights = np.array([(gravity or {}).get("h_f") or height])
             self.lean = np.array([[m * lean / self.heights[0]]])
             self.z, self.k, self.share = np.array([height]), self.stiff[0], np.ones(1)
-            return
-        self._storeys(storeys, frame["xi_s"], lean)
+        else:
+            self._storeys(storeys, frame["xi_s"], lean)
+        if "yielding" in groups:
+            self._yield(groups["yielding"])
 
     def _storeys(self, storeys: dict[str, Any], xi: float, lean: float) -> None:
         m = np.array(storeys["m_over_m_w"], float)
@@ -315,6 +318,24 @@ class Frame:
             self.z = z
             given = np.atleast_1d(np.array(storeys["k_link_over_m_w"], float))
             self.link_k = np.broadcast_to(given, z.shape)
+
+    def _yield(self, yielding: dict[str, Any]) -> None:
+        """Let the storeys yield; a frame that follows its roof yields as one spring."""
+        if self.coupling in ("single", "reduced"):
+            self.rows, k = np.ones((1, 1)), self.stiff[0]
+            u_y = np.array([yielding["u_y"]])
+        else:
+            self.rows, k = np.eye(self.k.size) - np.eye(self.k.size, k=-1), self.k
+            if "storey_u_y" in yielding:
+                u_y = np.broadcast_to(np.atleast_1d(yielding["storey_u_y"]), k.shape)
+            else:
+                u_y = yielding["u_y"] * self.heights / self.heights.sum()
+        ratio = yielding.get("hardening", 0.0)
+        self.springs = [Fuse(*numbers, ratio) for numbers in zip(k, k * u_y, strict=True)]
+
+    def pulls(self, springs: list[Fuse], d: Array) -> Array:
+        """Return the forces of yielding storeys at their displacements."""
+        return np.array([s.force(x) for s, x in zip(springs, d.T, strict=True)]).T
 
     @property
     def linked(self) -> int:

@@ -19,10 +19,12 @@ module rwmf_embedding_stepping
    use rwmf_integrator_factory, only: new_integrator
    use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, rates_at, &
       second_derivative
+   use rwmf_model_bent_wall, only: forces_of_linked_floors
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
-   use rwmf_model_effects_storeys_shear_building, only: link_pulls, resistance
+   use rwmf_model_effects_storeys_shear_building, only: column_shears, link_pulls, resistance
    use rwmf_model_equation, only: frame_acceleration, frame_motion
+   use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_spring_set, only: uneven_plastic_part
    use rwmf_model_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
@@ -459,7 +461,9 @@ contains
             forces%frame_shear = sum(floor_forces)
             restoring = floor_forces(size(floor_forces))
          end if
-         if (allocated(equation%floors%k_link)) then
+         if (allocated(equation%beam%floors)) then
+            call find_forces_of_linked_floors(instance, state%at_rest, forces)
+         else if (allocated(equation%floors%k_link)) then
             forces%link = instance%mass*sum(link_pulls(equation, y))
          else if (equation%floors%are_linked .and. equation%has_wall) then
             ! links at every floor: inertia forces of the floors plus the base shear
@@ -478,6 +482,27 @@ contains
          end if
       end associate
    end subroutine query_forces
+
+   !> Compute the sum of the link forces on floors that are linked to a bending wall one by one, and
+   !> the force of the lowest storey.
+   subroutine find_forces_of_linked_floors(instance, at_rest, forces)
+      type(wall_instance_t), intent(in) :: instance
+      logical, intent(in) :: at_rest
+      !! both corners of the wall are on the base
+      type(wall_forces_t), intent(inout) :: forces
+      real(wp) :: y_dot(size(instance%hybrid%y))
+      real(wp), dimension(instance%equation%floors%storeys) :: shear, d, d_dot
+
+      associate (equation => instance%equation, y => instance%hybrid%y, t => instance%hybrid%t, &
+                 linked => instance%equation%beam%floors)
+         call rates_at(equation, t, y, y_dot)
+         if (at_rest) y_dot(2) = 0
+         call storey_motion(equation, equation%state%side, y, d, d_dot)
+         shear = column_shears(equation, y) + linked%viscous_time*linked%k*d_dot
+         forces%link = -instance%mass*sum(forces_of_linked_floors(equation, t, y, y_dot))
+         forces%frame_shear = instance%mass*shear(1)
+      end associate
+   end subroutine find_forces_of_linked_floors
 
    !> Return the events of the last advance in order of time.
    subroutine query_events(stepping, events, error)

@@ -1,14 +1,15 @@
 !> Energy, momentum and impacts of a bending wall (docs/theory/bending.md). Masses are over m_w.
 module rwmf_model_bent_wall
    use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_storeys_shear_building, only: column_shears, storey_strain
    use rwmf_model_equation, only: equation_t, frame_motion, ground, model_t
-   use rwmf_model_kinematics, only: kinematics_of, kinematics_t
+   use rwmf_model_floor_motion, only: floor_accelerations, floor_motion, storey_motion
    implicit none
    private
 
    public :: bent_kinetic_energy, bent_frame_strain, bent_gravity, bending_strain, landing
-   public :: linked_floor_motion, linked_floor_accelerations, forces_of_linked_floors
-   public :: mean_acceleration, bent_overturning, bent_mass_matrix, solution
+   public :: forces_of_linked_floors, mean_acceleration, bent_overturning, bent_mass_matrix
+   public :: solution
 
 contains
 
@@ -17,8 +18,7 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: u_s, u_s_dot
-      real(wp), allocatable :: u(:), v(:)
+      real(wp) :: u(0:max(1, equation%floors%storeys)), v(max(1, equation%floors%storeys))
 
       associate (beam => equation%beam, p => equation%p, q => y(equation%beam%first: &
                  equation%beam%first + equation%beam%n - 1), q_dot => y(equation%beam%first &
@@ -27,11 +27,11 @@ contains
             *sum(beam%area*q) + sum(beam%mass*q**2))*y(2)**2 + sum(beam%mass*q_dot**2))/2 &
             + y(2)*sum(beam%arm*q_dot)
          if (allocated(beam%floors)) then
-            call linked_floor_motion(equation, y, u, v)
+            call floor_motion(equation, equation%state%side, y, u, v)
             energy = energy + sum(beam%floors%m*v**2)/2
          else if (equation%has_frame) then
-            call frame_motion(equation, equation%state%side, y, u_s, u_s_dot)
-            energy = energy + p%gamma*u_s_dot**2/2
+            call frame_motion(equation, equation%state%side, y, u(1), v(1))
+            energy = energy + p%gamma*v(1)**2/2
          end if
       end associate
    end function bent_kinetic_energy
@@ -42,60 +42,17 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: u_s, u_s_dot
-      real(wp), allocatable :: u(:), v(:)
+      real(wp), dimension(equation%floors%storeys) :: d, d_dot
 
       energy = 0
-      if (allocated(equation%beam%floors)) then
-         call linked_floor_motion(equation, y, u, v)
-         energy = sum(equation%beam%floors%k*(u - [0.0_wp, u(:size(u) - 1)])**2)/2
+      if (size(d) > 0 .and. equation%floors%n == 0) then
+         call storey_motion(equation, equation%state%side, y, d, d_dot)
+         energy = storey_strain(equation, y, d)
       else if (equation%has_frame) then
          call frame_motion(equation, equation%state%side, y, u_s, u_s_dot)
          energy = equation%p%gamma*(equation%p%omega_s*u_s)**2/2
       end if
    end function bent_frame_strain
-
-   !> Compute displacements and velocities of the floors that are linked to the wall one by one.
-   subroutine linked_floor_motion(equation, y, u, v)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), allocatable, intent(out) :: u(:)
-      !! (floors) relative to the ground [m]
-      real(wp), allocatable, intent(out) :: v(:)
-      !! (floors) [m/s]
-      type(kinematics_t) :: kin
-      real(wp), allocatable :: w(:), w_dot(:)
-
-      kin = kinematics_of(equation%geometry, equation%state%side, equation%state%side*y(1))
-      associate (beam => equation%beam, R => equation%p%R, side => equation%state%side)
-         w = matmul(beam%floors%phi, y(beam%first:beam%first + beam%n - 1))
-         w_dot = matmul(beam%floors%phi, y(beam%first + beam%n:beam%first + 2*beam%n - 1))
-         u = beam%floors%share*(side*R*kin%u) + cos(y(1))*w
-         v = (beam%floors%share*R*kin%j - sin(y(1))*w)*y(2) + cos(y(1))*w_dot
-      end associate
-   end subroutine linked_floor_motion
-
-   !> Accelerations of the floors that are linked to the wall one by one, relative to the ground.
-   pure function linked_floor_accelerations(equation, y, y_dot) result(a)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:), y_dot(:)
-      !! (states) and their rates
-      real(wp) :: a(size(equation%beam%floors%m))
-      !! (floors) [m/s2]
-      type(kinematics_t) :: kin
-      real(wp), dimension(size(equation%beam%floors%m)) :: w, w_dot, w_ddot
-
-      kin = kinematics_of(equation%geometry, equation%state%side, equation%state%side*y(1))
-      associate (beam => equation%beam, R => equation%p%R, side => equation%state%side, &
-                 n => equation%beam%n, first => equation%beam%first, sine => sin(y(1)), &
-                 cosine => cos(y(1)))
-         w = matmul(beam%floors%phi, y(first:first + n - 1))
-         w_dot = matmul(beam%floors%phi, y(first + n:first + 2*n - 1))
-         w_ddot = matmul(beam%floors%phi, y_dot(first + n:first + 2*n - 1))
-         a = beam%floors%share*R*(side*kin%k*y(2)**2 + kin%j*y_dot(2)) &
-            + cosine*(w_ddot - w*y(2)**2) - sine*(2*w_dot*y(2) + w*y_dot(2))
-      end associate
-   end function linked_floor_accelerations
 
    !> Forces of the links on the wall where every floor is linked. Each balances the inertia of its
    !> floor and the difference of the storey forces above and below.
@@ -107,15 +64,16 @@ contains
       !! (states) and their rates
       real(wp) :: force(size(equation%beam%floors%m))
       !! (floors) over m_w [m/s2]
-      real(wp) :: shear(size(force))
-      real(wp), allocatable :: u(:), v(:)
+      real(wp) :: u(0:size(force)), v(size(force)), shear(size(force))
 
-      call linked_floor_motion(equation, y, u, v)
+      call floor_motion(equation, equation%state%side, y, u, v)
       associate (floors => equation%beam%floors, n => size(force))
-         v = u + floors%viscous_time*v
-         shear = floors%k*(v - [0.0_wp, v(:n - 1)]) - floors%load*(u - [0.0_wp, u(:n - 1)])
-         force = -floors%m*(linked_floor_accelerations(equation, y, y_dot) + ground(equation, t)) &
-            - shear
+         v = u(1:) + floors%viscous_time*v
+         shear = floors%k*(v - [0.0_wp, v(:n - 1)]) - floors%load*(u(1:) - u(:n - 1))
+         if (equation%floors%yields) shear = shear + column_shears(equation, y) &
+            - floors%k*(u(1:) - u(:n - 1))
+         force = -floors%m*(floor_accelerations(equation, equation%state%side, y, y_dot) &
+            + ground(equation, t)) - shear
          force(:n - 1) = force(:n - 1) + shear(2:)
       end associate
    end function forces_of_linked_floors

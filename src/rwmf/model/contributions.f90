@@ -6,7 +6,7 @@ module rwmf_model_contributions
    use rwmf_model_equation, only: contribution_t, equation_t
    use rwmf_model_hysteresis_spring_set, only: choose_springs, has_branches
    use rwmf_model_scene, only: add_term, elsewhere, term_t, through_link
-   use rwmf_problem_case, only: case_t, has_all_modes
+   use rwmf_problem_case, only: case_t, has_all_modes, has_numbers
    implicit none
    private
 
@@ -50,13 +50,15 @@ contains
       end associate
    end subroutine order_terms
 
-   !> True if the frame as a whole yields with a law of linear branches. Frames with all modes have
-   !> laws for the single storeys.
+   !> True if the frame as a whole yields with a law of linear branches that follows the rotation.
+   !> Frames with all modes have laws for the single storeys, and a bending wall moves the frame at
+   !> rest as well.
    pure logical function frame_yields(case)
       type(case_t), intent(in) :: case
 
       frame_yields = allocated(case%yielding)
-      if (frame_yields) frame_yields = .not. has_all_modes(case%storeys)
+      if (frame_yields) frame_yields = .not. (has_all_modes(case%storeys) .or. has_numbers(case, &
+         'bending'))
       if (frame_yields) frame_yields = has_branches(case%yielding)
    end function frame_yields
 

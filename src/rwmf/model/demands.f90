@@ -9,17 +9,16 @@ module rwmf_model_demands
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_beam, only: link_deflections, tip_deflection
    use rwmf_model_bent_sections, only: bent_sections_t, create_bent_sections, find_bent_extremes
-   use rwmf_model_bent_wall, only: bent_overturning, forces_of_linked_floors, &
-      linked_floor_accelerations, linked_floor_motion
+   use rwmf_model_bent_wall, only: bent_overturning, forces_of_linked_floors
    use rwmf_model_effects_p_delta, only: leaning_height, leaning_loads
    use rwmf_model_effects_storeys_shear_building, only: column_shears, link_pulls
    use rwmf_model_equation, only: equation_t, frame_acceleration, frame_displacement, frame_mass, &
       frame_motion, ground, kinematics_at, place_frame
-   use rwmf_model_floor_motion, only: floor_accelerations, floor_motion
+   use rwmf_model_floor_motion, only: floor_accelerations, floor_motion, follows_roof
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
    use rwmf_model_hysteresis_laws, only: spring_force
    use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_reactions, only: link_force, link_tilt, roof_acceleration
+   use rwmf_model_reactions, only: link_force, link_tilt, plastic_part, roof_acceleration
    use rwmf_model_wall_sections, only: find_section_extremes, link_places, links_t, &
       section_extremes_t
    use rwmf_problem_case, only: case_t
@@ -211,7 +210,6 @@ contains
       real(wp), intent(out) :: u_ddot(:)
       !! (floors) [m/s2]
       real(wp) :: u(0:building%floors), v(building%floors)
-      real(wp), allocatable :: u_linked(:), v_linked(:)
 
       if (.not. equation%has_frame) then
          demands%drift = u_ddot
@@ -219,15 +217,10 @@ contains
          return
       end if
       associate (n => building%floors)
-         if (equation%floors%n > 0) then
+         if (.not. follows_roof(equation)) then
             u_ddot = floor_accelerations(equation, equation%state%side, y, y_dot)
             call floor_motion(equation, equation%state%side, y, u, v)
             demands%shear = equation%floors%unit*column_shears(equation, y)
-         else if (allocated(equation%beam%floors)) then
-            u_ddot = linked_floor_accelerations(equation, y, y_dot)
-            call linked_floor_motion(equation, y, u_linked, v_linked)
-            u = [0.0_wp, u_linked]
-            demands%shear = equation%beam%floors%k*(u(1:) - u(:n - 1))
          else
             u_ddot = building%share*frame_acceleration(equation, equation%state%side, y, y_dot)
             u(0) = 0
@@ -251,7 +244,9 @@ contains
 
       roof = frame_displacement(equation, equation%state%side, y)
       u = roof
-      if (equation%has_loading_direction) then
+      if (equation%floors%yields) then
+         u = roof - plastic_part(equation, y)
+      else if (equation%has_loading_direction) then
          u = bouc_wen_force(equation, y)/equation%p%omega_squared
       else if (allocated(equation%springs)) then
          n = count(equation%springs%place == place_frame)

@@ -133,12 +133,15 @@ module rwmf_model_equation
       !! (n) height of each storey [m]
       integer :: first = 3
       !! index of their first state
+      integer :: storeys = 0
+      !! number of storeys with a displacement (`storey_motion`): n; those linked to a bending wall
+      !! floor by floor; 1 if the frame beside a bending wall yields as one spring at the roof
       logical :: yields = .false.
       !! the storeys yield; if not, the following components are not allocated
       type(spring_t), allocatable :: springs(:)
-      !! (n) spring of each storey; forces over the same mass
+      !! (storeys) spring of each storey; forces over the same mass
       type(hysteresis_t), allocatable :: laws(:)
-      !! (n) law of each storey with smooth hysteresis; forces over the same mass
+      !! (storeys) law of each storey with smooth hysteresis; forces over the same mass
       real(wp) :: unit = 1
       !! reference mass of m, in the mass unit of the case [-]
    end type floors_t

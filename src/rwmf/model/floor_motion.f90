@@ -1,15 +1,26 @@
-!> Motion of the floors and storeys of a frame whose floors have states.
+!> Motion of the floors and storeys of a frame whose floors have states, or are linked to a bending
+!> wall one by one.
 module rwmf_model_floor_motion
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: frame_acceleration, frame_motion, model_t
+   use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    implicit none
    private
 
    public :: floor_motion, floor_accelerations, storey_motion, storey_accelerations
+   public :: follows_roof
 
 contains
 
-   !> Compute displacements and velocities of ground, floors and roof relative to the ground.
+   !> True if all floors move in a fixed proportion to the roof.
+   pure logical function follows_roof(model)
+      class(model_t), intent(in) :: model
+
+      follows_roof = model%floors%n == 0 .and. .not. allocated(model%beam%floors)
+   end function follows_roof
+
+   !> Compute displacements and velocities of ground, floors and roof relative to the ground. If the
+   !> floors follow the roof, only the roof has a place.
    pure subroutine floor_motion(model, side, y, u, v)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
@@ -22,12 +33,61 @@ contains
       !! (n) [m/s]
 
       u(0) = 0
+      if (allocated(model%beam%floors)) then
+         call linked_motion(model, side, y, u(1:), v)
+         return
+      end if
       associate (first => model%floors%first, n => model%floors%free)
          u(1:n) = y(first:first + n - 1)
          v(:n) = y(first + n:first + 2*n - 1)
          if (n < size(v)) call frame_motion(model, side, y, u(n + 1), v(n + 1))
       end associate
    end subroutine floor_motion
+
+   !> Compute displacements and velocities of the floors that are linked to a bending wall one by
+   !> one, relative to the ground.
+   pure subroutine linked_motion(model, side, y, u, v)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! current side, +1 or -1
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(out) :: u(:), v(:)
+      !! (floors) [m], [m/s]
+      type(kinematics_t) :: kin
+      real(wp), dimension(size(u)) :: w, w_dot
+
+      kin = kinematics_of(model%geometry, side, side*y(1))
+      associate (beam => model%beam, R => model%p%R)
+         w = matmul(beam%floors%phi, y(beam%first:beam%first + beam%n - 1))
+         w_dot = matmul(beam%floors%phi, y(beam%first + beam%n:beam%first + 2*beam%n - 1))
+         u = beam%floors%share*(side*R*kin%u) + cos(y(1))*w
+         v = (beam%floors%share*R*kin%j - sin(y(1))*w)*y(2) + cos(y(1))*w_dot
+      end associate
+   end subroutine linked_motion
+
+   !> Accelerations of these floors relative to the ground.
+   pure function linked_accelerations(model, side, y, y_dot) result(a)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! current side, +1 or -1
+      real(wp), intent(in) :: y(:), y_dot(:)
+      !! (states) and their rates
+      real(wp) :: a(size(model%beam%floors%m))
+      !! (floors) [m/s2]
+      type(kinematics_t) :: kin
+      real(wp), dimension(size(a)) :: w, w_dot, w_ddot
+
+      kin = kinematics_of(model%geometry, side, side*y(1))
+      associate (beam => model%beam, R => model%p%R, n => model%beam%n, &
+                 first => model%beam%first, sine => sin(y(1)), cosine => cos(y(1)))
+         w = matmul(beam%floors%phi, y(first:first + n - 1))
+         w_dot = matmul(beam%floors%phi, y(first + n:first + 2*n - 1))
+         w_ddot = matmul(beam%floors%phi, y_dot(first + n:first + 2*n - 1))
+         a = beam%floors%share*R*(side*kin%k*y(2)**2 + kin%j*y_dot(2)) &
+            + cosine*(w_ddot - w*y(2)**2) - sine*(2*w_dot*y(2) + w*y_dot(2))
+      end associate
+   end function linked_accelerations
 
    !> Compute the displacements of the storeys and their rates.
    pure subroutine storey_motion(model, side, y, d, d_dot)
@@ -58,12 +118,16 @@ contains
       !! current side, +1 or -1
       real(wp), intent(in) :: y(:), y_dot(:)
       !! (states) states and their rates
-      real(wp) :: u_ddot(model%floors%n)
+      real(wp) :: u_ddot(model%floors%storeys)
       !! [m/s2]
 
+      if (allocated(model%beam%floors)) then
+         u_ddot = linked_accelerations(model, side, y, y_dot)
+         return
+      end if
       associate (first => model%floors%first, n => model%floors%free)
          u_ddot(:n) = y_dot(first + n:first + 2*n - 1)
-         if (n < model%floors%n) u_ddot(n + 1) = frame_acceleration(model, side, y, y_dot)
+         if (n < size(u_ddot)) u_ddot(n + 1) = frame_acceleration(model, side, y, y_dot)
       end associate
    end function floor_accelerations
 
@@ -74,13 +138,11 @@ contains
       !! current side, +1 or -1
       real(wp), intent(in) :: y(:), y_dot(:)
       !! (states) states and their rates
-      real(wp) :: d_ddot(model%floors%n)
+      real(wp) :: d_ddot(model%floors%storeys)
       !! [m/s2]
 
       d_ddot = floor_accelerations(model, side, y, y_dot)
-      associate (n => model%floors%n)
-         d_ddot(2:) = d_ddot(2:) - d_ddot(:n - 1)
-      end associate
+      d_ddot(2:) = d_ddot(2:) - d_ddot(:size(d_ddot) - 1)
    end function storey_accelerations
 
 end module rwmf_model_floor_motion

@@ -2,13 +2,14 @@
 !> forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
 module rwmf_model_reactions
    use rwmf_core_kinds, only: wp
-   use rwmf_model_bent_wall, only: forces_of_linked_floors, linked_floor_accelerations, &
-      mean_acceleration
+   use rwmf_model_bent_wall, only: forces_of_linked_floors, mean_acceleration
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force
-   use rwmf_model_effects_storeys_shear_building, only: floor_inertia, link_pulls, resistance
-   use rwmf_model_equation, only: cable_at, equation_t, ground, kinematics_at, tip_acceleration, &
-      tip_displacement, tip_velocity, vertical_ground
+   use rwmf_model_effects_storeys_shear_building, only: column_shears, floor_inertia, &
+      link_pulls, resistance
+   use rwmf_model_equation, only: cable_at, equation_t, frame_displacement, frame_mass, ground, &
+      kinematics_at, tip_acceleration, tip_displacement, tip_velocity, vertical_ground
+   use rwmf_model_floor_motion, only: floor_accelerations, follows_roof
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: plastic_displacement, uneven_plastic_part
    use rwmf_model_kinematics, only: kinematics_t
@@ -70,7 +71,7 @@ contains
       if (.not. equation%has_frame) return
       if (allocated(equation%beam%floors)) then
          reactions%base_shear = reactions%base_shear + dot_product(equation%beam%floors%m, &
-            linked_floor_accelerations(equation, y, y_dot) + ground(equation, t))
+            floor_accelerations(equation, equation%state%side, y, y_dot) + ground(equation, t))
          return
       end if
       u_ddot = roof_acceleration(equation, kin, y, y_dot)
@@ -130,7 +131,8 @@ contains
             if (equation%beam%n > 0) force(1) = force(1) - p%gamma*p%omega_s*(p%omega_s &
                *tip_displacement(equation, y) + 2*p%xi_s*tip_velocity(equation, y))
          end if
-         if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
+         if (equation%has_bilinear_springs .or. equation%has_loading_direction &
+             .or. yields_at_roof(equation)) then
             force(1) = force(1) + p%gamma*p%omega_squared*plastic_part(equation, y)
          end if
          if (equation%floors%are_linked) force(1) = sum_of_links(equation, t, y, u_ddot, force(1))
@@ -163,12 +165,22 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
 
-      if (equation%has_loading_direction) then
+      if (yields_at_roof(equation)) then
+         plastic_part = frame_displacement(equation, equation%state%side, y) - sum(column_shears( &
+            equation, y))/(frame_mass(equation)*equation%p%omega_squared)
+      else if (equation%has_loading_direction) then
          plastic_part = lagging_displacement(equation, y)
       else
          plastic_part = plastic_displacement(equation, y(1))
       end if
    end function plastic_part
+
+   !> True if the frame beside a bending wall yields as one spring at the roof.
+   pure logical function yields_at_roof(equation)
+      type(equation_t), intent(in) :: equation
+
+      yields_at_roof = equation%floors%yields .and. follows_roof(equation)
+   end function yields_at_roof
 
    !> Sum of the link forces of all floors on the wall, from the force of a single link at the roof.
    !>

@@ -11,6 +11,7 @@ module rwmf_simulation_run
    use rwmf_model_demands, only: building_t
    use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
    use rwmf_model_equation, only: discrete_state_t, frame_displacement, frame_travel
+   use rwmf_model_energy, only: dissipates_hysteretically
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
@@ -209,8 +210,10 @@ contains
       !! below this value round-off governs
 
       tolerance%rtol = case%solver%rtol
-      if (equation%floors%yields) tolerance%rtol = max(min(tolerance%rtol, tightest), &
-         tolerance%rtol*stiffest_share(equation%floors%m, equation%floors%k))
+      if (allocated(equation%floors%k) .and. equation%floors%yields) then
+         tolerance%rtol = max(min(tolerance%rtol, tightest), &
+            tolerance%rtol*stiffest_share(equation%floors%m, equation%floors%k))
+      end if
       if (allocated(case%solver%atol)) then
          tolerance%atol = case%solver%atol/max(size_guess(1), tiny(1.0_wp)) &
             *state_sizes(equation, size_guess)
@@ -305,7 +308,7 @@ contains
          result%t_u_s_max = recorder%t_u_max
       end if
       if (allocated(recorder%top)) result%tip_deflection_max = recorder%top(2)
-      if (equation%has_bilinear_springs .or. equation%has_loading_direction) then
+      if (dissipates_hysteretically(equation)) then
          call fill_hysteresis(case, equation, hybrid, result)
       end if
       if (allocated(case%yielding) .and. allocated(case%storeys)) then
@@ -376,7 +379,9 @@ contains
       if (allocated(case%yielding)) then
          if (.not. allocated(case%yielding%storey_u_y)) result%ductility = result%u_s_max &
             /yield_displacement(case)
-         if (equation%has_loading_direction) then
+         if (equation%floors%yields) then
+            result%residual_displacement = sum(storey_residuals(equation, hybrid%y))
+         else if (equation%has_loading_direction) then
             result%residual_displacement = bouc_wen_residual(equation, hybrid%y)
          else
             result%residual_displacement = frame_residual(equation, hybrid%y(1))
@@ -439,7 +444,7 @@ contains
       type(result_t), intent(inout) :: result
       type(discrete_state_t) :: state
       real(wp) :: y(equation%n), u, height
-      real(wp) :: d(equation%floors%n), d_dot(equation%floors%n)
+      real(wp) :: d(equation%floors%storeys), d_dot(equation%floors%storeys)
       logical :: of_storeys, of_roof, is_found
 
       ! a pass at coarser tolerances may have a different ending

@@ -112,3 +112,19 @@ def test_newtons() -> None:
 def test_refused(keys: dict[str, float]) -> None:
     with pytest.raises(rwmf.errors.InputError, match=r"nl_damper"):
         scene(nl_damper=keys)
+
+
+def test_a_damper_that_holds_a_displaced_wall_ends_the_run_early() -> None:
+    held = scene(
+        wall={"h": 7.8, "b": 1.43}, frame=None, impact={"rule": "coupled"},
+        model={"formulation": "exact"}, cable={"eta_0": 0.66, "eta_alpha": 3.46},
+        motion={"kind": "one_cosine", "a_max_g": 0.434, "T_p": 0.89},
+        nl_damper={"eta_1": 0.5, "exponent": 0.15}, solver={"t_end": 1.5, "rtol": 1e-8},
+    )  # fmt: skip
+    message = "&nl_damper: exponent = 0.15: the dampers hold the displaced wall almost still at t ="
+    with pytest.raises(rwmf.NumericalError, match=message):
+        rwmf.simulate(held)
+    row = rwmf.sweep(held, points={"scale": [1.0]}, quantities=("theta_max_over_alpha",))
+    assert row.status.values.tolist() == [2]  # too many steps
+    free = held.replace(nl_damper={"eta_1": 0.5, "exponent": 0.3})
+    assert int(rwmf.simulate(free).steps) < 1000

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import bending
 import numpy as np
 import pytest
 import rwmf
@@ -27,8 +28,8 @@ VARIANTS: list[tuple[int, Groups]] = [
     (1019, {"bending": {"modes": 3}}),
     (1028, {"bending": {"modes": 2}}),
 ]
-# the chatter of scene 10 is cut off by both programs, at different bounces
-LOOSE = {(10, "pivot_normal_min_over_m_w_g")}
+# the peak is the limit of a chatter, which the program for comparison cuts off earlier
+LOOSE = {(10, "pivot_normal_min_over_m_w_g"): 1e-4}
 H, B = 6.0, 1.2
 
 
@@ -71,7 +72,7 @@ def _compare(groups: Groups, record: dict[str, list[float]] | None, number: int)
     expected |= {f"energy_{name}_J_per_kg": value for name, value in energies.items()}
     run = rwmf.simulate(_case(groups, record)).flat()
     assert run["energy_balance_relative"] < 1e-10
-    found = {key for key in expected if key in run and (number, key) not in LOOSE}
+    found = {key for key in expected if key in run}
     needed = {"tip_deflection_max_m", "wall_moment_max_over_m_w_g_m", "wall_drift_max"}
     if "frame" in groups:
         floor = len(groups["storeys"]["height"]) if "storeys" in groups else 1
@@ -79,7 +80,8 @@ def _compare(groups: Groups, record: dict[str, list[float]] | None, number: int)
         needed |= {f"floor_{floor}_velocity_max_m_s", f"wall_shear_{floor}_max_over_m_w_g"}
     assert needed <= found
     for key in sorted(found):
-        assert run[key] == pytest.approx(float(expected[key]), rel=1e-8, abs=1e-12), key
+        rel = LOOSE.get((number, key), 1e-8)
+        assert run[key] == pytest.approx(float(expected[key]), rel=rel, abs=1e-12), key
 
 
 @pytest.mark.parametrize("number", SCENES)
@@ -263,6 +265,30 @@ def test_peaks_do_not_depend_on_the_end_of_a_chatter() -> None:
         )
 
 
+@pytest.mark.parametrize(
+    ("number", "key"),
+    [
+        (10, "pivot_normal_min_over_m_w_g"),
+        (178, "wall_shear_base_max_over_m_w_g"),
+        (133, "pivot_normal_min_over_m_w_g"),
+    ],
+)
+def test_peaks_at_the_end_of_a_chatter_are_its_limit(
+    number: int, key: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Bounces become ever shorter; the peak is that of the last one, which has no duration."""
+    groups, record = bending_scene(number)
+    runs = [rwmf.simulate(_case(groups, record, rtol=rtol)).flat() for rtol in (1e-8, 1e-12)]
+    values = [run[key] for run in runs]
+    assert values[0] == pytest.approx(values[1], rel=2e-7)
+    errors = []
+    for duration in (1e-7, 1e-9):
+        monkeypatch.setattr(bending, "CHATTER", duration)
+        wall = BentWall(groups, ground_of(record))
+        errors.append(abs(wall.largest(wall.follow())[key] - values[1]))
+    assert errors[1] < 0.02 * errors[0] < 1e-3 * abs(values[1])
+
+
 def test_lanes_agree_with_runs() -> None:
     groups, record = bending_scene(2)
     case = _case(groups, record, rtol=1e-9)
@@ -371,11 +397,6 @@ def test_a_strong_frame_beside_a_bending_wall_is_elastic() -> None:
         ({"model": {"formulation": "published"}}, "exact"),
         ({"wall": {"h": H, "b": B, "base": "pinned"}, "impact": {}}, "pinned"),
         ({"frame": {"T_s": 1.0, "gamma": 2.0}, "link": {"length": 3.0}}, "link"),
-        ({"frame": {"xi_s": 0.05}, "yielding": {"u_y": 0.01},
-          "storeys": {"m_over_m_w": 2.0, "k_over_m_w": 200.0, "height": 2 * H}},
-         "'full' or 'springs' with &yielding and &bending"),
-        ({"frame": {"T_s": 1.0, "gamma": 2.0, "xi_s": 0.05}, "yielding": {"u_y": 0.01},
-          "p_delta": {"h_f": 4.0}}, "h_f = 4.0: must not be given with &yielding and &bending"),
     ],
 )  # fmt: skip
 def test_refusals_name_the_group(changed: Groups, message: str) -> None:

@@ -284,7 +284,7 @@ def test_flight_by_another_integrator() -> None:
     def rate(time: float, y: np.ndarray) -> np.ndarray:
         x, v = y.reshape(2, 1, -1)
         t[0] = time
-        a = wall.accelerate(x, v, one.a_g(t), one.a_v(t), one.side, [], held=False).a
+        a = wall.accelerate(x, v, one.a_g(t), one.a_v(t), one.side, [], [], held=False).a
         return np.concatenate([v[0], a[0]])
 
     start = np.concatenate([one.x, one.v])

@@ -54,7 +54,7 @@ def _retrofit(coupling: str = "every_floor", **changes: dict[str, Any] | None) -
     }  # fmt: skip
     if coupling == "springs":
         groups["storeys"]["k_link"] = 1e8
-    if coupling == "reduced" or (coupling == "every_floor" and changes.get("bending")):
+    if coupling == "reduced":
         # storeys do not yield one by one
         del groups["yielding"]
         groups["limits"] = {k: v for k, v in LIMITS.items() if k != "storey_residual_drift_max"}

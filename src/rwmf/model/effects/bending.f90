@@ -9,6 +9,7 @@ module rwmf_model_effects_bending
       shape_columns, spring_columns
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
       model_t
+   use rwmf_model_hysteresis_spring_set, only: has_branches
    use rwmf_model_scene, only: elsewhere, frame_term, scene_t, through_link
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -129,12 +130,13 @@ contains
       has_bending = has_numbers(case, 'bending')
    end function has_bending
 
-   !> Add the names of the displacements and velocities of the modes to the states.
+   !> Add the names of the displacements and velocities of the modes to the states. States of smooth
+   !> storeys that are linked to the wall floor by floor follow.
    pure subroutine add_mode_states(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)
       real(wp) :: numbers(6)
-      character(name_length), allocatable :: states(:, :)
+      character(name_length), allocatable :: states(:, :), smooth(:)
       integer :: i
 
       numbers = numbers_of(case, 'bending')
@@ -144,6 +146,13 @@ contains
          states(i, 2) = 'q_'//trim(integer_to_text(i))//'_dot_m_s'
       end do
       names = [character(name_length) :: names, states(:, 1), states(:, 2)]
+      if (.not. (allocated(case%storeys) .and. allocated(case%yielding))) return
+      if (case%storeys%coupling /= 'every_floor' .or. has_branches(case%yielding)) return
+      allocate (smooth(size(case%storeys%frame%m)))
+      do i = 1, size(smooth)
+         smooth(i) = 'z_'//trim(integer_to_text(i))
+      end do
+      names = [character(name_length) :: names, smooth]
    end subroutine add_mode_states
 
    !> Prepare the contribution of the modes to the equation. Effects that act on the frame come
@@ -154,6 +163,7 @@ contains
       type(contribution_t), intent(out) :: bending
       real(wp) :: numbers(6)
       real(wp) :: flexibility
+      integer :: i
 
       bending%is_present = has_bending(case)
       if (.not. bending%is_present) return
@@ -182,11 +192,20 @@ contains
       bending%constants = [0.0_wp]
       if (allocated(case%inerter)) bending%constants = [case%inerter%inertance_over_m_w]
       bending%law = equation%beam%n
-      if (allocated(equation%beam%floors)) bending%n = size(equation%beam%floors%m)
-      bending%n_coef = bending_coefficients(bending%law, bending%n, &
-         allocated(equation%beam%link_phi))
-      bending%coefficients => coefficients_of_bending
       bending%states = 2*equation%beam%n
+      if (allocated(equation%beam%floors)) then
+         bending%n = size(equation%beam%floors%m)
+         if (allocated(equation%floors%laws)) then
+            ! the loop computes a power of any exponent
+            equation%floors%laws%factors = 0
+            equation%floors%laws%place = [(equation%beam%first - 1 + bending%states + i, &
+               i=1, bending%n)]
+            bending%states = bending%states + bending%n
+         end if
+      end if
+      bending%n_coef = bending_coefficients(bending%law, bending%n, &
+         allocated(equation%beam%link_phi), bending%states > 2*bending%law)
+      bending%coefficients => coefficients_of_bending
       bending%sizes => mode_sizes
       bending%land => land
    end subroutine prepare_bending
@@ -205,7 +224,12 @@ contains
          coef(fixed_columns + 1:next) = [beam%area, beam%arm, beam%mass, beam%mass*beam%omega**2, &
             beam%mass*beam%damping, beam%linked_ratio, beam%vectors]
          if (allocated(beam%floors)) then
-            call put_shapes(beam%floors, n, coef(next + 1:))
+            call put_shapes(model, state, coef(next + 1:next + shape_columns*(n + 1) &
+               + 3*(n + 1)**2))
+            next = next + shape_columns*(n + 1) + 3*(n + 1)**2
+            if (allocated(model%floors%laws)) coef(next + 1:) = [model%floors%laws%force_at_z1, &
+               1/model%floors%laws%u_y, state%storey_signs%lost, model%floors%laws%exponent, &
+               bends_of(beam%floors, n)]
          else if (allocated(beam%link_phi)) then
             coef(next + 1:) = [([1/model%floors%m(i), model%floors%k_link(i), &
                model%floors%share(i), beam%link_phi(i, :)], i=1, effect%n)]
@@ -215,26 +239,44 @@ contains
 
    !> Fill in the matrices of linked floors in the shapes of the wall: the straight wall and the
    !> modes.
-   pure subroutine put_shapes(floors, n, coef)
+   pure subroutine put_shapes(model, state, coef)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
+      !! its storeys are on their branches
+      real(wp), intent(out) :: coef(shape_columns + 3*(model%beam%n + 1), 0:model%beam%n)
+      real(wp), dimension(model%floors%storeys, 0:model%beam%n) :: shape, bend
+      real(wp) :: offset(model%floors%storeys)
+      integer :: i
+
+      offset = 0
+      if (allocated(model%floors%springs)) offset = state%storeys%offset
+      associate (floors => model%beam%floors, slope => state%storeys%slope)
+         shape(:, 0) = floors%share
+         shape(:, 1:) = floors%phi
+         bend = bends_of(floors, model%beam%n)
+         do i = 0, model%beam%n
+            coef(:, i) = [sum(floors%m*shape(:, i)), sum(offset*bend(:, i)), &
+               matmul(floors%m*shape(:, i), shape), &
+               matmul((slope - floors%load)*bend(:, i), bend), &
+               matmul(floors%viscous_time*floors%k*bend(:, i), bend)]
+         end do
+      end associate
+   end subroutine put_shapes
+
+   !> Displacement of each storey in each shape of the wall: the straight wall and the modes [-].
+   pure function bends_of(floors, n) result(bend)
       type(linked_floors_t), intent(in) :: floors
       integer, intent(in) :: n
       !! number of modes
-      real(wp), intent(out) :: coef(shape_columns + 3*(n + 1), 0:n)
-      real(wp), dimension(size(floors%m), 0:n) :: shape, bend
-      integer :: i, floor
+      real(wp) :: bend(size(floors%m), 0:n)
+      integer :: floor
 
-      shape(:, 0) = floors%share
-      shape(:, 1:) = floors%phi
-      do floor = 1, size(floors%m)
-         bend(floor, :) = shape(floor, :)
-         if (floor > 1) bend(floor, :) = shape(floor, :) - shape(floor - 1, :)
+      bend(:, 0) = floors%share
+      bend(:, 1:) = floors%phi
+      do floor = size(floors%m), 2, -1
+         bend(floor, :) = bend(floor, :) - bend(floor - 1, :)
       end do
-      do i = 0, n
-         coef(:, i) = [sum(floors%m*shape(:, i)), 0.0_wp, matmul(floors%m*shape(:, i), shape), &
-            matmul((floors%k - floors%load)*bend(:, i), bend), &
-            matmul(floors%viscous_time*floors%k*bend(:, i), bend)]
-      end do
-   end subroutine put_shapes
+   end function bends_of
 
    !> Expected sizes of the modes: the modes move about as much as the top of the wall.
    subroutine mode_sizes(effect, equation, size_guess, sizes)
@@ -243,11 +285,13 @@ contains
       real(wp), intent(in) :: size_guess(2)
       !! of theta and theta' [rad], [rad/s]
       real(wp), intent(out) :: sizes(:)
-      !! of q_i [m] and q_i' [m/s]
+      !! of q_i [m] and q_i' [m/s], and of smooth storeys [-]
 
       associate (n => equation%beam%n)
          sizes(:n) = frame_travel(equation)*size_guess(1)
-         sizes(n + 1:) = frame_travel(equation)*size_guess(2)
+         sizes(n + 1:2*n) = frame_travel(equation)*size_guess(2)
+         if (size(sizes) > 2*n) sizes(2*n + 1:) = min(1.0_wp, frame_travel(equation) &
+            *size_guess(1)/equation%floors%laws%u_y)
       end associate
    end subroutine mode_sizes
 

@@ -17,8 +17,9 @@
 !> become constant matrices of these shapes.
 module rwmf_model_effects_bending_loop
    use rwmf_core_kinds, only: wp
-   use rwmf_model_lanes, only: lane_count, lane_motion_t, of_bending, of_input, of_viscous, &
-      power_count
+   use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
+   use rwmf_model_lanes, only: lane_count, lane_motion_t, of_bending, of_input, of_plastic, &
+      of_viscous, power_count
    use rwmf_model_scene, only: term_t
    implicit none
    private
@@ -36,6 +37,9 @@ module rwmf_model_effects_bending_loop
    integer, parameter :: shape_columns = 2
    !! of each shape with linked floors: mass [-], force of yielded storeys [m/s2]. The rows of mass
    !! [-], stiffness [1/s2] and damping matrix [1/s] follow.
+   integer, parameter :: smooth_columns = 4
+   !! of each smooth storey of linked floors: force at z = 1 [m/s2], reciprocal yield displacement
+   !! [1/m], lost part [-], exponent [-]. Its displacements in the shapes follow [-].
    integer, parameter :: spring_columns = 2
    !! of each link spring: reciprocal mass of its floor [-], stiffness [1/s2]. The deflections of
    !! the shapes follow.
@@ -55,13 +59,15 @@ module rwmf_model_effects_bending_loop
 contains
 
    !> Number of coefficients of `add_modes`.
-   pure integer function bending_coefficients(n, floors, has_springs) result(n_coef)
+   pure integer function bending_coefficients(n, floors, has_springs, are_smooth) result(n_coef)
       integer, intent(in) :: n
       !! number of modes
       integer, intent(in) :: floors
       !! number of floors that are linked one by one
       logical, intent(in) :: has_springs
       !! the links of these floors are springs
+      logical, intent(in) :: are_smooth
+      !! the storeys of these floors have smooth hysteresis
 
       n_coef = fixed_columns + (mode_columns + n)*n
       if (floors == 0) return
@@ -69,6 +75,7 @@ contains
          n_coef = n_coef + (spring_columns + n + 1)*floors
       else
          n_coef = n_coef + (shape_columns + 3*(n + 1))*(n + 1)
+         if (are_smooth) n_coef = n_coef + (smooth_columns + n + 1)*floors
       end if
    end function bending_coefficients
 
@@ -178,6 +185,8 @@ contains
          call add_bent_springs(term, coef, y, motion, own, y_dot)
       else if (term%n > 0) then
          call add_linked_floors(term, coef, y(1, q + 1), motion, own)
+         if (term%n_states > 2*n) call add_smooth_storeys(term, coef, y(1, q + 1), motion, own, &
+            y_dot(1, q + 1))
       end if
       call eliminate_modes(n, coef, cosine, own, motion, y_dot(1, q + 1))
    end subroutine add_modes
@@ -294,6 +303,55 @@ contains
       end associate
    end subroutine add_linked_floors
 
+   !> Add the hysteretic shears of smooth storeys and compute the rates of their states.
+   pure subroutine add_smooth_storeys(term, coef, y, motion, own, y_dot)
+      type(term_t), intent(in) :: term
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
+      real(wp), intent(in) :: y(lane_count, term%n_states)
+      !! q_i [m], q_i' [m/s] and the states z of the storeys [-]
+      type(lane_motion_t), intent(inout) :: motion
+      real(wp), intent(inout) :: own(lane_count, most_modes, 2)
+      !! coupling and force of each mode [m], [m/s2]
+      real(wp), intent(inout) :: y_dot(lane_count, term%n_states)
+      !! rates; those of z are set here [1/s]
+      type(shapes_t) :: shapes
+      real(wp), dimension(lane_count) :: power, rate, shear
+      integer :: i, k, row, storey
+
+      associate (n => term%law, floors => term%n, first => first_smooth(term))
+         call move_shapes(n, coef(1, 1), y, motion, shapes)
+         do storey = 1, floors
+            row = first + smooth_columns*floors + storey
+            call raise_state(0, coef(1, first + 3*floors + storey), y(1, 2*n + storey), power)
+            rate = 0
+            do k = 0, n
+               rate = rate + coef(:, row + k*floors)*shapes%rate(:, k)
+            end do
+            !$omp simd
+            do i = 1, lane_count
+               y_dot(i, 2*n + storey) = motion%side(i)*coef(i, first + floors + storey)*rate(i) &
+                  *(1 - coef(i, first + 2*floors + storey)*power(i))
+               shear(i) = motion%side(i)*coef(i, first + storey)*y(i, 2*n + storey)
+            end do
+            do k = 0, n
+               motion%moment = motion%moment - coef(:, row + k*floors)*shapes%slope(:, k)*shear &
+                  /(coef(:, 1)*coef(:, 1))
+            end do
+            do k = 1, n
+               own(:, k, 2) = own(:, k, 2) - (1 - 2*motion%half_sine*motion%half_sine) &
+                  *coef(:, row + k*floors)*shear
+            end do
+         end do
+      end associate
+   end subroutine add_smooth_storeys
+
+   !> Index of the column before those of smooth storeys.
+   pure integer function first_smooth(term)
+      type(term_t), intent(in) :: term
+
+      first_smooth = first_of_shape(term%law, term%law + 1)
+   end function first_smooth
+
    !> Add the forces of springs between wall and floors, on both.
    pure subroutine add_bent_springs(term, coef, y, motion, own, y_dot)
       type(term_t), intent(in) :: term
@@ -339,11 +397,11 @@ contains
       end associate
    end subroutine add_bent_springs
 
-   !> Index of the last state of the modes.
+   !> Index of the last state of the modes and of smooth storeys.
    pure integer function last_state(term)
       type(term_t), intent(in) :: term
 
-      last_state = term%state + 2*term%law - 1
+      last_state = term%state + term%n_states - 1
    end function last_state
 
    !> Number of coefficients before those of a shape with linked floors.
@@ -428,14 +486,14 @@ contains
    end subroutine release_modes
 
    !> Add the powers of the ground motion on the modes, of their dampers and of linked floors.
-   pure subroutine add_mode_power(term, weight, coef, y, motion, total)
+   pure subroutine add_mode_power(term, weight, coef, y, y_dot, motion, total)
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: weight
       !! weight of the powers in the sum [-]
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
       !! coefficients of `add_modes`
-      real(wp), intent(in) :: y(lane_count, 2*term%law)
-      !! q_i [m] and q_i' [m/s]
+      real(wp), intent(in) :: y(lane_count, term%n_states), y_dot(lane_count, term%n_states)
+      !! q_i [m], q_i' [m/s] and the states z of smooth storeys [-], with their rates
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
       !! sum of powers over m_w R**2 [1/s3]
@@ -455,9 +513,41 @@ contains
          total(:, of_input) = total(:, of_input) + weight*lean_rate*(motion%vertical*sine &
             - R*motion%push*cosine)/R**2
       end associate
-      if (term%floors == 0 .and. term%n > 0) call add_linked_floor_power(term, weight, coef, y, &
-         motion, total)
+      if (term%floors > 0 .or. term%n == 0) return
+      call add_linked_floor_power(term, weight, coef, y, motion, total)
+      if (term%n_states > 2*term%law) call add_smooth_power(term, weight, coef, y, y_dot, motion, &
+         total)
    end subroutine add_mode_power
+
+   !> Add the power dissipated by plastic flow of smooth storeys.
+   pure subroutine add_smooth_power(term, weight, coef, y, y_dot, motion, total)
+      type(term_t), intent(in) :: term
+      real(wp), intent(in) :: weight
+      !! weight of the power in the sum [-]
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
+      real(wp), intent(in) :: y(lane_count, term%n_states), y_dot(lane_count, term%n_states)
+      !! q_i [m], q_i' [m/s] and the states z of the storeys [-], with their rates
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: total(lane_count, power_count)
+      !! sum of powers over m_w R**2 [1/s3]
+      type(shapes_t) :: shapes
+      real(wp) :: rate(lane_count)
+      integer :: k, storey
+
+      associate (n => term%law, floors => term%n, first => first_smooth(term), R => coef(:, 1))
+         call move_shapes(n, coef(1, 1), y, motion, shapes)
+         do storey = 1, floors
+            rate = 0
+            do k = 0, n
+               rate = rate + coef(:, first + smooth_columns*floors + storey + k*floors) &
+                  *shapes%rate(:, k)
+            end do
+            total(:, of_plastic) = total(:, of_plastic) + weight*coef(:, first + storey) &
+               *y(:, 2*n + storey)*(motion%side*rate - y_dot(:, 2*n + storey) &
+               /coef(:, first + floors + storey))/R**2
+         end do
+      end associate
+   end subroutine add_smooth_power
 
    !> Add the powers of the ground motion on linked floors and of their dampers.
    pure subroutine add_linked_floor_power(term, weight, coef, y, motion, total)

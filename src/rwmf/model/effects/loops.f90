@@ -157,7 +157,8 @@ contains
             case (nl_damper_effect)
                call add_nl_damper_power(weight, coef(1, own), motion, total)
             case (bending_effect)
-               call add_mode_power(term, weight, coef(1, own), y(1, term%state), motion, total)
+               call add_mode_power(term, weight, coef(1, own), y(1, term%state), &
+                  y_dot(1, term%state), motion, total)
             case default
                ! this term stores energy only, or dissipates on straight lines
             end select

@@ -6,9 +6,8 @@
 module rwmf_model_effects_p_delta
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
-      frame_motion, model_t
+      model_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -123,9 +122,21 @@ contains
       if (.not. has_p_delta(case)) return
       numbers = numbers_of(case, 'p_delta')
       associate (frame => case%storeys%frame)
-         loads = [(numbers(of_mass)*case%model%g*sum(frame%m(i:)), i=1, size(loads))]/frame%height
+         loads = [(numbers(of_mass)*case%model%g*sum(frame%m(i:)), i=1, size(loads))] &
+            /leaning_heights(case)
       end associate
    end function leaning_loads
+
+   !> Heights over which the loads of the storeys lean [m]. Only a single mass has a height of its
+   !> own; beside a bending wall it yields as one storey.
+   pure function leaning_heights(case) result(height)
+      type(case_t), intent(in) :: case
+      !! case with `&storeys`
+      real(wp) :: height(size(case%storeys%frame%m))
+
+      height = case%storeys%frame%height
+      if (leaning_height(case) > 0) height = leaning_height(case)
+   end function leaning_heights
 
    pure subroutine add_collapse(case, names)
       type(case_t), intent(in) :: case
@@ -181,28 +192,29 @@ contains
       real(wp), intent(in) :: limit
       !! limit of the drifts [-]
       type(contribution_t), intent(inout) :: effect
-      real(wp), allocatable :: load(:), bend(:)
+      real(wp), allocatable :: load(:), bend(:), height(:)
       real(wp) :: push
 
       associate (frame => case%storeys%frame, n => size(case%storeys%frame%m))
          effect%drifts = n
          load = leaning_loads(case)
+         height = leaning_heights(case)
          if (equation%floors%n > 0) then
             effect%n = n
             effect%first = equation%floors%first
             effect%reads = 2*equation%floors%free
-            effect%constants = [load/equation%floors%unit, 1/(limit*frame%height)]
+            effect%constants = [load/equation%floors%unit, 1/(limit*height)]
             return
          end if
          if (allocated(equation%beam%floors)) then
             equation%beam%floors%load = load*frame_mass(equation)*frame%shape(n, 1)**2
-            effect%constants = [equation%beam%floors%load, 1/(limit*frame%height)]
+            effect%constants = [equation%beam%floors%load, 1/(limit*height)]
             return
          end if
          bend = (frame%shape(:, 1) - [0.0_wp, frame%shape(:n - 1, 1)])/frame%shape(n, 1)
          push = frame_mass(equation)*sum(load*bend**2)*frame%shape(n, 1)**2
          effect%constants = [push, merge(load(1)*bend(1), push, equation%floors%are_linked), &
-            bend/(limit*frame%height)]
+            bend/(limit*height)]
       end associate
    end subroutine prepare_storeys
 
@@ -288,17 +300,8 @@ contains
       real(wp), allocatable, intent(out) :: rate(:)
       !! velocity [m/s]
 
-      if (equation%floors%n > 0) then
-         allocate (d(equation%floors%n), rate(equation%floors%n))
-         call storey_motion(equation, equation%state%side, y, d, rate)
-      else if (allocated(equation%beam%floors)) then
-         call linked_floor_motion(equation, y, d, rate)
-         d = d - [0.0_wp, d(:size(d) - 1)]
-         rate = rate - [0.0_wp, rate(:size(rate) - 1)]
-      else
-         allocate (d(1), rate(1))
-         call frame_motion(equation, equation%state%side, y, d(1), rate(1))
-      end if
+      allocate (d(max(1, equation%floors%storeys)), rate(max(1, equation%floors%storeys)))
+      call storey_motion(equation, equation%state%side, y, d, rate)
    end subroutine displacements
 
 end module rwmf_model_effects_p_delta

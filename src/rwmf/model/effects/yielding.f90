@@ -4,15 +4,16 @@ module rwmf_model_effects_yielding
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
+   use rwmf_model_effects_storeys_yielding_storeys, only: choose_storey_springs
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
-      frame_motion, model_t
+      frame_travel, model_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_sizes, &
       prepare_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: has_branches, storey_strengths, &
       yield_displacement, yielding_energy
    use rwmf_model_scene, only: through_link
-   use rwmf_problem_case, only: case_t, has_all_modes, spring_law_t
+   use rwmf_problem_case, only: case_t, has_all_modes, has_numbers, spring_law_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_single_storey
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
@@ -136,8 +137,7 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
 
-      call check_bending_wall(values, error)
-      if (.not. allocated(error)) call check_law(values, error)
+      call check_law(values, error)
       if (.not. allocated(error)) call check_keys_of_law(values, error)
       if (.not. allocated(error)) call check_softening(values, error)
       if (.not. allocated(error)) call check_mass(values, error)
@@ -149,23 +149,6 @@ contains
       end if
       if (.not. allocated(error)) call check_rotation(values, error)
    end subroutine check_yielding
-
-   !> Check that the frame beside a bending wall is a single mass or has all modes. Its springs then
-   !> follow the displacements of the floors, which a bending wall moves at rest as well.
-   subroutine check_bending_wall(values, error)
-      type(group_values_t), intent(in) :: values
-      type(error_t), allocatable, intent(out) :: error
-
-      if (.not. has_group(values, 'bending')) return
-      if (has_group(values, 'storeys')) then
-         if (.not. has_modes(values)) call fail_key(values, 'storeys', 'coupling', "must be " &
-            //"'full' or 'springs' with &yielding and &bending: beside a wall that bends the " &
-            //'storeys yield one by one', error)
-      else if (has_key(values, 'p_delta', 'h_f')) then
-         call fail_key(values, 'p_delta', 'h_f', 'must not be given with &yielding and &bending: ' &
-            //'the frame is one storey as high as the wall', error)
-      end if
-   end subroutine check_bending_wall
 
    !> Check that smooth storeys with all modes start at zero; their initial loading is undefined.
    subroutine check_law(values, error)
@@ -324,9 +307,10 @@ contains
             //trim(integer_to_text(size(u_y)))//' values, must have one for all storeys or one ' &
             //'for each of the '//trim(integer_to_text(size(m)))//' of m_over_m_w', error)
       else if (text_of(values, 'yielding', 'law') == 'bouc_wen' &
-               .and. .not. has_modes(values)) then
+               .and. .not. (has_modes(values) .or. has_group(values, 'bending'))) then
          call fail_key(values, 'yielding', 'law', "must not be 'bouc_wen' with storey_u_y and " &
-            //"&storeys coupling = 'every_floor'; 'full' and 'springs' allow all laws", error)
+            //"&storeys coupling = 'every_floor' beside a rigid wall; 'full' and 'springs' allow " &
+            //'all laws', error)
       end if
    end subroutine check_storey_strengths
 
@@ -386,12 +370,30 @@ contains
       case%yielding%beta = real_of(case%values, 'yielding', 'beta')
       call get_real(case%values, 'yielding', 'ultimate', case%yielding%ultimate)
       call fill_law(case%values, case%yielding%spring)
-      if (.not. has_group(case%values, 'bending') .or. allocated(case%storeys)) return
-      ! beside a bending wall a single mass yields as a storey; its strength may follow the period
-      case%yielding%storey_u_y = [0.0_wp]
-      if (allocated(case%yielding%u_y)) case%yielding%storey_u_y = case%yielding%u_y
-      call set_single_storey(case, error)
+      if (has_group(case%values, 'bending')) call yield_by_storey(case, error)
    end subroutine fill_yielding
+
+   !> Let the storeys of a frame beside a bending wall yield one by one, and a single mass as one
+   !> storey. A strength at the roof is that of all storeys at equal drifts. Storeys that follow one
+   !> mode yield together.
+   subroutine yield_by_storey(case, error)
+      type(case_t), intent(inout) :: case
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: u_y
+
+      if (allocated(case%yielding%storey_u_y)) return
+      ! the strength may follow the period (`storey_strengths`)
+      u_y = 0
+      if (allocated(case%yielding%u_y)) u_y = case%yielding%u_y
+      if (.not. allocated(case%storeys)) then
+         case%yielding%storey_u_y = [u_y]
+         call set_single_storey(case, error)
+      else if (case%storeys%coupling == 'every_floor') then
+         associate (height => case%storeys%frame%height)
+            case%yielding%storey_u_y = u_y*(height/sum(height))
+         end associate
+      end if
+   end subroutine yield_by_storey
 
    !> Read the numbers of a law of straight lines.
    subroutine fill_law(values, law)
@@ -430,8 +432,7 @@ contains
    end function has_yielding
 
    !> Prepare the contribution of the yielding frame. Springs on straight lines use the loop of the
-   !> frame; the smooth law has a loop. With all modes the storeys yield one by one and belong to
-   !> `&storeys`.
+   !> frame; the smooth law has a loop. Storeys that yield one by one belong to `&storeys`.
    subroutine prepare_yielding(case, equation, yielding)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
@@ -441,20 +442,50 @@ contains
       yielding%is_present = has_yielding(case)
       if (.not. yielding%is_present) return
       if (allocated(case%yielding%ultimate)) call prepare_collapse(case, equation, yielding)
-      if (equation%floors%n > 0) return
-      if (has_branches(case%yielding)) then
+      if (equation%floors%yields) return
+      if (has_numbers(case, 'bending')) then
+         call prepare_roof(case, equation, yielding)
+      else if (has_branches(case%yielding)) then
          yielding%frame_energy => yielding_energy
       else
          call prepare_bouc_wen(case, equation)
-         yielding%n_coef = 4
          yielding%law = equation%hysteresis%factors
-         yielding%coefficients => bouc_wen_coefficients
-         yielding%acts = through_link
          yielding%frame_energy => bouc_wen_energy
-         yielding%states = 1
          yielding%sizes => bouc_wen_sizes
       end if
+      if (has_branches(case%yielding)) return
+      yielding%n_coef = 4
+      yielding%coefficients => bouc_wen_coefficients
+      yielding%acts = through_link
+      yielding%states = 1
    end subroutine prepare_yielding
+
+   !> Let the frame beside a bending wall yield as one spring at the roof.
+   subroutine prepare_roof(case, equation, yielding)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(inout) :: equation
+      type(contribution_t), intent(inout) :: yielding
+
+      equation%floors%storeys = 1
+      call choose_storey_springs(case, [frame_mass(equation)*equation%p%omega_squared], equation)
+      equation%state%frame_slope = equation%state%storeys(1)%slope/frame_mass(equation)
+      if (.not. allocated(equation%floors%laws)) return
+      equation%floors%laws%place = equation%scene%n + 1
+      yielding%law = equation%floors%laws(1)%factors
+      yielding%sizes => smooth_sizes
+   end subroutine prepare_roof
+
+   !> Estimate the size of the state of this spring: u/u_y, at most 1.
+   subroutine smooth_sizes(effect, equation, size_guess, sizes)
+      type(contribution_t), intent(in) :: effect
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: size_guess(2)
+      !! of theta and theta' [rad], [rad/s]
+      real(wp), intent(out) :: sizes(:)
+      !! of z [-]
+
+      sizes = min(1.0_wp, frame_travel(equation)*size_guess(1)/equation%floors%laws%u_y)
+   end subroutine smooth_sizes
 
    !> Set the displacements at which frame or storeys collapse. If the storeys are linked along a
    !> straight line, the weakest storey determines that of the roof.
@@ -471,7 +502,7 @@ contains
       else
          u_y = storey_strengths(case)
          associate (height => case%storeys%frame%height)
-            if (equation%floors%n == 0) u_y = [sum(height)*minval(u_y/height)]
+            if (equation%floors%storeys == 0) u_y = [sum(height)*minval(u_y/height)]
          end associate
       end if
       yielding%drifts = size(u_y)
@@ -487,11 +518,7 @@ contains
       real(wp), intent(out) :: ratio(:)
       real(wp), intent(out) :: rate(:)
 
-      if (equation%floors%n > 0) then
-         call storey_motion(equation, equation%state%side, y, ratio, rate)
-      else
-         call frame_motion(equation, equation%state%side, y, ratio(1), rate(1))
-      end if
+      call storey_motion(equation, equation%state%side, y, ratio, rate)
       ratio = ratio*effect%constants
       rate = rate*effect%constants
    end subroutine ductilities
@@ -502,6 +529,12 @@ contains
       type(discrete_state_t), intent(in) :: state
       real(wp), intent(out) :: coef(:)
 
+      if (allocated(model%floors%laws)) then
+         associate (law => model%floors%laws(1), R => model%p%R)
+            coef = [law%force_at_z1/R, R/law%u_y, state%storey_signs(1)%lost, law%exponent]
+         end associate
+         return
+      end if
       associate (law => model%hysteresis, R => model%p%R)
          coef = [frame_mass(model)*law%force_at_z1/R, R/law%u_y, state%signs%lost, law%exponent]
       end associate
@@ -516,6 +549,10 @@ contains
 
       if (.not. allocated(case%yielding%law)) return
       if (case%yielding%law /= 'bouc_wen') return
+      if (allocated(case%storeys)) then
+         ! states of floors that are linked to a bending wall one by one follow those of its modes
+         if (case%storeys%coupling == 'every_floor' .and. has_numbers(case, 'bending')) return
+      end if
       if (has_all_modes(case%storeys)) then
          allocate (states(size(case%storeys%frame%m)))
          do i = 1, size(states)

@@ -31,6 +31,8 @@ contains
          motion%moment(i) = motion%moment(i) - motion%side(i)*coef(i, 1)*motion%lever(i)*z(i)
          z_dot(i) = motion%side(i)*coef(i, 2)*motion%j(i)*motion%rate(i)*(1 - coef(i, 3)*power(i))
       end do
+      if (motion%is_bent) z_dot = z_dot + motion%side*coef(:, 2)*motion%w_rate*(1 - coef(:, 3) &
+         *power)
    end subroutine add_bouc_wen
 
    !> Add the power dissipated by plastic flow: hysteretic force times plastic velocity.
@@ -53,6 +55,8 @@ contains
          total(i, of_plastic) = total(i, of_plastic) + weight*(coef(i, 1)*z(i)*(motion%side(i) &
             *motion%j(i)*motion%rate(i) - z_dot(i)/coef(i, 2)))
       end do
+      if (motion%is_bent) total(:, of_plastic) = total(:, of_plastic) + weight*coef(:, 1)*z &
+         *motion%side*motion%w_rate
    end subroutine add_bouc_wen_power
 
 end module rwmf_model_effects_yielding_loop

@@ -121,8 +121,10 @@ contains
       real(wp) :: u_y(size(case%storeys%frame%m))
 
       if (allocated(case%yielding%f_y_over_m_s_g)) then
-         ! a single mass beside a wall that bends
-         u_y = yield_displacement(case)
+         ! the storeys of a frame beside a wall that bends, with equal drifts
+         associate (height => case%storeys%frame%height)
+            u_y = yield_displacement(case)*(height/sum(height))
+         end associate
       else if (size(case%yielding%storey_u_y) == 1) then
          u_y = case%yielding%storey_u_y(1)
       else

@@ -29,9 +29,9 @@ module rwmf_simulation_hybrid_hybrid_loop
    use rwmf_simulation_hybrid_transitions, only: apply_event, begin_piece, enter_rest, lift_off, &
       negligible
    use rwmf_simulation_recorder_recorder, only: observe_piece, observe_rest, recorder_t, sees_rest
-   use rwmf_simulation_state_hybrid_state, only: advance_interval, check_progress, count_steps, &
-      has_ended, hybrid_t, mode_collapsed, mode_held, mode_no_impacts, mode_overturned, mode_rest, &
-      mode_rocking, progress_t
+   use rwmf_simulation_state_hybrid_state, only: advance_interval, check_creep, check_progress, &
+      count_steps, creep_t, has_ended, hybrid_t, mode_collapsed, mode_held, mode_no_impacts, &
+      mode_overturned, mode_rest, mode_rocking, progress_t
    use rwmf_simulation_state_result, only: event_lift_off
    use rwmf_text_strings, only: real_to_text
    implicit none
@@ -56,6 +56,7 @@ contains
       hybrid%must_restart = .true.
       hybrid%t_turn = -huge(t)
       hybrid%drifts = count_drifts(equation)
+      call watch_creep(hybrid, equation)
       call enter_interval(equation%model_t, equation%state, interval_at(equation%motion, t))
       call count_steps(hybrid, equation)
       call enter_side(equation%model_t, equation%state, 1)
@@ -81,6 +82,24 @@ contains
       if (has_collapsed(equation, hybrid%drifts, y)) hybrid%mode = mode_collapsed
       if (abs(y(1)) >= hybrid%overturning_angle) hybrid%mode = mode_overturned
    end subroutine start_hybrid
+
+   !> Prepare the count of the steps of a wall with nonlinear dampers.
+   pure subroutine watch_creep(hybrid, equation)
+      type(hybrid_t), intent(inout) :: hybrid
+      type(equation_t), intent(in) :: equation
+      real(wp), parameter :: short = 1.0e-3_wp
+      !! part of the time unit of the wall in which a wall that moves needs far fewer steps [-]
+      integer :: i
+
+      hybrid%creep = creep_t(t=hybrid%t)
+      if (.not. equation%creep > 0) return
+      do i = 1, size(equation%effects)
+         associate (effect => equation%effects(i))
+            if (effect%has_corner_at_turn) hybrid%creep%exponent = effect%constants(2)
+         end associate
+      end do
+      hybrid%creep%shortest = short/sqrt(equation%p%g_over_R)
+   end subroutine watch_creep
 
    !> Start smooth hysteresis without previous motion at the initial rotation. From rest, the
    !> acceleration gives the loading direction.
@@ -132,14 +151,16 @@ contains
       if (.not. allocated(error)) call check_steps(hybrid, integrator, control, error)
    end subroutine check_work
 
-   !> Check the number of steps and the caller's request to stop.
+   !> Check the number of steps, the advance of a creeping wall and the caller's request to stop.
    subroutine check_steps(hybrid, integrator, control, error)
-      type(hybrid_t), intent(in) :: hybrid
+      type(hybrid_t), intent(inout) :: hybrid
       class(integrator_t), intent(in) :: integrator
       type(control_t), intent(in) :: control
       type(error_t), allocatable, intent(out) :: error
       !! as `check_work`
 
+      call check_creep(hybrid%creep, integrator%steps, hybrid%t, error)
+      if (allocated(error)) return
       if (.not. is_cancelled(control) .and. integrator%steps <= hybrid%max_steps) return
       if (is_cancelled(control)) then
          call fail(error, err_interrupt, 'interrupted at t = '//trim(real_to_text(hybrid%t))//' s')

@@ -391,7 +391,8 @@ contains
       real(wp), dimension(equation%n) :: y, rates
       real(wp) :: pull(2)
       !! acceleration towards the base on the next side, and on the other side [rad/s2]
-      real(wp) :: t, e
+      real(wp) :: t, e(2)
+      !! time; velocity factors of the impacts that end flights on both sides
       integer :: i
 
       if (abs(hybrid%y(2)) <= 0) return
@@ -400,11 +401,11 @@ contains
       do i = 1, 2
          call rates_at(equation, hybrid%t, y, rates)
          pull(i) = -equation%state%side*rates(2)
+         e(i) = landing_factor(hybrid, equation)
          call enter_side(equation%model_t, equation%state, -equation%state%side)
       end do
       if (minval(pull) <= 0) return
-      e = largest_factor(hybrid%restitution, abs(hybrid%y(2)))
-      t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e/pull(2))/(1 - e**2)
+      t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e(1)/pull(2))/(1 - e(1)*e(2))
       t = min(t, interval_end(equation%motion, interval_of(equation)))
       if (equation%beam%n > 0) then
          ! the impacts take back the energy that the flights give to the modes
@@ -419,6 +420,24 @@ contains
          call enter_side(equation%model_t, equation%state, -equation%state%side)
       end do
    end subroutine observe_end_of_chatter
+
+   !> Velocity factor of the impact that ends a flight on the present side: that of the straight
+   !> wall, or with the momentum that the modes of a bending wall take.
+   real(wp) function landing_factor(hybrid, equation) result(e)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(in) :: equation
+      real(wp) :: y(size(hybrid%y)), after
+      logical :: stays
+
+      e = largest_factor(hybrid%restitution, abs(hybrid%y(2)))
+      if (equation%beam%n == 0) return
+      y = hybrid%y
+      y(:2) = [0.0_wp, 1.0_wp]
+      after = 0
+      stays = .false.
+      call land_effects(equation, y, after, stays)
+      e = after/y(2)
+   end function landing_factor
 
    !> Record a grazing impact: so slow that the acceleration away from the base nearly prevents
    !> contact.

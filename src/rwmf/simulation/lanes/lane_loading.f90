@@ -1,7 +1,7 @@
 !> Loading of the lanes of a batch: a new run, the next part of a run, or the state after an event.
 module rwmf_simulation_lanes_lane_loading
    use rwmf_core_control, only: control_t
-   use rwmf_core_error, only: err_numerical, fail
+   use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_interface_integrator, only: step_too_small
    use rwmf_integrator_lane_columns, only: of_bottom, of_fastest, of_high, of_inspection, &
@@ -18,8 +18,8 @@ module rwmf_simulation_lanes_lane_loading
    use rwmf_simulation_lanes_batch, only: batch_t, follow_interval, lane_state_t, line_row, &
       longest_step
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions
-   use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, mode_held, mode_rest, &
-      mode_rocking, progress_t
+   use rwmf_simulation_state_hybrid_state, only: check_creep, check_progress, has_ended, &
+      mode_held, mode_rest, mode_rocking, most_creeping, progress_t
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -189,10 +189,14 @@ contains
       integer, intent(in) :: i
       type(batch_t), intent(inout) :: batch
       type(control_t) :: no_control
+      type(error_t), allocatable :: error
 
-      if (batch%table(i, of_steps) <= batch%max_steps) return
+      call check_creep(lane%hybrid%creep, int(batch%table(i, of_steps), i8), &
+         batch%table(i, of_time), error)
+      if (batch%table(i, of_steps) <= batch%max_steps .and. .not. allocated(error)) return
       call catch_up(lane, i, batch)
-      call check_steps(lane%hybrid, lane%integrator, no_control, lane%error)
+      if (.not. allocated(error)) call check_steps(lane%hybrid, lane%integrator, no_control, error)
+      call move_alloc(error, lane%error)
       batch%table(i, of_length) = 0
    end subroutine bound_work
 

@@ -27,7 +27,8 @@ module rwmf_simulation_lanes_loop
       forget_target, further_state, join_batch
    use rwmf_simulation_lanes_lane_outputs, only: choose_steps, observe_steps
    use rwmf_simulation_recorder_recorder, only: recorder_t
-   use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, hybrid_t
+   use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, hybrid_t, &
+      most_creeping
    implicit none
    private
 
@@ -132,7 +133,8 @@ contains
          do i = 1, batch%width
             if (batch%is_busy(i)) call bound_work(lanes(i), i, batch)
          end do
-         batch%steps_left = batch%max_steps - maxval(batch%table(:, of_steps), batch%is_busy)
+         batch%steps_left = min(batch%max_steps - maxval(batch%table(:, of_steps), &
+            batch%is_busy), real(most_creeping, wp))
          batch%has_ended = .true.
       end if
    end subroutine step_batch

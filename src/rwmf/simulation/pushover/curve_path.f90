@@ -8,8 +8,8 @@ module rwmf_simulation_pushover_curve_path
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: enter_side
    use rwmf_model_energy, only: mechanical_energy
-   use rwmf_model_equation, only: discrete_state_t, place_left, place_right
-   use rwmf_model_floor_motion, only: storey_motion
+   use rwmf_model_equation, only: discrete_state_t, model_t, place_left, place_right
+   use rwmf_model_floor_motion, only: follows_roof, storey_motion
    use rwmf_model_hysteresis_laws, only: branch_word
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
    use rwmf_simulation_events_storey_events, only: branch_limits, is_softening, &
@@ -218,7 +218,7 @@ contains
       type(curve_path_t), intent(in) :: path
       type(discrete_state_t), intent(in) :: kept
       !! state before the springs were turned
-      real(wp), dimension(path%scene%equation%floors%n) :: d, d_dot
+      real(wp), dimension(path%scene%equation%floors%storeys) :: d, d_dot
       real(wp) :: y(size(path%scene%y))
       integer :: before, i
 
@@ -239,7 +239,7 @@ contains
    !> True if a storey on a falling branch still moves in its loading direction.
    logical function continues(path)
       type(curve_path_t), intent(in) :: path
-      real(wp), dimension(path%scene%equation%floors%n) :: d, d_dot
+      real(wp), dimension(path%scene%equation%floors%storeys) :: d, d_dot
       real(wp) :: y(size(path%scene%y))
       integer :: i
 
@@ -482,7 +482,7 @@ contains
             call pass_rotation(path, event%is_rising)
          case (at_storey)
             call pass_storey_limit(model, state, number, event%is_rising)
-            call mark_branch(path, storey_name(number), storey_word(model, state, number))
+            call mark_branch(path, spring_name(model, number), storey_word(model, state, number))
             call rebalance(path)
          case (at_landing)
             scene%y(1) = 0
@@ -505,7 +505,7 @@ contains
             if (model%has_loading_direction) then
                call mark_branch(path, 'frame', 'yield')
             else
-               call mark_branch(path, storey_name(number), 'yield')
+               call mark_branch(path, spring_name(model, number), 'yield')
             end if
          case default
             ! the step has reached its goal
@@ -551,6 +551,17 @@ contains
 
       write (name, '(a, i0)') 'storey_', number
    end function storey_name
+
+   !> Name of a storey in marks, or of the frame if it yields as one spring at the roof.
+   pure function spring_name(model, number) result(name)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: number
+      !! number of the storey, from the ground up
+      character(mark_length) :: name
+
+      name = storey_name(number)
+      if (follows_roof(model)) name = 'frame'
+   end function spring_name
 
    !> Mark the beginning of a branch that has a name.
    subroutine mark_branch(path, name, word)
@@ -623,7 +634,7 @@ contains
       !! (states) after the jump
       logical, intent(out) :: is_settled
       !! no spring has changed its branch
-      real(wp), dimension(path%scene%equation%floors%n) :: d, d_dot
+      real(wp), dimension(path%scene%equation%floors%storeys) :: d, d_dot
       real(wp), allocatable :: moving(:)
       integer, allocatable :: before(:)
       real(wp) :: low, high
@@ -644,7 +655,7 @@ contains
             ! a branch that has just begun ends within round-off of its beginning
             if (max(low - d(i), d(i) - high) <= 1.0e-12_wp*abs(d(i))) cycle
             call pass_storey_limit(model, state, i, d(i) > high)
-            call mark_branch(path, storey_name(i), storey_word(model, state, i))
+            call mark_branch(path, spring_name(model, i), storey_word(model, state, i))
             is_settled = .false.
          end do
       end associate

@@ -6,7 +6,9 @@ module rwmf_simulation_pushover_curve_row
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_demands, only: building_t, demands_at, demands_t
    use rwmf_model_energy, only: mechanical_energy, yielding_loss
+   use rwmf_model_effects_storeys_yielding_storeys, only: put_shears
    use rwmf_model_equation, only: frame_displacement
+   use rwmf_model_floor_motion, only: follows_roof
    use rwmf_model_history_row, only: create_row, history_row_t, put
    use rwmf_model_hysteresis_spring_set, only: put_spring_forces
    use rwmf_model_reactions, only: link_tilt, plastic_part, reactions_at, reactions_t
@@ -107,6 +109,7 @@ contains
             call put(row, id%cable_force_over_m_w_g, cable%force)
          end if
          if (allocated(equation%springs)) call put_spring_forces(row, equation, y(1))
+         if (equation%floors%yields .and. follows_roof(equation)) call put_shears(row, equation, y)
          if (scene%building%drifts > 0) then
             call demands_at(scene%building, equation, 0.0_wp, y, 0*y, demands)
             call put(row, id%storey_i_drift, demands%drift)

@@ -9,12 +9,11 @@ module rwmf_simulation_pushover_static_scene
    use rwmf_core_kinds, only: wp
    use rwmf_math_linear_system, only: solve_system
    use rwmf_model_assembly, only: enter_side, equation_t
-   use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_demands, only: building_t
    use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_equation, only: frame_displacement, frame_mass, frame_motion, frame_travel, &
       hysteresis_t
-   use rwmf_model_floor_motion, only: floor_motion, storey_motion
+   use rwmf_model_floor_motion, only: floor_motion, follows_roof, storey_motion
    use rwmf_model_hysteresis_bouc_wen_backbone, only: follow_state, state_slope
    use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    use rwmf_model_lanes, only: lane_motion_t
@@ -124,16 +123,11 @@ contains
       real(wp), intent(out) :: u_dot(:)
       !! (loads) [m/s]
       real(wp) :: with_ground(0:size(u)), roof, roof_dot
-      real(wp), allocatable :: linked(:), linked_dot(:)
 
       associate (equation => scene%equation)
-         if (equation%floors%n > 0) then
+         if (.not. follows_roof(equation)) then
             call floor_motion(equation, equation%state%side, y, with_ground, u_dot)
             u = with_ground(1:)
-         else if (allocated(equation%beam%floors)) then
-            call linked_floor_motion(equation, y, linked, linked_dot)
-            u = linked
-            u_dot = linked_dot
          else
             call frame_motion(equation, equation%state%side, y, roof, roof_dot)
             u = roof
@@ -267,7 +261,7 @@ contains
       !! (states)
       real(wp), intent(out) :: spent
       !! energy dissipated on the way [J/kg]
-      real(wp), dimension(scene%equation%floors%n) :: d, d_dot, before
+      real(wp), dimension(scene%equation%floors%storeys) :: d, d_dot, before
       integer :: i
 
       spent = 0
@@ -308,7 +302,7 @@ contains
       real(wp), intent(in) :: load
       !! [m/s2]
       real(wp) :: u(size(scene%pattern)), moment(-1:1)
-      real(wp), dimension(scene%equation%floors%n) :: d, d_dot
+      real(wp), dimension(scene%equation%floors%storeys) :: d, d_dot
       real(wp), allocatable :: ratio(:), rate(:)
 
       associate (equation => scene%equation, side => scene%equation%state%side)
@@ -399,7 +393,7 @@ contains
       !! number of the position
       real(wp) :: rates(size(scene%z))
       real(wp) :: along(size(y))
-      real(wp), dimension(scene%equation%floors%n) :: d, d_dot, before
+      real(wp), dimension(scene%equation%floors%storeys) :: d, d_dot, before
       real(wp) :: u, u_dot, u_before
       integer :: i
 

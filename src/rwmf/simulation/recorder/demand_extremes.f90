@@ -3,6 +3,7 @@ module rwmf_simulation_recorder_demand_extremes
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: equation_t, interval_of
    use rwmf_model_demands, only: building_of, building_t, demands_at, demands_t
+   use rwmf_model_floor_motion, only: follows_roof
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
@@ -57,13 +58,6 @@ contains
          end if
       end associate
    end subroutine create_demands
-
-   !> True if all floors move in a fixed proportion to the roof.
-   pure logical function follows_roof(equation)
-      type(equation_t), intent(in) :: equation
-
-      follows_roof = equation%floors%n == 0 .and. .not. allocated(equation%beam%floors)
-   end function follows_roof
 
    !> Count floors and storeys of the building for loops over lanes.
    pure subroutine count_demands(recorder, equation, floors, storeys, are_known)
@@ -164,8 +158,8 @@ contains
       call demands_at(recorder%building, equation, t, y, y_dot, recorder%present)
       associate (present => recorder%present, g => equation%p%g)
          if (equation%floors%n == 0) call put(row, id%storey_i_drift, present%drift)
-         if (.not. equation%floors%yields) call put(row, id%storey_i_shear_over_m_w_g, &
-            present%shear/g)
+         if (.not. equation%floors%yields .or. follows_roof(equation)) call put(row, &
+            id%storey_i_shear_over_m_w_g, present%shear/g)
       end associate
    end subroutine put_storeys
 

@@ -8,10 +8,9 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_math_roots, only: close_in, secant_between, secant_t
    use rwmf_model_assembly, only: equation_t, interval_of
    use rwmf_model_bent_sections, only: find_bent_sections
-   use rwmf_model_bent_wall, only: linked_floor_motion
    use rwmf_model_demands, only: building_of, building_t, links_of
    use rwmf_model_equation, only: corner_share, frame_motion, ground, kinematics_at
-   use rwmf_model_floor_motion, only: floor_motion
+   use rwmf_model_floor_motion, only: floor_motion, follows_roof
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_no_tension_strip, only: contact_length, strip_t, toe_stress
    use rwmf_model_reactions, only: reactions_at, reactions_t
@@ -281,14 +280,10 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp) :: v(self%building%floors)
       real(wp) :: u(0:self%building%floors), roof(2)
-      real(wp), allocatable :: displacements(:), velocities(:)
 
       if (size(v) == 0) return
-      if (equation%floors%n > 0) then
+      if (.not. follows_roof(equation)) then
          call floor_motion(equation, equation%state%side, y, u, v)
-      else if (allocated(equation%beam%floors)) then
-         call linked_floor_motion(equation, y, displacements, velocities)
-         v = velocities
       else
          call frame_motion(equation, equation%state%side, y, roof(1), roof(2))
          v = self%building%share*roof(2)

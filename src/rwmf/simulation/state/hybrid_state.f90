@@ -9,8 +9,8 @@ module rwmf_simulation_state_hybrid_state
    implicit none
    private
 
-   public :: hybrid_t, hybrid_state_t, progress_t, count_steps, has_ended, is_at_rest
-   public :: advance_interval, check_progress
+   public :: hybrid_t, hybrid_state_t, creep_t, progress_t, count_steps, has_ended, is_at_rest
+   public :: advance_interval, check_progress, check_creep, most_creeping
    public :: mode_rest, mode_held, mode_rocking, mode_overturned, mode_no_impacts, mode_collapsed
 
    integer, parameter :: mode_rest = 0
@@ -46,6 +46,21 @@ module rwmf_simulation_state_hybrid_state
       !! [s]
    end type progress_t
 
+   !> Progress of a wall whose nonlinear dampers may hold it almost still while it is displaced.
+   type :: creep_t
+      real(wp) :: exponent = 0
+      !! of the dampers; 0 without them [-]
+      real(wp) :: shortest = 0
+      !! time by which `most_creeping` steps must advance the run [s]
+      integer(i8) :: steps = 0_i8
+      !! number of steps of the integrator at the beginning of the count
+      real(wp) :: t = -huge(1.0_wp)
+      !! [s]
+   end type creep_t
+
+   integer(i8), parameter :: most_creeping = 30000_i8
+   !! number of steps over which the progress of a creeping wall counts
+
    !> State of the hybrid system with the parameters of its transitions.
    type, extends(hybrid_state_t) :: hybrid_t
       type(restitution_t) :: restitution
@@ -71,6 +86,7 @@ module rwmf_simulation_state_hybrid_state
       !! number of steps of the integrator at the start of the current interval
       type(progress_t) :: progress
       !! progress in the present advance
+      type(creep_t) :: creep
       logical :: stops_at_impact = .false.
       !! an advance ends at the first impact
       logical :: is_stopped = .false.
@@ -108,6 +124,28 @@ contains
          //' s: the motion is lost in round-off; raise rtol', 'too_many_steps')
       progress = progress_t(t=t)
    end subroutine check_progress
+
+   !> Fail if nonlinear dampers hold the displaced wall almost still.
+   !>
+   !> Below the exponent 1 the slope of their force grows without bound at zero velocity. A creeping
+   !> wall then makes the equation so stiff that no step gets ahead.
+   subroutine check_creep(creep, steps, t, error)
+      type(creep_t), intent(inout) :: creep
+      integer(i8), intent(in) :: steps
+      !! number of steps of the integrator so far
+      real(wp), intent(in) :: t
+      !! [s]
+      type(error_t), allocatable, intent(out) :: error
+
+      if (.not. creep%exponent > 0 .or. steps - creep%steps < most_creeping) return
+      if (t - creep%t < creep%shortest) call fail(error, err_numerical, '&nl_damper: exponent = ' &
+         //trim(real_to_text(creep%exponent))//': the dampers hold the displaced wall almost ' &
+         //'still at t = '//trim(real_to_text(t))//' s, and steps become too short: ' &
+         //'increase exponent (from 0.5 on the wall does not stick) or reduce eta_1', &
+         'too_many_steps')
+      creep%steps = steps
+      creep%t = t
+   end subroutine check_creep
 
    !> Return whether both corners of the wall are on the base.
    elemental logical function is_at_rest(hybrid)

@@ -17,7 +17,7 @@ module rwmf_model_effects_storeys_shear_building
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, floors_t, &
       frame_displacement, frame_mass, frame_motion, frame_travel, ground, model_t, &
       straight_displacement
-   use rwmf_model_floor_motion, only: floor_motion
+   use rwmf_model_floor_motion, only: floor_motion, storey_motion
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_laws, only: spring_energy
    use rwmf_model_hysteresis_spring, only: branch_t
@@ -28,7 +28,7 @@ module rwmf_model_effects_storeys_shear_building
    private
 
    public :: set_storeys, storey_coefficients, excited_mass_coefficients
-   public :: storey_sizes, storey_energy, resistance, floor_inertia, link_pulls
+   public :: storey_sizes, storey_energy, storey_strain, resistance, floor_inertia, link_pulls
    public :: put_floors, column_shears
 
 contains
@@ -62,6 +62,7 @@ contains
       if (.not. allocated(case%wall)) unit = frame%m(n)
       pace = 2*pi/case%frame%T_s/frame%omega(1)
       equation%floors%n = n
+      equation%floors%storeys = n
       equation%floors%free = n - 1
       equation%floors%unit = unit
       equation%floors%m = frame%m/unit
@@ -99,6 +100,9 @@ contains
          floors%k = unit*frame%k*pace**2
          floors%load = 0*frame%m
          floors%viscous_time = case%frame%xi_s*case%frame%T_s/pi
+         equation%floors%storeys = size(floors%k)
+         allocate (equation%state%storeys(size(floors%k)))
+         equation%state%storeys%slope = floors%k
       end associate
    end subroutine set_linked_floors
 
@@ -190,14 +194,45 @@ contains
    !> Shears of the storeys' columns, without dampers [m/s2].
    pure function column_shears(equation, y) result(shear)
       type(equation_t), intent(in) :: equation
-      !! equation with all modes of the frame
+      !! equation whose storeys have displacements (`storey_motion`)
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: shear(equation%floors%n)
+      real(wp) :: shear(equation%floors%storeys)
+      real(wp), dimension(size(shear)) :: d, d_dot
 
-      shear = shears_at(equation%floors, equation%state%storeys, y, frame_displacement(equation, &
-         equation%state%side, y))
+      if (equation%floors%n > 0) then
+         shear = shears_at(equation%floors, equation%state%storeys, y, &
+            frame_displacement(equation, equation%state%side, y))
+         return
+      end if
+      call storey_motion(equation, equation%state%side, y, d, d_dot)
+      shear = equation%state%storeys%slope*d
+      if (allocated(equation%floors%laws)) then
+         shear = shear + equation%floors%laws%force_at_z1*y(equation%floors%laws%place)
+      else if (equation%floors%yields) then
+         shear = shear + equation%state%storeys%offset
+      end if
    end function column_shears
+
+   !> Strain energy of the storeys [J/kg].
+   real(wp) function storey_strain(equation, y, d) result(energy)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), intent(in) :: d(:)
+      !! (storeys) their displacements [m]
+
+      associate (branches => equation%state%storeys, floors => equation%floors)
+         if (allocated(floors%laws)) then
+            energy = sum(branches%slope*d**2 + floors%laws%force_at_z1*floors%laws%u_y &
+               *y(floors%laws%place)**2)/2
+         else if (floors%yields) then
+            energy = sum(spring_energy(floors%springs, branches, d))
+         else
+            energy = sum(branches%slope*d**2)/2
+         end if
+      end associate
+   end function storey_strain
 
    !> Shears of the storeys' columns for a given displacement of the roof [m/s2].
    pure function shears_at(floors, branches, y, u_roof) result(shear)
@@ -333,17 +368,7 @@ contains
       else
          energy(2) = -equation%floors%k(n)*u(n)**2/2
       end if
-      if (allocated(equation%floors%laws)) then
-         associate (laws => equation%floors%laws)
-            energy(2) = energy(2) + sum(equation%state%storeys%slope*(u(1:) - u(:n - 1))**2 &
-               + laws%force_at_z1*laws%u_y*y(laws%place)**2)/2
-         end associate
-      else if (equation%floors%yields) then
-         energy(2) = energy(2) + sum(spring_energy(equation%floors%springs, &
-            equation%state%storeys, u(1:) - u(:n - 1)))
-      else
-         energy(2) = energy(2) + sum(equation%floors%k*(u(1:) - u(:n - 1))**2)/2
-      end if
+      energy(2) = energy(2) + storey_strain(equation, y, u(1:) - u(:n - 1))
    end function storey_energy
 
 end module rwmf_model_effects_storeys_shear_building

@@ -336,6 +336,7 @@ contains
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(contribution_t), intent(out) :: storeys
+      integer :: i
 
       storeys%is_present = has_storeys(case)
       if (.not. storeys%is_present) return
@@ -344,14 +345,21 @@ contains
       if (.not. has_all_modes(case%storeys)) then
          storeys%n_coef = 1
          storeys%coefficients => excited_mass_coefficients
+         if (allocated(case%yielding) .and. allocated(equation%beam%floors)) then
+            call choose_storey_springs(case, equation%beam%floors%k, equation)
+         end if
          return
       end if
       if (.not. equation%floors%are_linked) storeys%acts = through_link
       storeys%n = equation%floors%n
       storeys%law = no_hysteresis
       if (allocated(case%yielding)) then
-         call choose_storey_springs(case, equation)
-         if (allocated(equation%floors%laws)) storeys%law = equation%floors%laws(1)%factors
+         call choose_storey_springs(case, equation%floors%k, equation)
+         if (allocated(equation%floors%laws)) then
+            storeys%law = equation%floors%laws(1)%factors
+            equation%floors%laws%place = [(equation%floors%first + 2*equation%floors%free - 1 + i, &
+               i=1, storeys%n)]
+         end if
       end if
       storeys%states = floor_states(storeys%n, equation%floors%free, storeys%law)
       storeys%n_coef = floor_coefficients(storeys%n, equation%floors%free, storeys%law)

@@ -6,15 +6,16 @@
 !> branch ends at a known d_i, a yielding one where d_i' changes its sign.
 module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: discrete_state_t, equation_t, floors_t, model_t, &
+   use rwmf_model_equation, only: discrete_state_t, equation_t, frame_mass, model_t, &
       renew_coefficients
-   use rwmf_model_floor_motion, only: storey_motion
+   use rwmf_model_floor_motion, only: follows_roof, storey_motion
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement
    use rwmf_model_hysteresis_laws, only: branch_word, load_spring, loading_direction, new_branch, &
       new_spring, pass_limit, spring_force, spring_limits, spring_loss, spring_residual, turn_spring
-   use rwmf_model_hysteresis_spring_set, only: has_branches, law_of, storey_strengths
+   use rwmf_model_hysteresis_spring_set, only: has_branches, law_of, storey_strengths, &
+      yield_displacement
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id
    implicit none
@@ -28,40 +29,34 @@ module rwmf_model_effects_storeys_yielding_storeys
 contains
 
    !> Create a spring or a smooth law for each storey of the frame.
-   subroutine choose_storey_springs(case, equation)
+   subroutine choose_storey_springs(case, k, equation)
       type(case_t), intent(in) :: case
-      !! case with `&yielding storey_u_y`
+      !! case with `&yielding`
+      real(wp), intent(in) :: k(:)
+      !! (storeys) elastic stiffnesses over the mass of the floors [1/s2]
       type(equation_t), intent(inout) :: equation
-      !! equation with its floors
-
-      equation%floors%yields = .true.
-      if (has_branches(case%yielding)) then
-         associate (floors => equation%floors)
-            floors%springs = new_spring(floors%k, floors%k*storey_strengths(case), &
-               case%yielding%hardening, law=law_of(case%yielding))
-            equation%state%storeys = new_branch(floors%springs)
-         end associate
-      else
-         call choose_laws(case, equation%floors)
-         equation%state%storeys%slope = case%yielding%hardening*equation%floors%k
-         allocate (equation%state%storey_signs(equation%floors%n))
-      end if
-   end subroutine choose_storey_springs
-
-   !> Create the smooth law of each storey. Their states follow the velocities of the floors.
-   subroutine choose_laws(case, floors)
-      type(case_t), intent(in) :: case
-      type(floors_t), intent(inout) :: floors
-      real(wp) :: u_y(floors%n)
+      !! equation with its floors. The caller sets the places of the states of smooth storeys
+      real(wp) :: u_y(size(k))
       integer :: i
 
-      u_y = storey_strengths(case)
-      allocate (floors%laws(floors%n))
-      do i = 1, floors%n
-         floors%laws(i) = new_hysteresis(case%yielding, u_y(i), floors%k(i))
-         floors%laws(i)%place = floors%first + 2*floors%free - 1 + i
-      end do
-   end subroutine choose_laws
+      if (allocated(case%yielding%storey_u_y)) then
+         u_y = storey_strengths(case)
+      else
+         u_y = yield_displacement(case)
+      end if
+      if (.not. allocated(equation%state%storeys)) allocate (equation%state%storeys(size(k)))
+      associate (floors => equation%floors, yielding => case%yielding)
+         floors%yields = .true.
+         if (has_branches(yielding)) then
+            floors%springs = new_spring(k, k*u_y, yielding%hardening, law=law_of(yielding))
+            equation%state%storeys = new_branch(floors%springs)
+         else
+            floors%laws = [(new_hysteresis(yielding, u_y(i), k(i)), i=1, size(k))]
+            equation%state%storeys%slope = yielding%hardening*k
+            allocate (equation%state%storey_signs(size(k)))
+         end if
+      end associate
+   end subroutine choose_storey_springs
 
    !> Initialise storeys that have not moved: load them slowly from zero to the initial state, then
    !> release them.
@@ -70,8 +65,8 @@ contains
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: d(model%floors%n)
-      real(wp) :: d_dot(model%floors%n)
+      real(wp) :: d(model%floors%storeys)
+      real(wp) :: d_dot(model%floors%storeys)
       integer :: i
 
       if (.not. model%floors%yields) return
@@ -80,13 +75,13 @@ contains
          return
       end if
       call storey_motion(model, state%side, y, d, d_dot)
-      do i = 1, model%floors%n
+      do i = 1, model%floors%storeys
          associate (spring => model%floors%springs(i), branch => state%storeys(i))
             branch = new_branch(spring)
             call load_spring(spring, branch, d(i))
          end associate
       end do
-      call renew_coefficients(model, state)
+      call renew_storeys(model, state, huge(i))
    end subroutine start_storeys
 
    !> Unload yielding storeys that move against their loading direction after an impact, or within
@@ -99,8 +94,8 @@ contains
       logical, intent(in) :: keeps_directions
       !! true if the loading directions are known and rates within round-off of zero do not change
       !! them
-      real(wp) :: d(model%floors%n)
-      real(wp) :: d_dot(model%floors%n)
+      real(wp) :: d(model%floors%storeys)
+      real(wp) :: d_dot(model%floors%storeys)
       integer :: highest
       !! number of the highest storey that unloads
       integer :: i
@@ -108,7 +103,7 @@ contains
       if (.not. model%floors%yields) return
       highest = 0
       call storey_motion(model, state%side, y, d, d_dot)
-      do i = 1, model%floors%n
+      do i = 1, model%floors%storeys
          if (allocated(state%storey_signs)) then
             associate (law => model%floors%laws(i), signs => state%storey_signs(i))
                if (abs(d_dot(i)) > 0 .and. .not. keeps_directions) signs%loading_direction = &
@@ -136,6 +131,10 @@ contains
       !! highest storey whose branch has changed, from the ground up
       logical :: is_known
 
+      if (follows_roof(model)) then
+         state%frame_slope = state%storeys(1)%slope/frame_mass(model)
+         state%frame_offset = state%storeys(1)%offset/frame_mass(model)
+      end if
       is_known = state%capacity_is_known .and. (allocated(state%storey_signs) &
          .or. highest <= model%floors%free)
       call renew_coefficients(model, state)
@@ -224,7 +223,7 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: z(equation%floors%n)
+      real(wp) :: z(equation%floors%storeys)
 
       z = 0
       if (allocated(equation%floors%laws)) z = y(equation%floors%laws%place)
@@ -264,8 +263,8 @@ contains
       !! true if d_i grows after the event
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: d(model%floors%n)
-      real(wp) :: d_dot(model%floors%n)
+      real(wp) :: d(model%floors%storeys)
+      real(wp) :: d_dot(model%floors%storeys)
 
       if (allocated(state%storey_signs)) then
          state%storey_signs(storey)%loading_direction = merge(1, -1, is_rising)
@@ -282,8 +281,8 @@ contains
       !! equation with storeys that yield one by one
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: d(equation%floors%n)
-      real(wp) :: d_dot(equation%floors%n)
+      real(wp) :: d(equation%floors%storeys)
+      real(wp) :: d_dot(equation%floors%storeys)
 
       loss = 0
       if (allocated(equation%floors%laws)) return
@@ -292,16 +291,16 @@ contains
    end function storeys_loss
 
    !> Write the history columns of storey shears without dampers, over the weight of the case's
-   !> reference mass [-].
+   !> reference mass, or of the force of a frame that follows the roof, over its weight [-].
    subroutine put_shears(row, equation, y)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
       !! equation with storeys that yield one by one
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: shears(equation%floors%n)
-      real(wp) :: d(equation%floors%n)
-      real(wp) :: d_dot(equation%floors%n)
+      real(wp) :: shears(equation%floors%storeys)
+      real(wp) :: d(equation%floors%storeys)
+      real(wp) :: d_dot(equation%floors%storeys)
 
       call storey_motion(equation, equation%state%side, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
@@ -310,6 +309,10 @@ contains
          end associate
       else
          shears = spring_force(equation%floors%springs, equation%state%storeys, d)
+      end if
+      if (follows_roof(equation)) then
+         call put(row, id%frame_force_over_m_s_g, shears(1)/(frame_mass(equation)*equation%p%g))
+         return
       end if
       shears = shears*(equation%floors%unit/equation%p%g)
       call put(row, id%storey_i_shear_over_m_w_g, shears)
@@ -320,9 +323,9 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: residuals(equation%floors%n)
-      real(wp) :: d(equation%floors%n)
-      real(wp) :: d_dot(equation%floors%n)
+      real(wp) :: residuals(equation%floors%storeys)
+      real(wp) :: d(equation%floors%storeys)
+      real(wp) :: d_dot(equation%floors%storeys)
 
       call storey_motion(equation, equation%state%side, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
