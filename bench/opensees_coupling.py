@@ -214,7 +214,9 @@ def main() -> None:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(Row._fields)
         for row in rows:
-            writer.writerow([row.scene, *(f"{value:.3g}" for value in row[1:])])
+            numbers = {key: f"{x:.3g}" for key, x in row._asdict().items() if key != "scene"}
+            numbers["dt_ms"] = f"{row.dt_ms:g}"
+            writer.writerow([row.scene, *numbers.values()])
     print(table(rows))
 
 
