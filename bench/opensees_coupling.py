@@ -1,8 +1,8 @@
 """Frames of OpenSeesPy coupled with a wall of rwmf, beside the kernel's own frames.
 
-``python bench/opensees_coupling.py [SCENE ...]`` computes each scene with four steps, halved three times,
-writes ``validation/opensees/coupling.csv`` and prints it as a table. It needs ``openseespy``
-in the same Python (``rwmf[opensees]``).
+``python bench/opensees_coupling.py [SCENE ...]`` computes each scene with four steps, halved three
+times, writes ``validation/opensees/coupling.csv`` and prints it as a table. It needs
+``openseespy`` in the same Python (``rwmf[opensees]``).
 """
 
 from __future__ import annotations
