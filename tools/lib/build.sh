@@ -1,4 +1,4 @@
-# The meson builds: `build` for use, `build-debug` and `build-sanitize` for the Fortran tests.
+# The meson builds: `build` for use; `build-debug`, `build-sanitize` and `build-races` for tests.
 # shellcheck shell=bash
 
 # build_in FOLDER [MESON OPTIONS]: set up when the options or the tools changed, then compile what

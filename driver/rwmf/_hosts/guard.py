@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from types import TracebackType
 from typing import Generic, NoReturn, Self, TypeVar
 
 from rwmf.errors import InputError
@@ -50,12 +49,7 @@ class Guard(Generic[_K]):
         self._is_busy = True
         return self._kept
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *unused: object) -> None:
         self._is_busy = False
         self._lock.release()
 
@@ -86,12 +80,7 @@ class Closable(NotPickled, Generic[_K]):
         """Return the object, to be closed at the end of the block."""
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        at: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *unused: object) -> None:
         """Close it."""
         self.close()
 

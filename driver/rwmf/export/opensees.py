@@ -18,8 +18,8 @@ _CORNER_RATE = 8000.0
 _STEP_OF_WALL, _STEP_OF_FRAME = 2.5e-5, 2e-4
 # angular frequency of the frame on the mast that keeps its line straight [rad/s]
 _MAST_RATE = 2000.0
-# accelerations do not count for so long after a corner lands [s]
-_BLOW = 25e-3
+# accelerations do not count for so long after a contact: 16 decay times of a pad; 12 of a mast [s]
+_BLOW, _BLOW_OF_MAST = 2e-3, 6e-3
 # length of a link that remains horizontal [m]
 _LONG = 100.0
 _HEAD = '''"""Building of {source}, written by `rwmf export opensees`.
@@ -86,6 +86,10 @@ class _Script:
         self.tendon: tuple[int, str, int] | None = None
         self.floors: list[tuple[int, float, float]] = []
         self.linked = 0
+        self.corners: list[int] = []
+        coupling = building.frame.coupling if building.m_w and building.frame else ""
+        self.has_mast = coupling in ("every_floor", "springs")
+        self.blow = _BLOW_OF_MAST if self.has_mast else _BLOW
 
     def text(self) -> str:
         """Return the script."""
@@ -120,7 +124,8 @@ class _Script:
             "ALPHA": given.alpha if given.m_w else 0.0,
             "WEIGHT": given.m_w * given.g,
             "INTERVAL": given.dt,
-            "BLOW": _BLOW,
+            "BLOW": self.blow,
+            "CORNERS": self.corners,
             "DRIFT_LIMIT": 0.0 if self.case.p_delta is None else self.case.p_delta.drift_limit,
         }
         lines = [f"{name} = {value!r}" for name, value in values.items()]
@@ -170,11 +175,7 @@ class _Script:
     def _wall(self) -> None:
         given = self.building
         h, b, m = given.h, given.b, given.m_w
-        self._note(
-            "the wall is a frame of stiff beams with its mass in the middle. Each corner is on a",
-            "pad of spring and dashpot that absorbs the blow; rwmf balances momenta at an instant.",
-            f"Accelerations do not count for {1e3 * _BLOW:g} ms after a corner lands",
-        )
+        self._note("the wall is a frame of stiff beams with its mass in the middle")
         self._title("wall: base, corners, middle, top, corner of the link; ground below")
         places = ((0.0, 0.0), (-b, 0.0), (b, 0.0), (0.0, h), (0.0, 2 * h), (-b, 2 * h))
         for node, place in enumerate(places, start=1):
@@ -194,6 +195,11 @@ class _Script:
             self._do("fix", 1, 1, 1, 0)
             return
         self._title("corners: no-tension springs in a groove, on a pad with critical damping")
+        self._note(
+            "each corner is on a pad of spring and dashpot that absorbs the blow; rwmf balances",
+            "momenta at an instant. A pad returns exp(-2) = 14 % of the velocity: the corner hops.",
+            f"Accelerations do not count for {1e3 * self.blow:g} ms after each contact of a corner",
+        )
         slope = math.sqrt(0.5)
         groove = ("-orient", slope, slope, 0.0, -slope, slope, 0.0)
         spring = self._material("ENT", 100 * k)
@@ -203,7 +209,7 @@ class _Script:
             pads = ("-mat", pad, pad, "-dir", 1, 2)
             self._element("zeroLength", 12 + side, 22 + side, *pads)
             springs = ("-mat", spring, spring, "-dir", 1, 2, *groove)
-            self._element("zeroLength", 22 + side, 2 + side, *springs)
+            self.corners.append(self._element("zeroLength", 22 + side, 2 + side, *springs))
 
     def _devices(self) -> None:
         """Put fuses and dampers between the corners and the ground."""
@@ -240,7 +246,6 @@ class _Script:
         if not math.isinf(tendon.elongation_at_rupture):
             strain = tendon.elongation_at_rupture / unit
             material = self._material("MinMax", material, "-max", strain)
-            self._note("accelerations ring in the link when the tendon breaks")
         if tendon.is_straight:
             tag = self._element("corotTruss", 11, 5, 1.0, material)
             self.tendon = (tag, "axialForce", 0)
@@ -293,11 +298,10 @@ class _Script:
         if any(frame.lean):
             self._note("gravity leans on the frame by springs of negative stiffness, W/h")
         self._dashpots(frame.c)
-        has_mast = frame.coupling in ("every_floor", "springs") and given.m_w
-        if has_mast:
+        if self.has_mast:
             self._mast(frame, x, z)
         if given.m_w:
-            self._link(frame, (200 if has_mast else 100) + n)
+            self._link(frame, (200 if self.has_mast else 100) + n)
         nodes = [101] * frame.floors if frame.coupling == "reduced" else range(101, 101 + n)
         self.floors = list(zip(nodes, frame.share, frame.floor_heights, strict=True))
 

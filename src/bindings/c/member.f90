@@ -150,6 +150,17 @@ contains
       call c_f_pointer(address, numbers, [n])
    end subroutine numbers_of
 
+   !> Return the mass matrix of a host; not associated for NULL, which makes an optional argument
+   !> absent.
+   function mass_of(address, n) result(mass)
+      type(c_ptr), intent(in) :: address
+      integer, intent(in) :: n
+      real(c_double), pointer, contiguous :: mass(:, :)
+
+      nullify (mass)
+      if (c_associated(address)) call c_f_pointer(address, mass, [n, n])
+   end function mass_of
+
    !> `rwmf_query_member`.
    integer(c_int) function c_query_member(handle, info, message, size) &
       bind(c, name='rwmf_query_member')
@@ -209,19 +220,29 @@ contains
       c_respond_member = put_message(error, message, size)
    end function c_respond_member
 
+   !> Change the state of a member by one of three procedures.
+   integer(c_int) function change_member(handle, change, message, size)
+      type(c_ptr), intent(in) :: handle
+      procedure(commit_member) :: change
+      type(c_ptr), intent(in) :: message
+      integer(c_size_t), intent(in) :: size
+      type(wall_member_t), pointer :: member
+      type(member_info_t) :: info
+      type(error_t), allocatable :: error
+
+      call member_of(handle, member, info, error)
+      if (.not. allocated(error)) call change(member, error)
+      change_member = put_message(error, message, size)
+   end function change_member
+
    !> `rwmf_commit_member`.
    integer(c_int) function c_commit_member(handle, message, size) &
       bind(c, name='rwmf_commit_member')
       type(c_ptr), value :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(wall_member_t), pointer :: member
-      type(member_info_t) :: info
-      type(error_t), allocatable :: error
 
-      call member_of(handle, member, info, error)
-      if (.not. allocated(error)) call commit_member(member, error)
-      c_commit_member = put_message(error, message, size)
+      c_commit_member = change_member(handle, commit_member, message, size)
    end function c_commit_member
 
    !> `rwmf_revert_member`.
@@ -230,13 +251,8 @@ contains
       type(c_ptr), value :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(wall_member_t), pointer :: member
-      type(member_info_t) :: info
-      type(error_t), allocatable :: error
 
-      call member_of(handle, member, info, error)
-      if (.not. allocated(error)) call revert_member(member, error)
-      c_revert_member = put_message(error, message, size)
+      c_revert_member = change_member(handle, revert_member, message, size)
    end function c_revert_member
 
    !> `rwmf_restart_member`.
@@ -245,13 +261,8 @@ contains
       type(c_ptr), value :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
-      type(wall_member_t), pointer :: member
-      type(member_info_t) :: info
-      type(error_t), allocatable :: error
 
-      call member_of(handle, member, info, error)
-      if (.not. allocated(error)) call restart_member(member, error)
-      c_restart_member = put_message(error, message, size)
+      c_restart_member = change_member(handle, restart_member, message, size)
    end function c_restart_member
 
    !> `rwmf_copy_member`.
@@ -348,20 +359,16 @@ contains
       integer(c_size_t), value :: size
       type(wall_member_t), pointer :: member
       type(member_info_t) :: info
-      real(c_double), pointer, contiguous :: x(:), m(:), v(:)
+      real(c_double), pointer, contiguous :: x(:), m(:, :), v(:)
       type(error_t), allocatable :: error
 
       call member_of(handle, member, info, error)
       call numbers_of(displacements, info%dofs, 'displacements', x, error)
-      call numbers_of(host_mass, info%dofs**2, '', m, error)
       call numbers_of(velocities, info%dofs, 'velocities', v, error)
       call require_argument(present(side), 'side', error)
       if (.not. allocated(error)) then
-         if (associated(m)) then
-            call land_member(member, x, v, error, reshape(m, [info%dofs, info%dofs]))
-         else
-            call land_member(member, x, v, error)
-         end if
+         m => mass_of(host_mass, info%dofs)
+         call land_member(member, x, v, error, m)
       end if
       if (.not. allocated(error)) call query_member(member, info, error)
       if (.not. allocated(error)) side = int(info%side, c_int32_t)
@@ -382,7 +389,7 @@ contains
       integer(c_size_t), value :: size
       type(wall_member_t), pointer :: member
       type(member_info_t) :: info
-      real(c_double), pointer, contiguous :: x(:), a(:), m(:)
+      real(c_double), pointer, contiguous :: x(:), a(:), m(:, :)
       type(error_t), allocatable :: error
       logical :: found
 
@@ -390,15 +397,10 @@ contains
       call member_of(handle, member, info, error)
       call numbers_of(motion, 3*info%dofs, 'motion', x, error)
       call numbers_of(ground, 2, 'ground', a, error)
-      call numbers_of(host_mass, info%dofs**2, '', m, error)
       call require_argument(present(rests), 'rests', error)
       if (.not. allocated(error)) then
-         if (associated(m)) then
-            found = member_settles(member, dt, reshape(x, [info%dofs, 3]), a, push, error, &
-               reshape(m, [info%dofs, info%dofs]))
-         else
-            found = member_settles(member, dt, reshape(x, [info%dofs, 3]), a, push, error)
-         end if
+         m => mass_of(host_mass, info%dofs)
+         found = member_settles(member, dt, reshape(x, [info%dofs, 3]), a, push, error, m)
       end if
       if (.not. allocated(error)) rests = merge(1_c_int32_t, 0_c_int32_t, found)
       c_member_settles = put_message(error, message, size)

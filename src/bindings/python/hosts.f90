@@ -412,13 +412,12 @@ contains
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
       type(error_t), allocatable :: error
+      real(c_double), allocatable :: given(:, :)
 
       kept => find(handle)
-      if (size(mass) > 0) then
-         call land_member(kept%member, displacements, velocities, error, mass)
-      else
-         call land_member(kept%member, displacements, velocities, error)
-      end if
+      if (size(mass) > 0) given = mass
+      ! not allocated: the argument is absent
+      call land_member(kept%member, displacements, velocities, error, given)
       call put_error(error, status, message, message_length)
    end subroutine member_land
 
@@ -434,17 +433,13 @@ contains
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
       type(error_t), allocatable :: error
+      real(c_double), allocatable :: given(:, :)
       logical :: rests
 
       kept => find(handle)
-      associate (q => reshape(numbers(5:), [kept%member%n, 3]))
-         if (size(mass) > 0) then
-            rests = member_settles(kept%member, numbers(1), q, numbers(3:4), numbers(2), error, &
-               mass)
-         else
-            rests = member_settles(kept%member, numbers(1), q, numbers(3:4), numbers(2), error)
-         end if
-      end associate
+      if (size(mass) > 0) given = mass
+      rests = member_settles(kept%member, numbers(1), reshape(numbers(5:), [kept%member%n, 3]), &
+         numbers(3:4), numbers(2), error, given)
       answer = merge(1_c_int, 0_c_int, rests)
       call put_error(error, status, message, message_length)
    end subroutine member_rests

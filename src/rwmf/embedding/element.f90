@@ -199,7 +199,8 @@ contains
       integer, intent(in) :: side
       type(error_t), allocatable, intent(inout) :: error
 
-      if (allocated(error) .or. abs(side_of(element, side)) == 1) return
+      if (allocated(error)) return
+      if (abs(side_of(element, side)) == 1) return
       call fail(error, err_input, 'the side of a rocking wall is 1 or -1; at rest it only holds')
    end subroutine require_side
 

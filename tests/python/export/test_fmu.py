@@ -204,6 +204,22 @@ def test_same_bits_as_the_run_at_the_samples_of_a_record(record: Path) -> None:
     np.testing.assert_allclose(found["u_s_m"], run.u_s.values, rtol=1e-12, atol=1e-15)
 
 
+def test_same_bits_as_a_wall_that_steps_in_python(record: Path) -> None:
+    """The wall of Python has the bits of a host in C (`tests/python/hosts`)."""
+    unit = Unit(record).begin()
+    with rwmf.Wall(recorded()) as wall:
+        for i in range(149):
+            unit.fmu.doStep(DT * i, DT)
+            wall.advance(DT * i + DT)
+            state, forces = wall.state, wall.forces
+            assert unit["theta_rad"] == state.theta, i
+            assert unit["theta_dot_rad_s"] == state.theta_dot, i
+            assert unit["u_s_m"] == state.u_s, i
+            assert unit["link_force"] == forces.link, i
+        assert unit["u_s_max_m"] == wall.maxima.u_s_max
+        assert unit["impacts"] == wall.state.impacts > 5
+
+
 def test_samples_as_input_give_the_record(record: Path) -> None:
     own, given = Unit(record).begin(), Unit(record)
     values = quake().values

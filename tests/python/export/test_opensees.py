@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import importlib.util
-import math
 import os
 import re
 from pathlib import Path
@@ -106,8 +105,7 @@ def test_demands_of_opensees(name: str, tmp_path: Path) -> None:
         if demand.name.startswith("impact"):
             bound = 5e-4
         elif "acceleration" in demand.name:
-            # the link rings when the tendon breaks
-            bound = math.inf if name == "a tendon that breaks" else 2e-2
+            bound = 5e-3
         assert abs(demand.difference) < bound, demand
 
 
@@ -127,10 +125,12 @@ def test_the_stored_comparison_with_opensees() -> None:
     names = [row["case"] for row in rows]
     assert names == list(CASES)
     for row in rows:
-        # a single mass has no storeys
-        assert ("&storeys" in CASES[row["case"]]) == (row["drift_percent"] != "nan")
+        assert (row["drift_percent"] == "nan") == (row["case"] == "a wall")
         assert not float(row["drift_percent"]) >= 0.5
+        assert not float(row["acceleration_percent"]) >= 1.0
         assert float(row["impact_ms"]) < 0.5 or row["impacts"] == "0"
+        # 2 ms after each contact, with a mast 6 ms
+        assert float(row["left_out_ms"]) <= 6.0 * int(row["contacts"])
         assert f"| {row['case']} | " in page
         if row["impacts"] != "0":
             cell = f"{float(row['impact_ms']):.2g} ({row['impacts']}) |"

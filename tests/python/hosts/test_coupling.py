@@ -249,7 +249,7 @@ def test_the_stored_comparison_with_opensees() -> None:
         rows = list(csv.DictReader(stream))
     page = (ROOT / "docs" / "howto" / "stepping-python.md").read_text(encoding="utf-8")
     scenes = {row["scene"] for row in rows}
-    assert len(scenes) == 6
+    assert len(scenes) == 8
     for scene in scenes:
         own = [row for row in rows if row["scene"] == scene]
         assert len(own) == 4

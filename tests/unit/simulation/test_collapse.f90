@@ -229,6 +229,7 @@ contains
       call checks%no_error(error, 'storeys, '//method)
       call checks%that(hybrid%mode == mode_collapsed, 'storeys collapse, '//method)
       allocate (case%output)
+      case%output%energy = .false.
       case%output%dt = 1.0e-4_wp
       call simulate(case, result, error)
       call checks%no_error(error, 'storeys with history, '//method)
