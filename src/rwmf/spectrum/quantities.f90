@@ -148,8 +148,8 @@ contains
 
    !> Check that all requested quantities apply to the scene of a case.
    !>
-   !> Errors: a key that does not apply (the message lists those that do, if there are few), and those
-   !> of `simulate`.
+   !> Errors: a key that does not apply (the message lists those that do, if there are few), and
+   !> those of `simulate`.
    subroutine check_request(case, motion, requested_keys, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
