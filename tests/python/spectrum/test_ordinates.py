@@ -102,7 +102,10 @@ def test_labels_and_files(folder: Path, tmp_path: Path, capsys: pytest.CaptureFi
         ("u_max", "unknown, did you mean u_s_max_m[?] The list: reference/outputs.md"),
         ("theta_rad", "unknown"),
         ("steps", "unknown"),
-        ("storey_1_ductility", "does not apply to this scene; reference/outputs.md lists the requirements of each"),
+        (
+            "storey_1_ductility",
+            "does not apply to this scene; reference/outputs.md lists the requirements of each",
+        ),
         ("ductility", "does not apply"),
         ("friction_exceeded", "does not apply"),
         ("collapsed", "does not apply"),
