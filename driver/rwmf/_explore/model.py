@@ -47,6 +47,8 @@ _PERIODS = (0.05, 3.0)
 # time limit of an ordinate, sufficient for a long record. An elastic wall (e = 1) on a stiff frame
 # can chatter through a whole record and would block the other periods
 _MOST_STEPS = 500_000
+# and that of a first answer, which a complete one follows
+_FEW_STEPS = 20_000
 # number of curves of the bare frame, and of uploaded records, that a process keeps
 _KEPT = 32
 _KEPT_RECORDS = 3
@@ -223,7 +225,7 @@ class Model:
         Parameters
         ----------
         question : Question
-            Selects case, number of periods and quantity.
+            Selects case, number of periods and quantity, and the limit of steps.
         poll : callable
             As in `history`.
 
@@ -244,7 +246,8 @@ class Model:
         case = self._case_of(question)
         if "T_s" not in case.kernel.axes():
             raise InputError("the scene has no period to vary: it has no spectrum")
-        case = case.replace(solver={"max_steps": min(int(case.solver.max_steps), _MOST_STEPS)})
+        most = _FEW_STEPS if question.quick else _MOST_STEPS
+        case = case.replace(solver={"max_steps": min(int(case.solver.max_steps), most)})
         key = _key_of(question.quantity, case)
         periods = _grid(case, question.points)
         begun = time.perf_counter()

@@ -34,12 +34,15 @@ class Question(NamedTuple):
         Number of periods of the spectrum.
     quantity : str
         Key of the spectrum's quantity, '' for the default of the scene.
+    quick : bool
+        Leave out periods that need many steps.
     """
 
     groups: dict[str, dict[str, Any]]
     record: str
     points: int
     quantity: str
+    quick: bool = False
 
 
 def given(case: Case) -> dict[str, dict[str, Any]]:
@@ -87,7 +90,7 @@ def read(body: object) -> Question:
     """
     if not isinstance(body, dict):
         raise BadQuestionError("a request must be an object")
-    unknown = body.keys() - {"groups", "record", "points", "quantity"}
+    unknown = body.keys() - {"groups", "record", "points", "quantity", "quick"}
     if unknown:
         raise BadQuestionError(f"a request has no key {min(map(str, unknown))!r}")
     groups = body.get("groups")
@@ -102,9 +105,11 @@ def read(body: object) -> Question:
             if (name, key) not in pairs:
                 raise BadQuestionError(f"&{name} has no key {key[:40]!r} that the page may set")
     record, points = body.get("record", ""), body.get("points", 200)
-    quantity = body.get("quantity", "")
+    quantity, quick = body.get("quantity", ""), body.get("quick", False)
     if not isinstance(record, str) or not isinstance(quantity, str):
         raise BadQuestionError("record and quantity are texts")
+    if not isinstance(quick, bool):
+        raise BadQuestionError("quick: must be true or false")
     if not _NUMBER.fullmatch(record):
         raise BadQuestionError("record is the number of an uploaded record")
     if type(points) is not int or not 2 <= points <= _MOST_POINTS:
@@ -113,7 +118,7 @@ def read(body: object) -> Question:
         name: {key: _typed(f"{name}.{key}", keys[key], *pairs[name, key]) for key in keys}
         for name, keys in groups.items()
     }
-    return Question(values, record, points, quantity)
+    return Question(values, record, points, quantity, quick)
 
 
 def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any:  # noqa: ANN401

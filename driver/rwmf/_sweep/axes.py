@@ -612,7 +612,10 @@ def _find_key(name: str, label: str) -> Key:
         names = ", ".join(".".join(found) for found in matches)
         raise InputError(f"{label}: {name}: in several groups; write one of {names}")
     known = _table()
-    allowed = list(dict.fromkeys(["scale", *PAIRS, *(key for _, key in known)]))
-    hint = did_you_mean(name, [*allowed, *map(".".join, known)])
+    keys = (key for _, key in known)
+    hint = did_you_mean(name, ["scale", *PAIRS, *keys, *map(".".join, known)])
     hint = f"{hint} Allowed" if hint else "; allowed"
-    raise InputError(f"{label}: {name}: no key of a case{hint} are {', '.join(allowed)}")
+    raise InputError(
+        f"{label}: {name}: no key of a case{hint} are {', '.join(('scale', *PAIRS))} and the keys "
+        "of reference/namelist.md"
+    )

@@ -21,6 +21,9 @@ __all__ = [
 ]
 
 
+_LIST = "the list: reference/outputs.md"
+
+
 class _Table(dict[str, quantities.Quantity]):
     """Quantities by name; a name with the number of a floor or storey gets the numbered row."""
 
@@ -88,10 +91,10 @@ def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
         else:
             requested[quantity.called(name)] = quantity
     if not names:
-        raise InputError(f"quantities: none is given; known are {', '.join(QUANTITIES)}")
+        raise InputError(f"quantities: none is given; {_LIST}")
     if unknown:
         hints = [f"{shorten(word)}: is unknown{_hint(word)}" for word in unknown]
-        raise InputError(f"quantities: {' '.join(hints)} Known are {', '.join(QUANTITIES)}")
+        raise InputError(f"quantities: {' '.join(hints)} {_LIST.capitalize()}")
     return requested
 
 

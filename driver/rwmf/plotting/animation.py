@@ -40,6 +40,8 @@ Array = npt.NDArray[np.float64]
 
 FORMATS = ("gif", "webp", "mp4")
 _DOTS_PER_INCH = 100
+# mark of a text that never changes: text is the slowest thing to draw
+_STILL = "still"
 # colours of a palette: few, and those between them at the edges of lines
 _COLOURS = 128
 # arguments of the writers of Pillow: WebP by its fastest method
@@ -144,18 +146,22 @@ def animate(
 def _camera(figure: Figure, draw: Callable[[int], None]) -> Callable[[int], Image]:
     """Return a function that takes the picture of a sample.
 
-    All that a film moves is in the first axes, and the cursor in the last line of the second; the
-    rest is drawn once.
+    The artists of the first axes move unless their gid is ``_STILL``, and the cursor, the last
+    line of the second. The rest is drawn once.
     """
     from PIL import Image
 
     scene, curve = figure.axes
-    moving = sorted([*scene.lines, *scene.patches, *scene.texts], key=lambda item: item.zorder)
+    artists = [*scene.lines, *scene.patches, *scene.texts]
+    moving = sorted(
+        (item for item in artists if item.get_gid() != _STILL), key=lambda item: item.zorder
+    )
     moving.append(curve.lines[-1])
     for item in moving:
         item.set_animated(True)
     canvas: Any = figure.canvas
     canvas.draw()
+    size = canvas.get_width_height()
     still = canvas.copy_from_bbox(figure.bbox)
 
     def take(i: int) -> Image.Image:
@@ -163,7 +169,7 @@ def _camera(figure: Figure, draw: Callable[[int], None]) -> Callable[[int], Imag
         draw(i)
         for item in moving:
             figure.draw_artist(item)
-        return Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3])
+        return Image.frombuffer("RGBA", size, canvas.buffer_rgba()).convert("RGB")
 
     return take
 
@@ -412,9 +418,10 @@ def _stage(
     lower.set_ylabel(f"{roof}$u_s$ (m)" if "u_s" in dataset else r"$\theta$ (rad)")
     lower.margins(x=0)
     end = _end_of(dataset)
-    drawn = in_words(case, scale)
+    drawn = in_words(case, scale).replace(", ", ",\n")
     if building is not None and building.has_yielded.any():
         drawn += "\norange: storeys that have yielded"
+    upper.text(0.99, 1.0, drawn, transform=upper.transAxes, va="top", ha="right", gid=_STILL)
 
     def draw(i: int) -> None:
         state, face = move_wall(i)
@@ -422,8 +429,7 @@ def _stage(
             lines.move(i, ground[i], face)
         soil.set_data(ground[i] + soil_ends, [0.0, 0.0])
         state = end if end and i == t.size - 1 else state
-        parts = [f"t = {t[i]:.2f} s", *([state] if state else [])]
-        label.set_text(f"{', '.join(parts)}; {drawn}")
+        label.set_text(f"t = {t[i]:.2f} s" + (f", {state}" if state else ""))
         cursor.set_data([t[i]], [shown.values[i]])
 
     return draw

@@ -20,6 +20,7 @@ from rwmf.plotting.style import (
     GREY,
     LIMIT,
     Panels,
+    label_in_large_units,
     legend_beside,
     make_panels,
     period_label,
@@ -289,7 +290,9 @@ def spectrum(
     if bare is not None:
         axes.plot(bare["T_s"], bare[quantity], label="frame alone", **ALONE)
     axes.set_xlabel(period_label(dataset["T_s"]))
-    axes.set_ylabel(_axis_label(dataset[quantity], quantity, _LETTERS_ALONE))
+    drawn_values = dataset[quantity]
+    unit = label_in_large_units(axes.yaxis, drawn_values.attrs.get("units", ""))
+    axes.set_ylabel(_axis_label(drawn_values.assign_attrs(units=unit), quantity, _LETTERS_ALONE))
     if not (dataset[quantity] < 0).any():
         axes.set_ylim(bottom=0)
     axes.margins(x=0)

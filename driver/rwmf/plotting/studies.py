@@ -15,6 +15,7 @@ import numpy as np
 from rwmf._arguments import checked, dataset_of
 from rwmf.plotting.style import (
     LEVEL,
+    label_in_large_units,
     label_plainly,
     legend_above,
     make_panels,
@@ -198,8 +199,12 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     ax.margins(x=0)
     ax.set_xlabel("pulse period $T_p$ (s)")
     quantity = str(dataset.attrs["quantity"])
-    target = f"{float(dataset['target']):g}" + _unit(dataset["target"], " {}")
-    ax.set_ylabel(r"$a_{\max}/g$ for " + f"{_SYMBOLS.get(quantity, quantity)} = {target}")
+    unit = str(dataset["target"].attrs.get("units", "1"))
+    # the key of an acceleration over g ends with its unit
+    if unit == "1":
+        unit = "g" if quantity.endswith("acceleration_max_g") else ""
+    symbol = _SYMBOLS.get(quantity, quantity.replace("_", " "))
+    ax.set_ylabel(r"$a_{\max}/g$ for " + f"{symbol} = {float(dataset['target']):g} {unit}".rstrip())
     return ax
 
 
@@ -255,14 +260,10 @@ def _draw_bands(
     ax.set_ylim(0, top)
 
 
-def _unit(values: xr.DataArray, form: str) -> str:
-    unit = values.attrs.get("units", "1")
-    return "" if unit == "1" else form.format(unit)
-
-
 def _finish(ax: Axes, values: xr.DataArray, from_zero: bool = True) -> None:
     ax.set_xlabel(period_label(values["T_s"]))
-    ax.set_ylabel(values.attrs.get("long_name", "") + _unit(values, " ({})"))
+    unit = label_in_large_units(ax.yaxis, values.attrs.get("units", "1"))
+    ax.set_ylabel(values.attrs.get("long_name", "") + ("" if unit == "1" else f" ({unit})"))
     if from_zero:
         ax.set_ylim(bottom=0)
     ax.margins(x=0)

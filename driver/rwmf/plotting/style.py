@@ -40,6 +40,7 @@ __all__ = [
     "WIDTH",
     "YIELD",
     "Panels",
+    "label_in_large_units",
     "label_plainly",
     "legend_above",
     "legend_below",
@@ -90,6 +91,9 @@ DOTS: dict[str, Any] = {
     "markersize": 2.6,
     "zorder": 5,
 }
+
+# unit of data: the factor to the unit of a label, and that unit
+_LARGE_UNITS = {"N": (1e3, "kN"), "N m": (1e3, "kN m"), "Pa": (1e6, "MPa")}
 
 
 def style() -> dict[RcKeyType, Any]:
@@ -279,6 +283,30 @@ def label_plainly(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def label_in_large_units(axis: Axis, unit: str) -> str:
+    """Label the axis of a force in kN and that of a stress in MPa; its data stay in N and Pa.
+
+    Parameters
+    ----------
+    axis : matplotlib.axis.Axis
+        The axis.
+    unit : str
+        Unit of its data.
+
+    Returns
+    -------
+    str
+        Unit of its labels.
+    """
+    from matplotlib.ticker import FuncFormatter
+
+    if unit not in _LARGE_UNITS:
+        return unit
+    factor, shown = _LARGE_UNITS[unit]
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / factor:g}"))
+    return shown
 
 
 def period_label(period: xr.DataArray) -> str:

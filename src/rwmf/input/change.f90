@@ -111,11 +111,11 @@ contains
          call suggest(name(dot + 1:), '', pack(keys%key, keys%group == group), known)
          call fail(error, err_input, shown(name)//': unknown key'//known)
       else if (keys(place)%key == 'dt' .and. group /= 'output') then
-         call fail(error, err_input, name//': says how a file is read: must be given where the ' &
-            //'case is made')
+         call fail(error, err_input, name//': must be given where the case is made, because ' &
+            //'its record is read there')
       else if (keys(place)%key == 'n' .and. group == 'storeys') then
-         call fail(error, err_input, name//': says what there is to move: must be given where ' &
-            //'the case is made')
+         call fail(error, err_input, name//': must be given where the case is made, because ' &
+            //'it sets the degrees of freedom')
       else if (.not. (values%groups(at)%is_given .or. is_of_method(group))) then
          call fail(error, err_input, name//': the case has no group &'//group)
       end if

@@ -66,7 +66,7 @@ contains
          if (allocated(error)) exit
          if (token%kind == token_end) exit
          if (token%kind /= token_group .or. .not. is_name(token%text)) then
-            call fail_at(token, 'stands outside a group (&name ... /)', error)
+            call fail_at(token, 'is outside a group (&name ... /)', error)
             exit
          end if
          call read_group(text, scanner, token, group, error)
@@ -108,7 +108,7 @@ contains
             group%entries(n) = entry
             if (n > most_keys) call fail_at(token, 'follows too many keys', error)
          case default
-            call fail_at(token, 'stands where a key or / is expected', error)
+            call fail_at(token, 'is found where a key or / is expected', error)
          end select
       end do
       group%entries = group%entries(:n)

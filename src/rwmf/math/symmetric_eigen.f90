@@ -89,9 +89,10 @@ contains
             do i = 1, j - 1
                if (abs(a(i, j)) <= negligible) cycle
                is_done = .false.
+               ! below 1/epsilon**2: its square cannot overflow
                slope = (a(j, j) - a(i, i))/(2*a(i, j))
-               slope = sign(1.0_wp, slope)/(abs(slope) + hypot(slope, 1.0_wp))
-               c = 1/hypot(slope, 1.0_wp)
+               slope = sign(1.0_wp, slope)/(abs(slope) + sqrt(1 + slope**2))
+               c = 1/sqrt(1 + slope**2)
                s = slope*c
                kept = a(:, i)
                a(:, i) = c*kept - s*a(:, j)

@@ -5,7 +5,7 @@ module rwmf_simulation_quantity_words
    implicit none
    private
 
-   public :: meant_quantity
+   public :: list_quantities, meant_quantity, suggest_quantity
 
    !> Term and corresponding key.
    type :: word_t
@@ -86,6 +86,39 @@ contains
       call look_up(trim(key), place, number)
       if (place == 0) key = ''
    end function meant_quantity
+
+   !> Append the quantities of a scene to a message, or the page with their requirements.
+   pure subroutine list_quantities(keys, problem)
+      character(*), intent(in) :: keys(:)
+      !! (n) keys of the quantities that apply
+      character(:), allocatable, intent(inout) :: problem
+      !! message about a quantity that does not apply
+      integer, parameter :: most = 12
+      integer :: i
+
+      if (size(keys) > most) then
+         problem = problem//'; reference/outputs.md lists the requirements of each quantity'
+         return
+      end if
+      problem = problem//'; allowed:'
+      do i = 1, size(keys)
+         problem = problem//' '//trim(keys(i))
+      end do
+   end subroutine list_quantities
+
+   !> Append the closest quantity and the page that lists all of them to a message.
+   pure subroutine suggest_quantity(near, problem)
+      character(*), intent(in) :: near
+      !! key of the closest quantity, blank if there is none
+      character(:), allocatable, intent(inout) :: problem
+      !! message about an unknown quantity
+
+      if (near == '') then
+         problem = problem//'; the list: reference/outputs.md'
+      else
+         problem = problem//', did you mean '//trim(near)//'? The list: reference/outputs.md'
+      end if
+   end subroutine suggest_quantity
 
    !> Word without 'peak' and 'max', and without a final storey or floor number.
    pure function without_extremes(word) result(plain)

@@ -10,6 +10,7 @@ module rwmf_simulation_simulate
    use rwmf_simulation_conditioning, only: measure_sensitivities, needs_probe
    use rwmf_simulation_error_control, only: run_to_accuracy, verify_run
    use rwmf_simulation_peak, only: ask_for_peak, list_reported, reports_peak
+   use rwmf_simulation_quantity_words, only: list_quantities
    use rwmf_simulation_run, only: run_once
    use rwmf_simulation_state_result, only: result_t
    implicit none
@@ -90,7 +91,6 @@ contains
       type(control_t) :: no_control
       character(key_length), allocatable :: keys(:)
       character(:), allocatable :: problem
-      integer :: i
 
       if (case%solver%accuracy_of == '') return
       asking%structure_t = case%structure_t
@@ -103,10 +103,8 @@ contains
       if (allocated(error)) return
       if (reports_peak(instant, result)) return
       call list_reported(instant, result, is_peak(all_quantities), keys)
-      problem = trim(case%solver%accuracy_of)//' does not apply to this scene; allowed:'
-      do i = 1, size(keys)
-         problem = problem//' '//trim(keys(i))
-      end do
+      problem = trim(case%solver%accuracy_of)//' does not apply to this scene'
+      call list_quantities(keys, problem)
       if (has_key(case%values, 'solver', 'accuracy_of')) then
          call fail_key(case%values, 'solver', 'accuracy_of', problem, error)
       else

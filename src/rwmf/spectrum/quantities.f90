@@ -14,6 +14,7 @@ module rwmf_spectrum_quantities
    use rwmf_simulation_conditioning, only: is_conditioned, round_off_of
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
+   use rwmf_simulation_quantity_words, only: list_quantities
    use rwmf_simulation_scalars, only: is_present, scalars_of, value_of, values_t
    use rwmf_simulation_simulate, only: simulate_instant
    use rwmf_simulation_state_result, only: result_t
@@ -147,7 +148,8 @@ contains
 
    !> Check that all requested quantities apply to the scene of a case.
    !>
-   !> Errors: a key that does not apply (the message lists those that do), and those of `simulate`.
+   !> Errors: a key that does not apply (the message lists those that do, if there are few), and
+   !> those of `simulate`.
    subroutine check_request(case, motion, requested_keys, error)
       type(case_t), intent(in) :: case
       type(motion_t), intent(in) :: motion
@@ -156,7 +158,7 @@ contains
       type(error_t), allocatable, intent(out) :: error
       character(key_length), allocatable :: keys(:)
       character(:), allocatable :: problem
-      integer :: i, j, place, number
+      integer :: i, place, number
       logical :: is_known
 
       if (allocated(case%frame) .and. all(requested_keys == displacement)) return
@@ -169,10 +171,8 @@ contains
             is_known = is_peak(all_quantities(place))
          end if
          if (is_known) cycle
-         problem = trim(requested_keys(i))//' does not apply to this scene; allowed:'
-         do j = 1, size(keys)
-            problem = problem//' '//trim(keys(j))
-         end do
+         problem = trim(requested_keys(i))//' does not apply to this scene'
+         call list_quantities(keys, problem)
          if (is_of_spectrum(case, requested_keys)) then
             call fail_key(case%values, 'spectrum', 'quantities', problem, error)
          else

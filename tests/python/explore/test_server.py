@@ -20,6 +20,9 @@ import rwmf
 from checkout import ROOT
 from page_client import Client, served
 from rwmf import Case, _simulation
+from rwmf._explore import model
+from rwmf._explore.presets import case_of_preset
+from rwmf._explore.questions import Question, given
 from rwmf._explore.server import PageServer
 
 FIG12 = ROOT / "inputs" / "fig12_one_sine.nml"
@@ -164,6 +167,7 @@ def test_headers_forbid_everything_foreign(both: tuple[PageServer, Client]) -> N
         (b'{"groups": {"spectrum": {"T_s": []}}}', "spectrum.T_s"),
         (b'{"groups": {"spectrum": {"quantities": ["a\'/ &wall"]}}}', "spectrum.quantities"),
         (b'{"groups": {}, "points": 100000}', "points"),
+        (b'{"groups": {}, "quick": 1}', "quick"),
         (b'{"groups": {}, "record": "9"}', "record"),
         (b'{"groups": {}, "record": "../1"}', "record"),
     ],
@@ -258,6 +262,26 @@ def test_periods_without_an_end_are_left_out(record_folder: Path) -> None:
         found = client.ask("/api/spectrum", question)
     assert found["failed"] == {"too_many_steps": 1}
     assert np.isnan(_floats(found["values"])).sum() == 1
+
+
+def test_a_quick_answer_leaves_out_long_periods(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(model, "_FEW_STEPS", 100)
+    case = case_of_preset("fig12_one_sine")
+    found = {
+        quick: model.Model(case, tmp_path).spectrum(
+            Question(given(case), "", 16, "", quick), lambda _: None
+        )
+        for quick in (False, True)
+    }
+    whole, first = (_floats(found[quick]["values"]) for quick in (False, True))
+    left_out = np.isnan(first)
+    assert not found[False]["failed"]
+    assert found[True]["failed"] == {"too_many_steps": left_out.sum()}
+    assert 0 < left_out.sum() < 16
+    # the other periods have the same bits
+    np.testing.assert_array_equal(first[~left_out], whole[~left_out])
 
 
 def test_two_pages_at_once(client: Client, start: dict[str, Any]) -> None:

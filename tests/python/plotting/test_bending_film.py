@@ -96,7 +96,7 @@ def test_the_drawn_wall_bends(coupling: str) -> None:
             left.append(outline[n:][::-1])
             assert len(outline) == 82
             links.append(np.asarray(ax.lines[4].get_xydata()) if building else np.empty((0, 2)))
-        assert in_words(case, scale) in ax.texts[0].get_text()
+        assert in_words(case, scale) in ax.texts[1].get_text().replace("\n", " ")
     face, angle = left[1], scale.rotation * float(run["theta"][i])
     along = face - face[0]
     line = along @ [np.cos(angle), -np.sin(angle)]

@@ -154,3 +154,27 @@ def test_a_spectrum_with_a_wall_is_not_the_frame_alone() -> None:
         with pytest.raises(rwmf.InputError, match=f"bare: .* alone, with {name} over T_s"):
             rwmf.plot.spectrum(both, bare=bare, quantities=name)
     assert len(rwmf.plot.spectrum(both, bare=alone).lines) == 3
+
+
+def test_forces_of_spectra_are_labelled_in_kilonewtons() -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "six_storeys_by_dimensions.nml")
+    found = rwmf.spectrum(case, quantities=["base_shear_max_N"], T_s=[0.6, 1.0])
+    (name,) = (str(key) for key in found if str(key).startswith("base_shear_max"))
+    with new_figure(6.0) as figure:
+        ax = rwmf.plot.spectrum(found, ax=figure.subplots())
+        figure.canvas.draw()
+        assert ax.get_ylabel().endswith("(kN)")
+        np.testing.assert_array_equal(ax.lines[0].get_ydata(), found[name].squeeze())
+        labels = {tick.get_text(): tick.get_position()[1] for tick in ax.get_yticklabels()}
+        assert labels["1000"] == 1e6
+
+
+def test_an_acceleration_has_its_unit_in_the_label() -> None:
+    case = rwmf.Case.from_namelist(ROOT / "inputs" / "fig12_one_cosine.nml")
+    found = rwmf.studies.equal_response(
+        case.replace(spectrum=None), [1.0, 1.5], 1.0, tolerance=1e-2,
+        quantities="floor_acceleration_max_g",
+    )  # fmt: skip
+    with new_figure(6.0) as figure:
+        ax = rwmf.plot.draw_equal_response(found, figure.subplots())
+        assert ax.get_ylabel().endswith("floor acceleration = 1 g")

@@ -99,10 +99,13 @@ def test_labels_and_files(folder: Path, tmp_path: Path, capsys: pytest.CaptureFi
 @pytest.mark.parametrize(
     ("key", "words"),
     [
-        ("u_max", "unknown, did you mean u_s_max_m[?] Allowed, where they apply: u_s_max_m"),
+        ("u_max", "unknown, did you mean u_s_max_m[?] The list: reference/outputs.md"),
         ("theta_rad", "unknown"),
         ("steps", "unknown"),
-        ("storey_1_ductility", "does not apply to this scene; allowed: u_s_max_m"),
+        (
+            "storey_1_ductility",
+            "does not apply to this scene; reference/outputs.md lists the requirements of each",
+        ),
         ("ductility", "does not apply"),
         ("friction_exceeded", "does not apply"),
         ("collapsed", "does not apply"),

@@ -20,6 +20,7 @@ import { Stage } from "./wall.js";
 const FULL = 200; // periods of a spectrum
 const COARSE = 16; // and the fewest while a slider moves
 const BUDGET = 0.06; // time of a spectrum while a slider moves [s]
+const SKIPPED = 2; // spectra left out in turn while a slider moves, if one takes longer
 const OLD = 1000; // a longer computation greys the earlier pictures [ms]
 const LONG = 0.2; // a longer spectrum is shown in few periods first [s]
 const PAUSE = 300; // rest of the sliders that ends a step of the history [ms]
@@ -32,6 +33,7 @@ class Explorer {
     this.shown = { history: 0, spectrum: 0 };
     this.running = false;
     this.perPeriod = 0;
+    this.skipped = 0;
     this.quantity = "";
     this.scene = new Scene(description, (anew) => this.touch(anew));
     this.controls = new Controls(this.scene);
@@ -243,10 +245,17 @@ class Explorer {
     // while a slider moves the spectrum has the periods that fit the budget, then all of them
     const moving = this.version !== version;
     const isKnown = this.perPeriod > 0;
-    const slow = (!isKnown || this.perPeriod * FULL > LONG) && this.coarse !== version;
+    if (moving && this.perPeriod * COARSE > BUDGET && this.skipped < SKIPPED) {
+      this.skipped += 1;
+      return;
+    }
+    this.skipped = 0;
+    // the first answer leaves out periods with very many steps
+    const quick = this.coarse !== version;
+    const slow = (!isKnown || this.perPeriod * FULL > LONG) && quick;
     const afford = isKnown ? Math.floor(BUDGET / this.perPeriod) : COARSE;
     const points = moving || slow ? Math.min(FULL, Math.max(COARSE, afford)) : FULL;
-    const more = { points, quantity: this.quantity };
+    const more = { points, quick, quantity: this.quantity };
     let answer;
     try {
       answer = await this.question("spectrum", this.scene.question(more), version);
@@ -265,8 +274,9 @@ class Explorer {
       return;
     }
     const { key } = answer.quantity;
-    const other = this.other && await this.rival.spectrum({ ...more, quantity: key },
-      points === FULL, (body) => this.question("spectrum", body, version));
+    const isComplete = points === FULL && !(quick && answer.failed.too_many_steps);
+    const other = this.other && await this.rival.spectrum({ points, quantity: key },
+      isComplete, (body) => this.question("spectrum", body, version));
     byId("spectrum").parentElement.classList.remove("stale");
     this.perPeriod = answer.kernel_seconds / points;
     this.coarse = version;
@@ -279,7 +289,7 @@ class Explorer {
     byId("failed").textContent = `${points} periods${failed && `, of these ${failed}`}.`
       + (this.canPickPeriod ? " A click sets the period." : "");
     byId("comparison").textContent = answer.caption;
-    if (points === FULL || this.version !== version) this.shown.spectrum = version;
+    if (isComplete || this.version !== version) this.shown.spectrum = version;
     this.report("spectrum", answer, touched, points);
   }
 

@@ -9,7 +9,7 @@ module rwmf_input_groups_analysis
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_problem_quantity_table, only: all_quantities, canonical_key, is_peak, key_length, &
       look_up
-   use rwmf_simulation_quantity_words, only: meant_quantity
+   use rwmf_simulation_quantity_words, only: meant_quantity, suggest_quantity
    implicit none
    private
 
@@ -116,14 +116,10 @@ contains
       problem = trim(request)//' is no peak of a run'
       near = meant_quantity(trim(request))
       call look_up(trim(near), place, number)
-      if (place > 0 .and. near /= '') then
-         if (is_peak(all_quantities(place))) problem = problem//', did you mean '//trim(near)//'?'
+      if (place > 0) then
+         if (.not. is_peak(all_quantities(place))) near = ''
       end if
-      problem = problem//'; allowed, where they apply:'
-      do place = 1, size(all_quantities)
-         if (is_peak(all_quantities(place))) problem = problem//' ' &
-            //trim(all_quantities(place)%key)
-      end do
+      call suggest_quantity(near, problem)
       call fail_key(values, 'solver', 'accuracy_of', problem, error)
    end subroutine check_peak
 

@@ -10,7 +10,7 @@ module rwmf_input_groups_spectrum
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_problem_quantity_table, only: all_quantities, canonical_key, is_of_ordinate, is_peak, &
       key_length, look_up, own_key
-   use rwmf_simulation_quantity_words, only: meant_quantity
+   use rwmf_simulation_quantity_words, only: meant_quantity, suggest_quantity
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -80,8 +80,8 @@ contains
             //"'pinned' (its periods are those of the frame, or 2 pi/p of a wall that rocks)", &
             error)
       else if (has_key(values, 'spectrum', 'gamma')) then
-         call fail_key(values, 'spectrum', 'gamma', 'must not be given without &frame (a block ' &
-            //'that stands freely has no mass ratio)', error)
+         call fail_key(values, 'spectrum', 'gamma', 'must not be given without &frame (a ' &
+            //'free-standing block has no mass ratio)', error)
       end if
    end subroutine check_scene
 
@@ -90,8 +90,8 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: request(:)
-      character(:), allocatable :: known
-      character(key_length) :: key, near
+      character(:), allocatable :: problem
+      character(key_length) :: key
       integer :: place, storey
       integer :: i
 
@@ -105,17 +105,9 @@ contains
                is_peak(all_quantities(place)))) place = 0
          end if
          if (place == 0) then
-            known = ', where they apply:'
-            do place = 1, size(all_quantities)
-               if (is_of_ordinate(all_quantities(place))) known = known//' ' &
-                  //trim(all_quantities(place)%key)
-            end do
-            near = meant_quantity(trim(request(i)))
-            if (near /= '') known = ', did you mean '//trim(near)//'? Allowed'//known
-            if (near == '') known = '; allowed'//known
-            call fail_key(values, 'spectrum', 'quantities', trim(request(i)) &
-               //' is unknown'//known, &
-               error)
+            problem = trim(request(i))//' is unknown'
+            call suggest_quantity(meant_quantity(trim(request(i))), problem)
+            call fail_key(values, 'spectrum', 'quantities', problem, error)
          else if (any(canonical_key(request(:i - 1)) == canonical_key(request(i)))) then
             call fail_key(values, 'spectrum', 'quantities', trim(request(i))//' is given twice', &
                error)

@@ -72,7 +72,7 @@ contains
 
       if (has_group(values, 'storeys')) then
          if (has_key(values, 'p_delta', 'h_f')) call fail_key(values, 'p_delta', 'h_f', &
-            'must not be given with &storeys, whose height says it', error)
+            'must not be given with &storeys, which sets the height of the frame', error)
       else if (.not. has_group(values, 'wall') .and. .not. has_key(values, 'p_delta', 'h_f')) then
          call fail_group(values, 'p_delta', 'the key h_f is missing (height of the frame): ' &
             //'required without &wall, a number > 0 [m]', error)

@@ -82,8 +82,8 @@ contains
          call derive(values, 'cable', 'eta_y', 'yield_stress', [area*real_of(values, 'cable', &
             'yield_stress')])
       else if (has_key(values, 'cable', 'eta_y')) then
-         call fail_key(values, 'cable', 'eta_y', 'must not be given beside strands: yield_stress ' &
-            //'[Pa] says when they yield', error)
+         call fail_key(values, 'cable', 'eta_y', 'must not be given beside strands: give ' &
+            //'yield_stress [Pa] instead', error)
       end if
    end subroutine derive_strands
 
@@ -122,7 +122,7 @@ contains
             //"'symmetric' and 'exact' allow it", error)
       else if (real_of(values, 'cable', 'eta_alpha') <= eta_0) then
          call fail_key(values, 'cable', trim(key), 'needs eta_alpha > eta_0 = ' &
-            //trim(real_to_text(eta_0))//', which says how stiff the cable is', error)
+            //trim(real_to_text(eta_0))//', so that the cable has a stiffness', error)
       else if (has_key(values, 'cable', 'hardening') .and. key /= 'eta_y') then
          call fail_key(values, 'cable', 'hardening', 'must not be given without eta_y', error)
       else if (has_key(values, 'cable', 'eta_y')) then

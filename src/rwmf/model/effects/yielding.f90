@@ -293,7 +293,7 @@ contains
          if (.not. has_key(values, 'yielding', trim(keys(i)))) cycle
          call fail_key(values, 'yielding', trim(keys(i)), "must not be given where the storeys " &
             //"yield one by one (&storeys coupling = 'full' or 'springs', or storey_u_y): " &
-            //'storey_u_y says when', error)
+            //'give storey_u_y instead', error)
          return
       end do
       call get_list(values, 'storeys', 'm_over_m_w', m)

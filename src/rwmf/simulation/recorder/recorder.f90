@@ -182,7 +182,7 @@ contains
          allocate (recorder%history%values(int(rows), size(recorder%history%names)), stat=status)
       end if
       if (status /= 0) then
-         call fail(error, err_numerical, 'out of memory for the history: &output dt asks for ' &
+         call fail(error, err_numerical, 'out of memory for the history: &output dt gives ' &
             //'more rows than fit; raise dt or lower t_end', 'out_of_memory')
          return
       end if

@@ -95,8 +95,8 @@ contains
       if (allocated(error)) return
       if (has_key(values, 'storeys', 'm') .and. has_key(values, 'storeys', 'k_over_m_w')) then
          if (.not. has_key(values, 'storeys', 'k')) then
-            call fail_key(values, 'storeys', 'k_over_m_w', 'must not be given beside m: k [N/m] ' &
-               //'says how stiff storeys of such masses are', error)
+            call fail_key(values, 'storeys', 'k_over_m_w', 'must not be given beside m: give ' &
+               //'the stiffness k [N/m] instead', error)
             return
          end if
       end if
