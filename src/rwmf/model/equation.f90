@@ -134,8 +134,8 @@ module rwmf_model_equation
       integer :: first = 3
       !! index of their first state
       integer :: storeys = 0
-      !! number of storeys with a displacement (`storey_motion`): n; those linked to a bending wall
-      !! floor by floor; 1 if the frame beside a bending wall yields as one spring at the roof
+      !! number of storeys with a displacement (`storey_motion`); 1 if the frame beside a bending
+      !! wall yields as one spring at the roof
       logical :: yields = .false.
       !! the storeys yield; if not, the following components are not allocated
       type(spring_t), allocatable :: springs(:)

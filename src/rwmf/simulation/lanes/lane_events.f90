@@ -38,6 +38,7 @@ contains
    subroutine pass_limit(lane, i, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
       real(wp) :: t_limit, span
 
@@ -63,6 +64,7 @@ contains
    subroutine find_event(lane, i, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
       type(quartic_t) :: quartic
       integer :: turns
@@ -115,6 +117,7 @@ contains
    pure real(wp) function sharpened(lane, i, quartic, x, batch) result(at)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(quartic_t), intent(in) :: quartic
       real(wp), intent(in) :: x
       !! position of the event in the quartic [-]
@@ -139,6 +142,7 @@ contains
    pure logical function is_against_loading(lane, i, batch) result(is_against)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(in) :: batch
 
       is_against = .false.
@@ -158,6 +162,7 @@ contains
    subroutine compare_with_further(lane, i, batch, x)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(in) :: batch
       real(wp), intent(inout) :: x
       !! position of the event found in the step [-]
@@ -182,6 +187,7 @@ contains
    subroutine accept_step(lane, i, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
 
       call forget_target(lane, i, batch)
@@ -208,6 +214,7 @@ contains
    subroutine converge_to_event(lane, i, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
       integer, parameter :: most_trials = 6
       real(wp) :: short
@@ -273,6 +280,7 @@ contains
    pure logical function last_stage_suffices(lane, i, y, rates, batch) result(suffices)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       real(wp), intent(in) :: y(:), rates(:)
       !! (states) at the end of the step; rates of the last stage
       type(batch_t), intent(in) :: batch
@@ -287,6 +295,7 @@ contains
    pure real(wp) function time_to_event(lane, i, y, rates, batch) result(rest)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       real(wp), intent(in) :: y(:), rates(:)
       !! (states) at the end of the step, and their rates
       type(batch_t), intent(in) :: batch
@@ -307,6 +316,7 @@ contains
    subroutine choose_first(lane, i, rates, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       real(wp), intent(in) :: rates(:)
       !! (states) rates at the end of the step
       type(batch_t), intent(in) :: batch
@@ -339,6 +349,7 @@ contains
    subroutine happen(lane, i, t, y, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: y(:)
@@ -395,6 +406,7 @@ contains
    subroutine inspect_step(lane, i, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
 
       call catch_up(lane, i, batch)

@@ -55,6 +55,7 @@ contains
    subroutine enter_batch(lane, i, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
       type(control_t) :: no_control
       real(wp) :: t_limit, span
@@ -84,7 +85,9 @@ contains
    subroutine load_lane(lane, i, t_limit, span, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       real(wp), intent(in) :: t_limit, span
+      !! [s]
       type(batch_t), intent(inout) :: batch
       integer :: j
 
@@ -133,6 +136,7 @@ contains
    subroutine load_window(lane, i, batch)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
 
       associate (hybrid => lane%hybrid, equation => lane%equation, table => batch%table, &
@@ -163,7 +167,9 @@ contains
    subroutine load_line(lane, i, t_limit, batch)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       real(wp), intent(in) :: t_limit
+      !! [s]
       type(batch_t), intent(inout) :: batch
       integer :: interval
 
@@ -187,6 +193,7 @@ contains
    subroutine bound_work(lane, i, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
       type(control_t) :: no_control
       type(error_t), allocatable :: error
@@ -204,6 +211,7 @@ contains
    subroutine catch_up(lane, i, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(in) :: batch
 
       lane%integrator%steps = int(batch%table(i, of_steps), i8)
@@ -216,6 +224,7 @@ contains
    subroutine check_length(lane, i, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
 
       if (batch%table(i, of_length) > 8*spacing(batch%table(i, of_time))) return
@@ -237,6 +246,7 @@ contains
    subroutine forget_target(lane, i, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
 
       lane%target_event = no_event

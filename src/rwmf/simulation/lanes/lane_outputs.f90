@@ -56,6 +56,7 @@ contains
    subroutine pass_step(lane, i, batch, t, y)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
       real(wp), intent(in) :: t
       !! [s]
@@ -78,6 +79,7 @@ contains
    subroutine observe_step(lane, i, batch, t_a, y_a, t_b, y_b)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
+      !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
       real(wp), intent(in) :: t_a
       !! [s]
