@@ -483,8 +483,8 @@ contains
       end associate
    end subroutine query_forces
 
-   !> Compute the sum of the link forces and the force of the lowest storey, for floors that are
-   !> linked to a bending wall one by one.
+   !> Compute the link force and the force of the lowest storey, for floors linked one by one to a
+   !> bending wall.
    subroutine find_forces_of_linked_floors(instance, at_rest, forces)
       type(wall_instance_t), intent(in) :: instance
       logical, intent(in) :: at_rest

@@ -225,7 +225,9 @@ def test_storeys_report_each_of_theirs() -> None:
     run = rwmf.simulate(case)
     assert float(found["storey_1_ductility"]) == float(run["storey_1_ductility"])
     assert float(found["storey_3_residual_drift"]) == float(run["storey_3_residual_drift"])
-    with pytest.raises(InputError, match=r"storey_1_drift: is unknown, did you mean .* The list: r"):
+    with pytest.raises(
+        InputError, match=r"storey_1_drift: is unknown, did you mean .* The list: r"
+    ):
         rwmf.sweep(case, quantities=["storey_1_drift"])
 
 

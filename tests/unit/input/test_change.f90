@@ -158,7 +158,8 @@ contains
          at//', scale = 1.5 / &solver t_end = 3.0 /')
       call same(at//' /'//vertical//' /', ['vertical.scale'], [0.5_dp], &
          at//' /'//vertical//', scale = 0.5 /')
-      call refuse(at//' /', ['motion.dt'], [0.3_dp], 'motion.dt: must be given where the case is made')
+      call refuse(at//' /', ['motion.dt'], [0.3_dp], &
+         'motion.dt: must be given where the case is made')
       call refuse(at//' /', ['motion.scale'], [1.0e308_dp], 'overflow')
       close (unit, status='delete')
    end subroutine test_records

@@ -276,7 +276,7 @@ contains
    !> window.
    !>
    !> Only outputs of peaks use it. The velocity at the event then changes by at most a few times
-   !> the tolerance, and the error of the last stage is a small part of this change.
+   !> the tolerance. The error of the last stage is a small part of this change.
    pure logical function last_stage_suffices(lane, i, y, rates, batch) result(suffices)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i

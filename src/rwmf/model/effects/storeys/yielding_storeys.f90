@@ -291,7 +291,7 @@ contains
    end function storeys_loss
 
    !> Write the history columns of storey shears without dampers, over the weight of the case's
-   !> reference mass, or of the force of a frame that follows the roof, over its weight [-].
+   !> reference mass [-]. A frame that follows the roof has one, over its weight.
    subroutine put_shears(row, equation, y)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
