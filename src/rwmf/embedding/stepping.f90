@@ -483,8 +483,8 @@ contains
       end associate
    end subroutine query_forces
 
-   !> Compute the sum of the link forces on floors that are linked to a bending wall one by one, and
-   !> the force of the lowest storey.
+   !> Compute the force of the lowest storey, and the sum of the link forces between a bending wall
+   !> and its floors.
    subroutine find_forces_of_linked_floors(instance, at_rest, forces)
       type(wall_instance_t), intent(in) :: instance
       logical, intent(in) :: at_rest

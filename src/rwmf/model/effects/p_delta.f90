@@ -127,8 +127,8 @@ contains
       end associate
    end function leaning_loads
 
-   !> Heights over which the loads of the storeys lean [m]. Only a single mass has a height of its
-   !> own; beside a bending wall it yields as one storey.
+   !> Heights over which the loads of the storeys lean [m]. Beside a bending wall a single mass
+   !> yields as one storey of the height `h_f`.
    pure function leaning_heights(case) result(height)
       type(case_t), intent(in) :: case
       !! case with `&storeys`

@@ -1,7 +1,7 @@
 !> Functions of a scene that may end a step, besides the rotation: the one list of them.
 !>
-!> Each kind shortens the step to its first event, so that later ones use one smooth equation and
-!> the last event found is the first in time.
+!> Each kind shortens the step to its first event. Later kinds then use one smooth equation, and the
+!> last event found is the first in time.
 module rwmf_simulation_events_watched_functions
    use rwmf_core_error, only: error_t
    use rwmf_simulation_events_drift_events, only: drifts_t

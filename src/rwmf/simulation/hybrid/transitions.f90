@@ -421,8 +421,8 @@ contains
       end do
    end subroutine observe_end_of_chatter
 
-   !> Velocity factor of the impact that ends a flight on the present side: that of the straight
-   !> wall, or with the momentum that the modes of a bending wall take.
+   !> Velocity factor of the impact that ends a flight on the present side. For a bending wall it
+   !> contains the momentum that the modes take.
    real(wp) function landing_factor(hybrid, equation) result(e)
       type(hybrid_t), intent(in) :: hybrid
       type(equation_t), intent(in) :: equation

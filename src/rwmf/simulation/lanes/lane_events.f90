@@ -268,8 +268,8 @@ contains
    !> Return whether the last stage of a step is accurate enough as its rates at an end of the
    !> window.
    !>
-   !> Only outputs of peaks use it. The velocity at the event then changes by at most a few times
-   !> the tolerance, and the error of the last stage is a small part of this change.
+   !> Only outputs of peaks use it. The velocity then changes by at most a few times the
+   !> tolerance until the event. The error of the last stage is a small part of this change.
    pure logical function last_stage_suffices(lane, i, y, rates, batch) result(suffices)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i

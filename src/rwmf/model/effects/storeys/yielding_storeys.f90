@@ -290,8 +290,8 @@ contains
       loss = sum(spring_loss(equation%floors%springs, equation%state%storeys, d))
    end function storeys_loss
 
-   !> Write the history columns of storey shears without dampers, over the weight of the case's
-   !> reference mass, or of the force of a frame that follows the roof, over its weight [-].
+   !> Write the history columns of storey shears without dampers, over the weight of the reference
+   !> mass [-]. A frame that follows the roof has one column: its force over its weight [-].
    subroutine put_shears(row, equation, y)
       type(history_row_t), intent(inout) :: row
       type(equation_t), intent(in) :: equation
