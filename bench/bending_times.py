@@ -6,8 +6,8 @@
 The building of inputs/storeys_bending.nml, without reactions, rigid and with 1 to 6 modes: one run,
 and ordinates of a spectrum in lanes, one thread. Times are the fastest of N, measured in turn.
 
---suite takes the building of validation/six_storeys_wall.nml with a wall of 30 GPa, rigid and with
-modes. It meets the 44 records of FEMA P-695 (far field, `pip install '.[suites]'`) at N levels.
+With --suite: the building of validation/six_storeys_wall.nml, with a wall of 30 GPa. It runs under
+the 44 records of FEMA P-695 (far field, `pip install '.[suites]'`) at N levels, rigid and with modes.
 """
 
 from __future__ import annotations

@@ -279,7 +279,7 @@ def allowed_changes(case: Case, item: Parameter, value: float, scale: float) -> 
 
 
 def _accepted(case: Case, item: Parameter, value: float) -> Case | str:
-    """Return the case with another value, or the kernel's reason against it."""
+    """Return the case with this value, or the kernel's message if it refuses the value."""
     if item.column == SCALE:
         return case
     try:

@@ -96,7 +96,7 @@ def demand_percentiles(
 
 
 def _curves(rows: xr.Dataset, name: str, levels: Array) -> Array:
-    """Interpolate the demand of every record at the levels; NaN above its last standing run."""
+    """Interpolate each record's demand at the levels; NaN above its last run without collapse."""
     found = []
     names = rows["record"].values
     for record in dict.fromkeys(names.tolist()):

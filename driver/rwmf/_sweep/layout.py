@@ -1,4 +1,4 @@
-"""Layout of a sweep: dimensions, coordinates and chunks, sufficient to write its file."""
+"""Dimensions, coordinates and chunks of a sweep, from which its file is written."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ def ida(dataset: xr.Dataset, ax: Axes | None = None, quantity: str | None = None
     -------
     matplotlib.axes.Axes
         The axes, with the demand across and the intensity upwards. Curves end at the last run
-        without collapse; percentiles run to the edge where so many records collapse.
+        without collapse. A percentile that reaches a collapse goes to the right edge.
 
     Raises
     ------
