@@ -7,7 +7,8 @@ The building of inputs/storeys_bending.nml, without reactions, rigid and with 1 
 and ordinates of a spectrum in lanes, one thread. Times are the fastest of N, measured in turn.
 
 With --suite: the building of validation/six_storeys_wall.nml, with a wall of 30 GPa. It runs under
-the 44 records of FEMA P-695 (far field, `pip install '.[suites]'`) at N levels, rigid and with modes.
+the 44 records of FEMA P-695 (far field, `pip install '.[suites]'`) at N levels, rigid and with
+modes.
 """
 
 from __future__ import annotations

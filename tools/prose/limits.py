@@ -10,6 +10,6 @@ LIMITS: dict[str, dict[str, float]] = {
     "comments": {"what": 0.09, "banned": 0, "question": 0, "wide": 0, "long": 6},
     "fortran": {"what": 0, "banned": 0, "question": 0, "wide": 0, "long": 48},
     "messages": {"what": 0.46, "banned": 0, "question": 0, "wide": 0, "long": 15},
-    "pages": {"what": 0.3, "banned": 0, "question": 0, "wide": 1, "long": 84},
+    "pages": {"what": 0.3, "banned": 0, "question": 0, "wide": 0, "long": 74},
     "code": {"what": 0, "banned": 0, "question": 0, "wide": 15, "long": 0},
 }
