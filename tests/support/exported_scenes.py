@@ -25,6 +25,9 @@ SPRINGS = (
     "k_link = 3e7, 2e7, 2e7, 1e7 /"
 )
 
+BENT = "&bending EI = 4e9, modes = 6, damping = 'stiffness' /"
+BENT_IN_SHEAR = BENT.replace(" /", ", nu = 0.2 /")
+
 
 def storeys(n: int, coupling: str) -> str:
     """Write storeys of 10 m together."""
@@ -53,6 +56,10 @@ ALONE = {
     "roof": WALL + storeys(4, "full") + CABLE + PINCHED,
     "every floor": WALL + storeys(9, "every_floor") + CABLE,
     "springs": WALL + SPRINGS + CABLE,
+    "a wall that bends": WALL + FRAME + CABLE + BENT,
+    "roof of a wall that bends": WALL + storeys(3, "full") + CABLE + BENT,
+    "every floor of a wall that bends": WALL + storeys(3, "every_floor") + CABLE + BENT_IN_SHEAR,
+    "springs of a wall that bends": WALL + SPRINGS + CABLE + BENT_IN_SHEAR,
     "hinge": "&wall h = 5.0, b = 1.2, m_w = 40e3, base = 'pinned' /" + FRAME,
 }
 BUILDINGS = {

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import math
 from importlib.resources import files
+from itertools import pairwise
 
 import numpy as np
 
 from rwmf.case import Case
-from rwmf.export.si_building import Building, Frame, Law, read_building
+from rwmf.export.si_building import BentWall, Building, Frame, Law, read_building
 
 __all__ = ["opensees_script"]
 
@@ -20,6 +21,8 @@ _STEP_OF_WALL, _STEP_OF_FRAME = 2.5e-5, 2e-4
 _MAST_RATE = 2000.0
 # accelerations do not count for so long after a contact: 16 decay times of a pad; 12 of a mast [s]
 _BLOW, _BLOW_OF_MAST = 2e-3, 6e-3
+# elements over the height of a wall that bends; axial stiffness of the wall over that of a pad
+_ELEMENTS, _AXIAL = 24, 2.0
 # length of a link that remains horizontal [m]
 _LONG = 100.0
 _HEAD = '''"""Building of {source}, written by `rwmf export opensees`.
@@ -88,7 +91,13 @@ class _Script:
         self.linked = 0
         self.corners: list[int] = []
         coupling = building.frame.coupling if building.m_w and building.frame else ""
-        self.has_mast = coupling in ("every_floor", "springs")
+        self.has_links = coupling in ("every_floor", "springs")
+        self.has_mast = self.has_links and building.bent is None
+        # node of the rotation, and places of the nodes of the wall
+        self.turned = 4 if building.bent is None else 1
+        self.places: dict[int, tuple[float, float]] = {}
+        self.masses: dict[int, float] = {}
+        self.axis_at: dict[float, int] = {}
         self.blow = _BLOW_OF_MAST if self.has_mast else _BLOW
 
     def text(self) -> str:
@@ -126,6 +135,9 @@ class _Script:
             "INTERVAL": given.dt,
             "BLOW": self.blow,
             "CORNERS": self.corners,
+            "TURNED": self.turned,
+            "TOP": 5 if given.bent is not None else 0,
+            "HEIGHT": 2 * given.h,
             "DRIFT_LIMIT": 0.0 if self.case.p_delta is None else self.case.p_delta.drift_limit,
         }
         lines = [f"{name} = {value!r}" for name, value in values.items()]
@@ -170,23 +182,76 @@ class _Script:
         if fixed:
             self._do("fix", node, *fixed)
 
-    # wall: nodes 1 base, 2 and 3 corners, 4 middle, 5 top, 6 corner of the link; 11 to 13 ground
+    # wall: nodes 1 base, 2 and 3 corners, 4 middle, 5 top, 6 corner of the link; 11 to 13 ground;
+    # of a wall that bends also 7 top of the straight axis, 301 and so on between base and top
 
     def _wall(self) -> None:
         given = self.building
         h, b, m = given.h, given.b, given.m_w
-        self._note("the wall is a frame of stiff beams with its mass in the middle")
-        self._title("wall: base, corners, middle, top, corner of the link; ground below")
-        places = ((0.0, 0.0), (-b, 0.0), (b, 0.0), (0.0, h), (0.0, 2 * h), (-b, 2 * h))
-        for node, place in enumerate(places, start=1):
+        self.places = {1: (0.0, 0.0), 2: (-b, 0.0), 3: (b, 0.0), 5: (0.0, 2 * h), 6: (-b, 2 * h)}
+        self.masses = {4: m}
+        if given.bent is None:
+            self._note("the wall is a frame of stiff beams with its mass in the middle")
+            self._title("wall: base, corners, middle, top, corner of the link; ground below")
+            self.places[4] = (0.0, h)
+            beams = [(1, 2), (1, 3), (1, 4), (4, 5), (5, 6)]
+            inertia = {4: m * (h * h + b * b) / 3}
+        else:
+            self._title("wall: base, corners, top, straight axis, nodes between; ground below")
+            axis = self._axis()
+            beams = [(1, 2), (1, 3), (5, 6), (1, 7)]
+            inertia = {1: m * b * b / 3}
+        for node, place in sorted(self.places.items()):
             self._node(node, *place)
-        self._do("mass", 4, m, m, m * (h * h + b * b) / 3)
+        for node, mass in self.masses.items():
+            self._do("mass", node, mass, mass, inertia.get(node, 0.0))
         self._do("geomTransf", "Corotational", 1)
         area = 1e4 * self.k * b
-        for ends in ((1, 2), (1, 3), (1, 4), (4, 5), (5, 6)):
+        for ends in beams:
             self._element("elasticBeamColumn", *ends, area, 1.0, area * b * b, 1)
+        if given.bent is not None:
+            self._bend(given.bent, axis)
         for node, x in ((11, 0.0), (12, -b), (13, b)):
             self._node(node, x, 0.0, 1, 1, 1)
+
+    def _axis(self) -> list[int]:
+        """Place nodes of a wall that bends, one at each floor; share its mass among them."""
+        given, length = self.building, 2 * self.building.h
+        ends = np.cumsum(given.frame.height) if self.has_links and given.frame else np.ones(1)
+        ends = np.append(0.0, ends * length / ends[-1])
+        z = [0.0]
+        for below, above in pairwise(ends):
+            pieces = math.ceil((above - below) / length * _ELEMENTS - 1e-9)
+            z += list(np.linspace(below, above, pieces + 1)[1:])
+        nodes = [1, *range(301, 299 + len(z)), 5]
+        self.places |= {node: (0.0, float(x)) for node, x in zip(nodes, z, strict=True)}
+        self.places[7] = (0.0, length)
+        piece = np.append(0.0, np.append(np.diff(z), 0.0))
+        share = given.m_w / length * (piece[1:] + piece[:-1]) / 2
+        self.masses = {node: float(m) for node, m in zip(nodes, share, strict=True)}
+        self.axis_at = {round(x, 6): node for node, x in zip(nodes, z, strict=True)}
+        return nodes
+
+    def _bend(self, bent: BentWall, axis: list[int]) -> None:
+        """Put beams between the nodes of the axis."""
+        self._title("beams of the wall, with damping")
+        self._note(
+            f"the wall is a chain of {len(axis) - 1} beams with lumped masses on a stiff base. It",
+            "has all modes; rwmf has those of &bending. The inertia of the width turns with the",
+            "base. A stiff mast on the base holds the tendon, which does not bend the wall",
+        )
+        axial = _AXIAL * self.k * 2 * self.building.h
+        self._do("damping", "SecStif", 2, bent.delay)
+        if math.isinf(bent.shear_stiffness):
+            for ends in pairwise(axis):
+                shape = (axial, 1.0, bent.stiffness, 1, "-damp", 2)
+                self._element("elasticBeamColumn", *ends, *shape)
+            return
+        shape = (1.0, axial, bent.stiffness, 1.0, bent.shear_stiffness / axial)
+        self._do("section", "Elastic", 1, *shape)
+        self._do("beamIntegration", "Lobatto", 1, 1, 3)
+        for ends in pairwise(axis):
+            self._element("forceBeamColumn", *ends, 1, 1, "-damp", 2)
 
     def _corners(self) -> None:
         given, k = self.building, self.k
@@ -247,7 +312,8 @@ class _Script:
             strain = tendon.elongation_at_rupture / unit
             material = self._material("MinMax", material, "-max", strain)
         if tendon.is_straight:
-            tag = self._element("corotTruss", 11, 5, 1.0, material)
+            top = 5 if self.building.bent is None else 7
+            tag = self._element("corotTruss", 11, top, 1.0, material)
             self.tendon = (tag, "axialForce", 0)
             return
         self._note("the cable of Eq. (1) follows the uplift b sin(theta) of the middle of the base")
@@ -280,7 +346,7 @@ class _Script:
     def _frame(self, frame: Frame) -> None:
         given, n = self.building, frame.m.size
         link = given.link if math.isfinite(given.link) else _LONG
-        x = -given.b - link if given.m_w else 0.0
+        x = -given.b - link if given.m_w and not (self.has_links and given.bent) else 0.0
         self._title("frame: floors, springs of the storeys")
         self._node(100, x, 0.0, 1, 1, 1)
         z = np.cumsum(frame.height)
@@ -300,7 +366,9 @@ class _Script:
         self._dashpots(frame.c)
         if self.has_mast:
             self._mast(frame, x, z)
-        if given.m_w:
+        elif self.has_links:
+            self._hold(frame, z)
+        if given.m_w and (self.has_mast or not self.has_links):
             self._link(frame, (200 if self.has_mast else 100) + n)
         nodes = [101] * frame.floors if frame.coupling == "reduced" else range(101, 101 + n)
         self.floors = list(zip(nodes, frame.share, frame.floor_heights, strict=True))
@@ -342,6 +410,19 @@ class _Script:
             shape = (1.0, stiffness, 1.0)
             self._element("elasticBeamColumn", *ends, *shape, 2, "-damp", 1)
 
+    def _hold(self, frame: Frame, z: np.ndarray) -> None:
+        """Link the floors to the axis of a wall that bends."""
+        self._title("links of the floors to the axis of the wall")
+        self._note("floors are linked to the axis of the wall, in rwmf to a point of its left side")
+        for i, height in enumerate(z, start=1):
+            node = self.axis_at[round(float(height), 6)]
+            if frame.k_link.size:
+                self.linked = node
+                link = self._material("Elastic", float(frame.k_link[i - 1]))
+                self._element("zeroLength", node, 100 + i, "-mat", link, "-dir", 1)
+            else:
+                self._do("equalDOF", node, 100 + i, 1)
+
     def _link(self, frame: Frame, roof: int) -> None:
         given = self.building
         self._title("link from the roof to the left top corner of the wall")
@@ -363,7 +444,8 @@ class _Script:
         self._title("weight of the wall")
         self._do("timeSeries", "Constant", 1)
         self._do("pattern", "Plain", 1, 1)
-        self._do("load", 4, 0.0, -given.m_w * given.g, 0.0)
+        for node, mass in self.masses.items():
+            self._do("load", node, 0.0, -mass * given.g, 0.0)
         if given.theta or given.theta_dot:
             self._turn()
             return
@@ -384,9 +466,7 @@ class _Script:
         side = math.copysign(1.0, theta or rate)
         pivot = 0.0 if given.is_pinned else side * given.b
         s, c = math.sin(theta), math.cos(theta)
-        b, h = given.b, given.h
-        places = ((0.0, 0.0), (-b, 0.0), (b, 0.0), (0.0, h), (0.0, 2 * h), (-b, 2 * h))
-        for node, (x, z) in enumerate(places, start=1):
+        for node, (x, z) in sorted(self.places.items()):
             arm = x - pivot
             moved = (pivot + arm * c + z * s - x, -arm * s + z * c - z, -theta)
             speeds = (rate * (z * c - arm * s), -rate * (arm * c + z * s), -rate)

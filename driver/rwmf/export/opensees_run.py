@@ -102,7 +102,8 @@ def compare_with_opensees(case: Case, answer: dict[str, object]) -> list[Demand]
     list of Demand
         Peaks, and times of the first ten impacts [s].
     """
-    response = simulate(case.replace(output={"reactions": True}), dt=1e-3)
+    is_bent = case.bending is not None
+    response = simulate(case.replace(output={"reactions": True}), dt=1e-4 if is_bent else 1e-3)
     peaks = dict(answer["peaks"])  # type: ignore[call-overload]
     found = [
         Demand(name, float(response[name.removesuffix("_m")]), float(value))
@@ -111,7 +112,7 @@ def compare_with_opensees(case: Case, answer: dict[str, object]) -> list[Demand]
     ]
     if case.wall is None:
         return found
-    times = _impacts(response["time"].to_numpy(), response["theta"].to_numpy())
+    times = _impacts(response["time"].to_numpy(), response["theta"].to_numpy(), is_bent)
     pairs = zip(times, list(answer["impacts"]), strict=False)  # type: ignore[call-overload]
     return found + [
         Demand(f"impact {i} [s]", ours, theirs)
@@ -120,18 +121,28 @@ def compare_with_opensees(case: Case, answer: dict[str, object]) -> list[Demand]
     ]
 
 
-def _impacts(t: np.ndarray, theta: np.ndarray) -> list[float]:
+def _impacts(t: np.ndarray, theta: np.ndarray, is_bent: bool) -> list[float]:
     """Return times of impacts between excursions above 2 % of the largest [s]."""
     known = np.isfinite(theta)
     t, theta = t[known], theta[known]
-    places = [0, *(np.flatnonzero(theta[1:] * theta[:-1] < 0) + 1), theta.size]
+    # a wall that bends stays down for a while
+    signs = np.sign(theta)
+    is_change = signs[1:] != signs[:-1] if is_bent else signs[1:] * signs[:-1] < 0
+    places = [0, *(np.flatnonzero(is_change) + 1), theta.size]
     peaks = [np.abs(theta[a:b]).max(initial=0.0) for a, b in pairwise(places)]
-    limit, times, is_large = 0.02 * max(peaks), [], False
+    limit, times, landed = 0.02 * max(peaks), [], None
     for i, place in enumerate(places[1:-1]):
-        is_large = is_large or peaks[i] > limit
-        if is_large and peaks[i + 1] > limit:
-            before, after = theta[place - 1], theta[place]
-            dt = t[place] - t[place - 1]
-            times.append(float(t[place] - dt * after / (after - before)))
-            is_large = False
+        if peaks[i] > limit or (landed is not None and not is_bent):
+            landed = _zero(t[: place + 1], theta[: place + 1])
+        if landed is not None and peaks[i + 1] > limit:
+            times.append(landed)
+            landed = None
     return times
+
+
+def _zero(t: np.ndarray, theta: np.ndarray) -> float:
+    """Return the time between the last two samples at which a rotation is zero [s]."""
+    # beyond the sample before a rest, its straight line; to the other side, that between
+    first, last = (-3, -2) if theta[-1] == 0 else (-2, -1)
+    slope = (theta[last] - theta[first]) / (t[last] - t[first])
+    return float(t[last] - theta[last] / slope)

@@ -13,12 +13,14 @@ from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["Building", "Frame", "Law", "Tendon", "read_building"]
+__all__ = ["BentWall", "Building", "Frame", "Law", "Tendon", "read_building"]
 
 Array = npt.NDArray[np.float64]
 
 # interval at which a record is read, before samples on straight lines are left out [s]
 _STEP = 1e-3
+# masses of the cantilever whose first frequency the damping needs
+_MASSES = 200
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,25 @@ class Tendon:
 
 
 @dataclass(frozen=True)
+class BentWall:
+    """Stiffness and damping of a wall that bends.
+
+    Attributes
+    ----------
+    stiffness : float
+        Bending stiffness EI [N m2].
+    shear_stiffness : float
+        Shear stiffness kappa G A [N]; infinite without shear deformation.
+    delay : float
+        Damping over stiffness [s].
+    """
+
+    stiffness: float
+    shear_stiffness: float
+    delay: float
+
+
+@dataclass(frozen=True)
 class Building:
     """A case in SI units.
 
@@ -122,6 +143,8 @@ class Building:
         Gravity [m/s2].
     is_pinned : bool
         Whether the wall is hinged.
+    bent : BentWall or None
+        Stiffness of a wall that bends; None for a rigid wall.
     link : float
         Length of the link [m]; infinite when absent.
     frame : Frame or None
@@ -147,6 +170,7 @@ class Building:
     m_w: float
     g: float
     is_pinned: bool
+    bent: BentWall | None
     link: float
     frame: Frame | None
     tendon: Tendon | None
@@ -203,6 +227,7 @@ def read_building(case: Case) -> Building:
         m_w=m_w,
         g=g,
         is_pinned=wall is not None and wall.base == "pinned",
+        bent=None if case.bending is None else _bent_wall(case, m_w),
         link=math.inf if case.link is None else case.link.L,
         frame=None if case.frame is None else _frame(case, m_w),
         tendon=None if case.cable is None else _tendon(case, weight),
@@ -220,7 +245,7 @@ def read_building(case: Case) -> Building:
 _LAWS = ("elastic_plastic", "flag", "peak_oriented", "pinched")
 _EXPORTED = {
     "wall", "frame", "storeys", "yielding", "fuse", "damper", "nl_damper", "cable", "p_delta",
-    "link", "vertical", "initial", "impact", "motion", "model", "solver", "output",
+    "link", "vertical", "initial", "impact", "motion", "model", "solver", "output", "bending",
 }  # fmt: skip
 
 
@@ -246,8 +271,25 @@ def _refuse(case: Case) -> None:
         stop("model", f"formulation = '{case.model.formulation}'; use 'exact'")
     if case.initial is not None and case.frame is not None:
         stop("initial", "a rotated start of a wall with a frame in this export")
+    if case.bending is not None and case.bending.damping == "modal":
+        stop("bending", "damping = 'modal' of a wall by itself; use 'stiffness'")
     for name in sorted(set(case.groups) - _EXPORTED):
         stop(name, "a counterpart in this export; leave the group out")
+
+
+def _bent_wall(case: Case, m_w: float) -> BentWall:
+    """Return stiffness and damping of the wall; `m_w` scales the ratios."""
+    bending, h, b = case.bending, case.wall.h, case.wall.b
+    stiffness = bending.EI_over_m_w * m_w
+    shear = math.inf
+    if bending.get("nu") is not None:
+        shear = 1.25 * stiffness / ((1 + bending.nu) * b**2 * bending.cracking)
+    # lumped masses on the flexibility of the cantilever
+    z = (np.arange(_MASSES) + 0.5) / _MASSES * 2 * h
+    low, high = np.minimum(z, z[:, None]), np.maximum(z, z[:, None])
+    flexibility = low**2 * (3 * high - low) / (6 * stiffness) + low / shear
+    omega = math.sqrt(_MASSES / (m_w * float(np.linalg.eigvalsh(flexibility)[-1])))
+    return BentWall(stiffness, shear, 2 * bending.xi / omega)
 
 
 def _frame(case: Case, m_w: float) -> Frame:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import importlib.util
+import math
 import os
 import re
 from pathlib import Path
@@ -20,6 +21,20 @@ from rwmf.cli import main
 from rwmf.errors import InputError
 from rwmf.export.opensees import opensees_script
 from rwmf.export.opensees_run import compare_with_opensees, run_opensees
+
+# walls that bend, and the number of floors that are linked to their axis
+BENT_WALLS = {
+    "a wall that bends": 0,
+    "roof of a wall that bends": 0,
+    "every floor of a wall that bends": 3,
+    "springs of a wall that bends": 4,
+}
+# a landing shakes floors with rigid links to a wall that bends: largest difference of accelerations
+SHAKEN = {
+    "a wall that bends": 1e-2,
+    "roof of a wall that bends": 2.5e-2,
+    "every floor of a wall that bends": 1e-1,
+}
 
 
 def calls(script: str, name: str) -> list[list[str]]:
@@ -55,13 +70,52 @@ def test_script_has_the_masses_and_the_motion(name: str) -> None:
         ("yielding", "&frame T_s = 1.0, xi_s = 0.05 / &yielding u_y = 0.03, law = 'bouc_wen' /"),
         ("fuse", WALL + FRAME + "&fuse F_y = 4e4, k = 2e7, law = 'friction' /"),
         ("impact", "&wall h = 5.0, b = 1.2 / &impact e = 0.9 /"),
-        ("bending", WALL + FRAME + "&bending EI_over_m_w = 1e5 /"),
+        ("bending", WALL + FRAME + "&bending EI = 4e9 /"),
         ("initial", WALL + FRAME + "&initial theta_over_alpha = 0.2 /"),
     ],
 )
 def test_error_names_the_group(group: str, text: str) -> None:
     with pytest.raises(InputError, match=rf"&{group}: OpenSees lacks "):
         opensees_script(case_of(text))
+
+
+@pytest.mark.parametrize(("name", "floors"), BENT_WALLS.items())
+def test_wall_that_bends_is_a_chain_of_beams(name: str, floors: int) -> None:
+    """Flexibility of the chain, by the positions and sections in the text of the script."""
+    case = case_of(CASES[name])
+    script = opensees_script(case)
+    nodes = {int(x[0]): float(x[2]) for x in calls(script, "node")}
+    beams = [x for x in calls(script, "element") if '"-damp"' in x and "Beam" in x[0]]
+    ends = [(int(x[2]), int(x[3])) for x in beams]
+    assert [a for a, _ in ends[1:]] == [b for _, b in ends[:-1]], "a chain"
+    assert (ends[0][0], ends[-1][1]) == (1, 5)
+    assert nodes[1] == 0.0 and nodes[5] == 10.0
+    masses = {int(x[0]): float(x[1]) for x in calls(script, "mass")}
+    masses = {node: mass for node, mass in masses.items() if not 100 < node < 300}
+    assert sum(masses.values()) == pytest.approx(40e3, rel=1e-8)
+    moment = sum(m * nodes[node] for node, m in masses.items())
+    assert moment == pytest.approx(40e3 * 5.0, rel=1e-8)
+    if case.bending.get("nu") is None:
+        assert {float(x[6]) for x in beams} == {4e9}
+    else:
+        (_, _, modulus, area, inertia, shear, share), *_ = calls(script, "section")
+        assert float(modulus) * float(inertia) == 4e9
+        # kappa = 5/6, and G A from E I of the full section of width 2 b
+        gross = 4e9 * 12 / 2.4**2 / (2 * 1.2)
+        assert float(shear) * float(share) * float(area) == pytest.approx(5 / 6 * gross, rel=1e-8)
+    linked = [int(x[0]) for x in calls(script, "equalDOF")]
+    springs = [x for x in calls(script, "element") if x[0] == '"zeroLength"']
+    linked += [int(x[2]) for x in springs if int(x[3]) > 100]
+    heights = [nodes[node] for node in linked]
+    assert heights == pytest.approx([10.0 * (i + 1) / floors for i in range(floors)])
+
+
+def test_damping_of_a_wall_that_bends_has_the_frequency_of_the_cantilever() -> None:
+    """The first mode of a cantilever: 1.8751 squared, over the square of its height."""
+    text = CASES["a wall that bends"]
+    omega = 1.8751040687**2 * math.sqrt(4e9 / 40e3 / 10.0**3)
+    ((_, _, beta),) = calls(opensees_script(case_of(text)), "damping")
+    assert float(beta) == pytest.approx(2 * 0.02 / omega, rel=1e-4)
 
 
 def test_samples_of_a_record_are_those_of_the_file() -> None:
@@ -104,8 +158,10 @@ def test_demands_of_opensees(name: str, tmp_path: Path) -> None:
         bound = 5e-3
         if demand.name.startswith("impact"):
             bound = 5e-4
-        elif "acceleration" in demand.name:
-            bound = 5e-3
+        elif name in BENT_WALLS and "tip" in demand.name:
+            bound = 6e-2
+        elif name in SHAKEN and "acceleration" in demand.name:
+            bound = SHAKEN[name]
         assert abs(demand.difference) < bound, demand
 
 
@@ -127,7 +183,7 @@ def test_the_stored_comparison_with_opensees() -> None:
     for row in rows:
         assert (row["drift_percent"] == "nan") == (row["case"] == "a wall")
         assert not float(row["drift_percent"]) >= 0.5
-        assert not float(row["acceleration_percent"]) >= 1.0
+        assert not float(row["acceleration_percent"]) >= 1e2 * SHAKEN.get(row["case"], 1e-2)
         assert float(row["impact_ms"]) < 0.5 or row["impacts"] == "0"
         # 2 ms after each contact, with a mast 6 ms
         assert float(row["left_out_ms"]) <= 6.0 * int(row["contacts"])
