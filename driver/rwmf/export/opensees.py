@@ -182,8 +182,8 @@ class _Script:
         if fixed:
             self._do("fix", node, *fixed)
 
-    # wall: nodes 1 base, 2 and 3 corners, 4 middle, 5 top, 6 corner of the link; 11 to 13 ground;
-    # of a wall that bends also 7 top of the straight axis, 301 and so on between base and top
+    # wall: nodes 1 base, 2 and 3 corners, 4 middle, 5 top, 6 corner of the link; 11 to 13 ground.
+    # A wall that bends has also 7, top of the straight axis, and from 301 on those of the axis.
 
     def _wall(self) -> None:
         given = self.building
@@ -247,8 +247,8 @@ class _Script:
                 shape = (axial, 1.0, bent.stiffness, 1, "-damp", 2)
                 self._element("elasticBeamColumn", *ends, *shape)
             return
-        shape = (1.0, axial, bent.stiffness, 1.0, bent.shear_stiffness / axial)
-        self._do("section", "Elastic", 1, *shape)
+        section = (1.0, axial, bent.stiffness, 1.0, bent.shear_stiffness / axial)
+        self._do("section", "Elastic", 1, *section)
         self._do("beamIntegration", "Lobatto", 1, 1, 3)
         for ends in pairwise(axis):
             self._element("forceBeamColumn", *ends, 1, 1, "-damp", 2)
