@@ -491,7 +491,7 @@ contains
       !! both corners of the wall are on the base
       type(wall_forces_t), intent(inout) :: forces
       real(wp) :: y_dot(size(instance%hybrid%y))
-      real(wp), dimension(instance%equation%floors%storeys) :: shear, d, d_dot
+      real(wp), dimension(instance%equation%floors%n_storeys) :: shear, d, d_dot
 
       associate (equation => instance%equation, y => instance%hybrid%y, t => instance%hybrid%t, &
                  linked => instance%equation%beam%floors)

@@ -18,7 +18,7 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: u(0:max(1, equation%floors%storeys)), v(max(1, equation%floors%storeys))
+      real(wp) :: u(0:max(1, equation%floors%n_storeys)), v(max(1, equation%floors%n_storeys))
 
       associate (beam => equation%beam, p => equation%p, q => y(equation%beam%first: &
                  equation%beam%first + equation%beam%n - 1), q_dot => y(equation%beam%first &
@@ -42,7 +42,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       real(wp) :: u_s, u_s_dot
-      real(wp), dimension(equation%floors%storeys) :: d, d_dot
+      real(wp), dimension(equation%floors%n_storeys) :: d, d_dot
 
       energy = 0
       if (size(d) > 0 .and. equation%floors%n == 0) then

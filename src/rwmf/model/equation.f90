@@ -133,7 +133,7 @@ module rwmf_model_equation
       !! (n) height of each storey [m]
       integer :: first = 3
       !! index of their first state
-      integer :: storeys = 0
+      integer :: n_storeys = 0
       !! number of storeys with a displacement (`storey_motion`); 1 if the frame beside a bending
       !! wall yields as one spring at the roof
       logical :: yields = .false.

@@ -118,7 +118,7 @@ contains
       !! current side, +1 or -1
       real(wp), intent(in) :: y(:), y_dot(:)
       !! (states) states and their rates
-      real(wp) :: u_ddot(model%floors%storeys)
+      real(wp) :: u_ddot(model%floors%n_storeys)
       !! [m/s2]
 
       if (allocated(model%beam%floors)) then
@@ -138,7 +138,7 @@ contains
       !! current side, +1 or -1
       real(wp), intent(in) :: y(:), y_dot(:)
       !! (states) states and their rates
-      real(wp) :: d_ddot(model%floors%storeys)
+      real(wp) :: d_ddot(model%floors%n_storeys)
       !! [m/s2]
 
       d_ddot = floor_accelerations(model, side, y, y_dot)

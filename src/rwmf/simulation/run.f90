@@ -444,7 +444,7 @@ contains
       type(result_t), intent(inout) :: result
       type(discrete_state_t) :: state
       real(wp) :: y(equation%n), u, height
-      real(wp) :: d(equation%floors%storeys), d_dot(equation%floors%storeys)
+      real(wp) :: d(equation%floors%n_storeys), d_dot(equation%floors%n_storeys)
       logical :: of_storeys, of_roof, is_found
 
       ! a pass at coarser tolerances may have a different ending

@@ -462,8 +462,8 @@ contains
       type(path_t), intent(in) :: path
       real(wp), intent(in) :: change(:)
       type(branch_end_t), intent(out) :: ending
-      real(wp), dimension(model%floors%storeys, 2) :: d
-      real(wp) :: rate(model%floors%storeys), y(size(path%y)), limit, low, high
+      real(wp), dimension(model%floors%n_storeys, 2) :: d
+      real(wp) :: rate(model%floors%n_storeys), y(size(path%y)), limit, low, high
       integer :: i
 
       y = path%y
@@ -485,7 +485,7 @@ contains
       if (.not. model%floors%yields) return
       call storey_motion(model, path%state%side, path%y, d(:, 1), rate)
       call storey_motion(model, path%state%side, y, d(:, 2), rate)
-      do i = 1, model%floors%storeys
+      do i = 1, model%floors%n_storeys
          if (allocated(model%floors%laws)) then
             call cut(abs(d(i, 2) - d(i, 1)), short*model%floors%laws(i)%u_y, ending)
             cycle

@@ -244,8 +244,8 @@ contains
       type(discrete_state_t), intent(in) :: state
       !! its storeys are on their branches
       real(wp), intent(out) :: coef(shape_columns + 3*(model%beam%n + 1), 0:model%beam%n)
-      real(wp), dimension(model%floors%storeys, 0:model%beam%n) :: shape, bend
-      real(wp) :: offset(model%floors%storeys)
+      real(wp), dimension(model%floors%n_storeys, 0:model%beam%n) :: shape, bend
+      real(wp) :: offset(model%floors%n_storeys)
       integer :: i
 
       offset = 0

@@ -300,7 +300,7 @@ contains
       real(wp), allocatable, intent(out) :: rate(:)
       !! velocity [m/s]
 
-      allocate (d(max(1, equation%floors%storeys)), rate(max(1, equation%floors%storeys)))
+      allocate (d(max(1, equation%floors%n_storeys)), rate(max(1, equation%floors%n_storeys)))
       call storey_motion(equation, equation%state%side, y, d, rate)
    end subroutine displacements
 

@@ -466,7 +466,7 @@ contains
       type(equation_t), intent(inout) :: equation
       type(contribution_t), intent(inout) :: yielding
 
-      equation%floors%storeys = 1
+      equation%floors%n_storeys = 1
       call choose_storey_springs(case, [frame_mass(equation)*equation%p%omega_squared], equation)
       equation%state%frame_slope = equation%state%storeys(1)%slope/frame_mass(equation)
       if (.not. allocated(equation%floors%laws)) return
@@ -502,7 +502,7 @@ contains
       else
          u_y = storey_strengths(case)
          associate (height => case%storeys%frame%height)
-            if (equation%floors%storeys == 0) u_y = [sum(height)*minval(u_y/height)]
+            if (equation%floors%n_storeys == 0) u_y = [sum(height)*minval(u_y/height)]
          end associate
       end if
       yielding%drifts = size(u_y)

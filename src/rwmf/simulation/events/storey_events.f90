@@ -44,7 +44,7 @@ contains
       real(wp) :: y_dot(size(y))
 
       associate (equation => self%step%equation)
-         allocate (f(equation%floors%storeys, 0:self%derivatives))
+         allocate (f(equation%floors%n_storeys, 0:self%derivatives))
          call storey_motion(equation, equation%state%side, y, f(:, 0), f(:, 1))
          if (self%derivatives < 2) return
          call rates_at(equation, t, y, y_dot)
@@ -141,7 +141,7 @@ contains
       real(wp) :: y_dot(size(y))
 
       associate (equation => self%step%equation)
-         allocate (f(equation%floors%storeys, 0:1))
+         allocate (f(equation%floors%n_storeys, 0:1))
          f(:, 0) = hysteretic_states(equation, y)
          f(:, 1) = 0
          if (self%derivatives < 2) return

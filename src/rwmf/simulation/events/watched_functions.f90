@@ -37,7 +37,7 @@ contains
       class(functions_t), allocatable, intent(out) :: functions
       integer :: n
 
-      n = step%equation%floors%storeys
+      n = step%equation%floors%n_storeys
       select case (kind)
       case (1)
          if (step%equation%floors%yields) allocate (displacements_t :: functions)

@@ -218,7 +218,7 @@ contains
       type(curve_path_t), intent(in) :: path
       type(discrete_state_t), intent(in) :: kept
       !! state before the springs were turned
-      real(wp), dimension(path%scene%equation%floors%storeys) :: d, d_dot
+      real(wp), dimension(path%scene%equation%floors%n_storeys) :: d, d_dot
       real(wp) :: y(size(path%scene%y))
       integer :: before, i
 
@@ -239,7 +239,7 @@ contains
    !> True if a storey on a falling branch still moves in its loading direction.
    logical function continues(path)
       type(curve_path_t), intent(in) :: path
-      real(wp), dimension(path%scene%equation%floors%storeys) :: d, d_dot
+      real(wp), dimension(path%scene%equation%floors%n_storeys) :: d, d_dot
       real(wp) :: y(size(path%scene%y))
       integer :: i
 
@@ -634,7 +634,7 @@ contains
       !! (states) after the jump
       logical, intent(out) :: is_settled
       !! no spring has changed its branch
-      real(wp), dimension(path%scene%equation%floors%storeys) :: d, d_dot
+      real(wp), dimension(path%scene%equation%floors%n_storeys) :: d, d_dot
       real(wp), allocatable :: moving(:)
       integer, allocatable :: before(:)
       real(wp) :: low, high

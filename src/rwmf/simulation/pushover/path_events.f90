@@ -119,7 +119,7 @@ contains
 
       associate (floors => scene%equation%floors)
          if (.not. allocated(floors%springs)) return
-         do i = 1, floors%storeys
+         do i = 1, floors%n_storeys
             before = control_value(scene, prescribed_t(of_storey, i), scene%y, scene%load)
             after = control_value(scene, prescribed_t(of_storey, i), step%y, step%load)
             call branch_limits(scene%equation, i, low, high)

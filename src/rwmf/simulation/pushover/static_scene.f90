@@ -261,7 +261,7 @@ contains
       !! (states)
       real(wp), intent(out) :: spent
       !! energy dissipated on the way [J/kg]
-      real(wp), dimension(scene%equation%floors%storeys) :: d, d_dot, before
+      real(wp), dimension(scene%equation%floors%n_storeys) :: d, d_dot, before
       integer :: i
 
       spent = 0
@@ -302,7 +302,7 @@ contains
       real(wp), intent(in) :: load
       !! [m/s2]
       real(wp) :: u(size(scene%pattern)), moment(-1:1)
-      real(wp), dimension(scene%equation%floors%storeys) :: d, d_dot
+      real(wp), dimension(scene%equation%floors%n_storeys) :: d, d_dot
       real(wp), allocatable :: ratio(:), rate(:)
 
       associate (equation => scene%equation, side => scene%equation%state%side)
@@ -393,7 +393,7 @@ contains
       !! number of the position
       real(wp) :: rates(size(scene%z))
       real(wp) :: along(size(y))
-      real(wp), dimension(scene%equation%floors%storeys) :: d, d_dot, before
+      real(wp), dimension(scene%equation%floors%n_storeys) :: d, d_dot, before
       real(wp) :: u, u_dot, u_before
       integer :: i
 

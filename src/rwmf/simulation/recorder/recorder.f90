@@ -140,8 +140,8 @@ contains
       recorder%n_events = 0
       allocate (recorder%events(0))
       if (equation%floors%yields) then
-         allocate (recorder%drifts(equation%floors%storeys), source=0.0_wp)
-         allocate (recorder%t_drifts(equation%floors%storeys), source=0.0_wp)
+         allocate (recorder%drifts(equation%floors%n_storeys), source=0.0_wp)
+         allocate (recorder%t_drifts(equation%floors%n_storeys), source=0.0_wp)
       end if
       if (equation%beam%n > 0) allocate (recorder%top(top_count), source=0.0_wp)
       call observe_state(recorder, equation, 0.0_wp, y)

@@ -62,7 +62,7 @@ contains
       if (.not. allocated(case%wall)) unit = frame%m(n)
       pace = 2*pi/case%frame%T_s/frame%omega(1)
       equation%floors%n = n
-      equation%floors%storeys = n
+      equation%floors%n_storeys = n
       equation%floors%free = n - 1
       equation%floors%unit = unit
       equation%floors%m = frame%m/unit
@@ -100,7 +100,7 @@ contains
          floors%k = unit*frame%k*pace**2
          floors%load = 0*frame%m
          floors%viscous_time = case%frame%xi_s*case%frame%T_s/pi
-         equation%floors%storeys = size(floors%k)
+         equation%floors%n_storeys = size(floors%k)
          allocate (equation%state%storeys(size(floors%k)))
          equation%state%storeys%slope = floors%k
       end associate
@@ -197,7 +197,7 @@ contains
       !! equation whose storeys have displacements (`storey_motion`)
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: shear(equation%floors%storeys)
+      real(wp) :: shear(equation%floors%n_storeys)
       real(wp), dimension(size(shear)) :: d, d_dot
 
       if (equation%floors%n > 0) then

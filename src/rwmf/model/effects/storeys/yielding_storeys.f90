@@ -65,8 +65,8 @@ contains
       type(discrete_state_t), intent(inout) :: state
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: d(model%floors%storeys)
-      real(wp) :: d_dot(model%floors%storeys)
+      real(wp) :: d(model%floors%n_storeys)
+      real(wp) :: d_dot(model%floors%n_storeys)
       integer :: i
 
       if (.not. model%floors%yields) return
@@ -75,7 +75,7 @@ contains
          return
       end if
       call storey_motion(model, state%side, y, d, d_dot)
-      do i = 1, model%floors%storeys
+      do i = 1, model%floors%n_storeys
          associate (spring => model%floors%springs(i), branch => state%storeys(i))
             branch = new_branch(spring)
             call load_spring(spring, branch, d(i))
@@ -94,8 +94,8 @@ contains
       logical, intent(in) :: keeps_directions
       !! true if the loading directions are known and rates within round-off of zero do not change
       !! them
-      real(wp) :: d(model%floors%storeys)
-      real(wp) :: d_dot(model%floors%storeys)
+      real(wp) :: d(model%floors%n_storeys)
+      real(wp) :: d_dot(model%floors%n_storeys)
       integer :: highest
       !! number of the highest storey that unloads
       integer :: i
@@ -103,7 +103,7 @@ contains
       if (.not. model%floors%yields) return
       highest = 0
       call storey_motion(model, state%side, y, d, d_dot)
-      do i = 1, model%floors%storeys
+      do i = 1, model%floors%n_storeys
          if (allocated(state%storey_signs)) then
             associate (law => model%floors%laws(i), signs => state%storey_signs(i))
                if (abs(d_dot(i)) > 0 .and. .not. keeps_directions) signs%loading_direction = &
@@ -223,7 +223,7 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: z(equation%floors%storeys)
+      real(wp) :: z(equation%floors%n_storeys)
 
       z = 0
       if (allocated(equation%floors%laws)) z = y(equation%floors%laws%place)
@@ -263,8 +263,8 @@ contains
       !! true if d_i grows after the event
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: d(model%floors%storeys)
-      real(wp) :: d_dot(model%floors%storeys)
+      real(wp) :: d(model%floors%n_storeys)
+      real(wp) :: d_dot(model%floors%n_storeys)
 
       if (allocated(state%storey_signs)) then
          state%storey_signs(storey)%loading_direction = merge(1, -1, is_rising)
@@ -281,8 +281,8 @@ contains
       !! equation with storeys that yield one by one
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: d(equation%floors%storeys)
-      real(wp) :: d_dot(equation%floors%storeys)
+      real(wp) :: d(equation%floors%n_storeys)
+      real(wp) :: d_dot(equation%floors%n_storeys)
 
       loss = 0
       if (allocated(equation%floors%laws)) return
@@ -298,9 +298,9 @@ contains
       !! equation with storeys that yield one by one
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: shears(equation%floors%storeys)
-      real(wp) :: d(equation%floors%storeys)
-      real(wp) :: d_dot(equation%floors%storeys)
+      real(wp) :: shears(equation%floors%n_storeys)
+      real(wp) :: d(equation%floors%n_storeys)
+      real(wp) :: d_dot(equation%floors%n_storeys)
 
       call storey_motion(equation, equation%state%side, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
@@ -323,9 +323,9 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: residuals(equation%floors%storeys)
-      real(wp) :: d(equation%floors%storeys)
-      real(wp) :: d_dot(equation%floors%storeys)
+      real(wp) :: residuals(equation%floors%n_storeys)
+      real(wp) :: d(equation%floors%n_storeys)
+      real(wp) :: d_dot(equation%floors%n_storeys)
 
       call storey_motion(equation, equation%state%side, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
