@@ -146,7 +146,10 @@ def test_the_estimate_is_of_what_is_named(record_folder: Path) -> None:
         ({"verify": True, "accuracy_of": "storey_drift_mox"}, "did you mean storey_drift_max"),
         ({"verify": True, "accuracy_of": "energy_input_J_per_kg"}, "is no peak of a run"),
         ({"verify": True, "accuracy_of": "t_base_shear_max_s"}, "is no peak of a run"),
-        ({"verify": True, "accuracy_of": "storey_1_drift_max"}, "does not apply .* reference/outputs.md lists"),
+        (
+            {"verify": True, "accuracy_of": "storey_1_drift_max"},
+            "does not apply .* reference/outputs.md lists",
+        ),
         ({"verify": True, "accuracy_of": "floor_2_acceleration_max_g"}, "does not apply"),
     ],
 )
