@@ -35,7 +35,6 @@ def print_warnings(path: str, warnings: Iterable[str]) -> None:
     warnings : iterable of str
         One line per warning.
     """
-    sys.stdout.flush()  # what was printed before stands before, in a file or pipe too
     for warning in warnings:
         print(f"rwmf: {path}: warning: {warning}", file=sys.stderr)
 
