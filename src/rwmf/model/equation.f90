@@ -191,7 +191,7 @@ module rwmf_model_equation
       !! branch of the cable
       type(branch_t), allocatable :: springs(:)
       !! (springs) branches of the yielding frame and the fuses
-      type(branch_t), allocatable :: storeys(:)
+      type(branch_t), allocatable :: storey_branches(:)
       !! (floors) branch of each storey
       type(motion_signs_t), allocatable :: storey_signs(:)
       !! (floors) signs of each storey with smooth hysteresis

@@ -245,7 +245,7 @@ contains
          loading_direction(model%cable%tendon, state%tendon), &
          loading_direction(model%springs%spring, state%springs)]
       if (allocated(model%floors%springs)) direction = [direction, &
-         loading_direction(model%floors%springs, state%storeys)]
+         loading_direction(model%floors%springs, state%storey_branches)]
       if (allocated(state%storey_signs)) direction = [direction, &
          state%storey_signs%loading_direction]
    end function directions
@@ -490,7 +490,7 @@ contains
             call cut(abs(d(i, 2) - d(i, 1)), short*model%floors%laws(i)%u_y, ending)
             cycle
          end if
-         call spring_limits(model%floors%springs(i), path%state%storeys(i), low, high)
+         call spring_limits(model%floors%springs(i), path%state%storey_branches(i), low, high)
          if (d(i, 2) > d(i, 1) .and. d(i, 2) > high) call cut_at(d(i, 1), d(i, 2), high, &
             branch_end_t(storey=i, is_rising=.true.), ending)
          if (d(i, 2) < d(i, 1) .and. d(i, 2) < low) call cut_at(d(i, 1), d(i, 2), low, &

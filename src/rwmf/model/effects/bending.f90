@@ -9,7 +9,7 @@ module rwmf_model_effects_bending
       shape_columns, spring_columns
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
       model_t
-   use rwmf_model_hysteresis_spring_set, only: has_branches
+   use rwmf_model_hysteresis_spring_set, only: count_linked_smooth
    use rwmf_model_scene, only: elsewhere, frame_term, scene_t, through_link
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -146,9 +146,7 @@ contains
          states(i, 2) = 'q_'//trim(integer_to_text(i))//'_dot_m_s'
       end do
       names = [character(name_length) :: names, states(:, 1), states(:, 2)]
-      if (.not. (allocated(case%storeys) .and. allocated(case%yielding))) return
-      if (case%storeys%coupling /= 'every_floor' .or. has_branches(case%yielding)) return
-      allocate (smooth(size(case%storeys%frame%m)))
+      allocate (smooth(count_linked_smooth(case)))
       do i = 1, size(smooth)
          smooth(i) = 'z_'//trim(integer_to_text(i))
       end do
@@ -249,8 +247,8 @@ contains
       integer :: i
 
       offset = 0
-      if (allocated(model%floors%springs)) offset = state%storeys%offset
-      associate (floors => model%beam%floors, slope => state%storeys%slope)
+      if (allocated(model%floors%springs)) offset = state%storey_branches%offset
+      associate (floors => model%beam%floors, slope => state%storey_branches%slope)
          shape(:, 0) = floors%share
          shape(:, 1:) = floors%phi
          bend = bends_of(floors, model%beam%n)

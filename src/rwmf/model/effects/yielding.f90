@@ -4,14 +4,14 @@ module rwmf_model_effects_yielding
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
-   use rwmf_model_effects_storeys_yielding_storeys, only: choose_storey_springs
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
       frame_travel, model_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_sizes, &
       prepare_bouc_wen
-   use rwmf_model_hysteresis_spring_set, only: has_branches, storey_strengths, &
+   use rwmf_model_hysteresis_spring_set, only: first_yield, has_branches, storey_strengths, &
       yield_displacement, yielding_energy
+   use rwmf_model_hysteresis_storey_springs, only: choose_storey_springs
    use rwmf_model_scene, only: through_link
    use rwmf_problem_case, only: case_t, has_all_modes, has_numbers, spring_law_t
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -467,8 +467,9 @@ contains
       type(contribution_t), intent(inout) :: yielding
 
       equation%floors%n_storeys = 1
-      call choose_storey_springs(case, [frame_mass(equation)*equation%p%omega_squared], equation)
-      equation%state%frame_slope = equation%state%storeys(1)%slope/frame_mass(equation)
+      call choose_storey_springs(case%yielding, first_yield(case, 1), &
+         [frame_mass(equation)*equation%p%omega_squared], equation)
+      equation%state%frame_slope = equation%state%storey_branches(1)%slope/frame_mass(equation)
       if (.not. allocated(equation%floors%laws)) return
       equation%floors%laws%place = equation%scene%n + 1
       yielding%law = equation%floors%laws(1)%factors

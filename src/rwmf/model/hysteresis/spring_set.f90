@@ -25,7 +25,7 @@ module rwmf_model_hysteresis_spring_set
    public :: has_branches, law_of, choose_springs
    public :: fuses_energy, yielding_energy, springs_loss
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
-   public :: yield_displacement, storey_strengths, moves
+   public :: yield_displacement, first_yield, storey_strengths, count_linked_smooth, moves
    public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
    public :: frame_residuals, plastic_displacement, plastic_parts, uneven_plastic_part
    public :: fuse_uplift, spring_forces
@@ -113,6 +113,31 @@ contains
             case%yielding%hardening, law=law_of(case%yielding)), place_frame, shares(i))
       end do
    end function frame_springs
+
+   !> Displacements of n storeys at first yield [m].
+   function first_yield(case, n) result(u_y)
+      type(case_t), intent(in) :: case
+      !! case with `&yielding`
+      integer, intent(in) :: n
+      !! number of storeys
+      real(wp) :: u_y(n)
+
+      if (allocated(case%yielding%storey_u_y)) then
+         u_y = storey_strengths(case)
+      else
+         u_y = yield_displacement(case)
+      end if
+   end function first_yield
+
+   !> Number of smooth storeys that are linked to a wall one by one.
+   pure integer function count_linked_smooth(case) result(n)
+      type(case_t), intent(in) :: case
+
+      n = 0
+      if (.not. (allocated(case%storeys) .and. allocated(case%yielding))) return
+      if (case%storeys%coupling /= 'every_floor' .or. has_branches(case%yielding)) return
+      n = size(case%storeys%frame%m)
+   end function count_linked_smooth
 
    !> Displacement of each storey at first yield [m].
    pure function storey_strengths(case) result(u_y)

@@ -6,8 +6,8 @@ module rwmf_simulation_events_storey_events
    use rwmf_core_kinds, only: wp
    use rwmf_model_assembly, only: rates_at
    use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, hysteretic_states, &
-      is_softening, loading_direction_of, pass_storey_limit, side_beyond_zero, stands_still, &
-      stop_at_zero, storey_word, turn_storey
+      is_softening, loading_direction_of, pass_storey_limit, settle_storeys, &
+      side_beyond_zero, stands_still, start_storeys, stop_at_zero, storey_word, turn_storey
    use rwmf_model_equation, only: discrete_state_t, model_t
    use rwmf_model_floor_motion, only: storey_accelerations, storey_motion
    use rwmf_simulation_events_first_change, only: changed_at_begin, ending_t, functions_t, &
@@ -17,7 +17,8 @@ module rwmf_simulation_events_storey_events
    private
 
    public :: displacements_t, hysteretic_t, end_branch
-   public :: branch_limits, is_softening, loading_direction_of, pass_storey_limit, storey_word
+   public :: branch_limits, is_softening, loading_direction_of, pass_storey_limit, settle_storeys, &
+      start_storeys, storey_word
 
    !> Displacements of the storeys [m], with rates and accelerations.
    type, extends(functions_t) :: displacements_t

@@ -12,7 +12,6 @@ module rwmf_simulation_hybrid_hybrid_loop
    use rwmf_model_assembly, only: enter_interval, enter_side, equation_t, interval_of, &
       second_derivative
    use rwmf_model_drift_limits, only: count_drifts
-   use rwmf_model_effects_storeys_yielding_storeys, only: start_storeys
    use rwmf_model_hysteresis_bouc_wen, only: load_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: load_to, reset_springs
    use rwmf_model_lift_off, only: find_uplift_capacity, find_lift_off, find_uplift_acceleration
@@ -23,6 +22,7 @@ module rwmf_simulation_hybrid_hybrid_loop
    use rwmf_simulation_events_fuse_support, only: check_fuses
    use rwmf_simulation_events_lift_off_events, only: side_pulled
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
+   use rwmf_simulation_events_storey_events, only: start_storeys
    use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter
    use rwmf_simulation_hybrid_free_vibration, only: follow_free_vibration
    use rwmf_simulation_hybrid_step_events, only: search_step

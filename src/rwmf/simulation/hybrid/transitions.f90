@@ -5,7 +5,6 @@ module rwmf_simulation_hybrid_transitions
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_assembly, only: enter_side, equation_t, interval_of, rates_at, second_derivative
-   use rwmf_model_effects_storeys_yielding_storeys, only: settle_storeys
    use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, tendon_is_broken, &
@@ -16,7 +15,7 @@ module rwmf_simulation_hybrid_transitions
    use rwmf_model_restitution, only: factor_at, largest_factor
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_events_first_change, only: ending_t
-   use rwmf_simulation_events_storey_events, only: end_branch
+   use rwmf_simulation_events_storey_events, only: end_branch, settle_storeys
    use rwmf_simulation_hybrid_elastic_chatter, only: drop_chatter
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
       observe_state, observe_still, recorder_t, sees_forces

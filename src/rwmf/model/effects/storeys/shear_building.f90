@@ -71,8 +71,8 @@ contains
       equation%floors%mass = sum(equation%floors%m(:n - 1))
       equation%floors%c = damping_matrix(frame, case%frame%xi_s)
       equation%floors%c(:, :) = equation%floors%c*(pace/unit)
-      allocate (equation%state%storeys(n))
-      equation%state%storeys%slope = equation%floors%k
+      allocate (equation%state%storey_branches(n))
+      equation%state%storey_branches%slope = equation%floors%k
       equation%floors%max_frequency = frame%omega(n)*pace
       equation%p%omega_s = sqrt(equation%floors%k(n)/equation%floors%m(n))
       equation%p%omega_squared = equation%p%omega_s**2
@@ -101,8 +101,8 @@ contains
          floors%load = 0*frame%m
          floors%viscous_time = case%frame%xi_s*case%frame%T_s/pi
          equation%floors%n_storeys = size(floors%k)
-         allocate (equation%state%storeys(size(floors%k)))
-         equation%state%storeys%slope = floors%k
+         allocate (equation%state%storey_branches(size(floors%k)))
+         equation%state%storey_branches%slope = floors%k
       end associate
    end subroutine set_linked_floors
 
@@ -136,7 +136,7 @@ contains
       integer :: i
 
       associate (floors => model%floors, n => model%floors%n)
-         coef(:2*n + 1) = [model%p%R, state%storeys%slope, state%storeys%offset]
+         coef(:2*n + 1) = [model%p%R, state%storey_branches%slope, state%storey_branches%offset]
          coef(2*n + 2:3*n + 1) = 1/floors%m
          do i = 1, n
             coef(3*n + 2 + (i - 1)*n:3*n + 1 + i*n) = floors%c(i, :)
@@ -173,7 +173,7 @@ contains
       real(wp) :: v_roof
 
       call frame_motion(equation, equation%state%side, y, u_roof, v_roof)
-      force = resistance_to(equation%floors, equation%state%storeys, y, u_roof, v_roof)
+      force = resistance_to(equation%floors, equation%state%storey_branches, y, u_roof, v_roof)
    end function resistance
 
    !> Forces with which the link springs pull the floors along with the wall [m/s2].
@@ -201,16 +201,16 @@ contains
       real(wp), dimension(size(shear)) :: d, d_dot
 
       if (equation%floors%n > 0) then
-         shear = shears_at(equation%floors, equation%state%storeys, y, &
+         shear = shears_at(equation%floors, equation%state%storey_branches, y, &
             frame_displacement(equation, equation%state%side, y))
          return
       end if
       call storey_motion(equation, equation%state%side, y, d, d_dot)
-      shear = equation%state%storeys%slope*d
+      shear = equation%state%storey_branches%slope*d
       if (allocated(equation%floors%laws)) then
          shear = shear + equation%floors%laws%force_at_z1*y(equation%floors%laws%place)
       else if (equation%floors%yields) then
-         shear = shear + equation%state%storeys%offset
+         shear = shear + equation%state%storey_branches%offset
       end if
    end function column_shears
 
@@ -222,7 +222,7 @@ contains
       real(wp), intent(in) :: d(:)
       !! (storeys) their displacements [m]
 
-      associate (branches => equation%state%storeys, floors => equation%floors)
+      associate (branches => equation%state%storey_branches, floors => equation%floors)
          if (allocated(floors%laws)) then
             energy = sum(branches%slope*d**2 + floors%laws%force_at_z1*floors%laws%u_y &
                *y(floors%laws%place)**2)/2

@@ -7,8 +7,9 @@ module rwmf_model_effects_storeys_storeys
       no_hysteresis
    use rwmf_model_effects_storeys_shear_building, only: excited_mass_coefficients, &
       set_storeys, storey_coefficients, storey_energy, storey_sizes
-   use rwmf_model_effects_storeys_yielding_storeys, only: choose_storey_springs
    use rwmf_model_equation, only: contribution_t, equation_t
+   use rwmf_model_hysteresis_spring_set, only: first_yield
+   use rwmf_model_hysteresis_storey_springs, only: choose_storey_springs
    use rwmf_model_scene, only: through_link
    use rwmf_problem_case, only: case_t, has_all_modes
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -346,7 +347,8 @@ contains
          storeys%n_coef = 1
          storeys%coefficients => excited_mass_coefficients
          if (allocated(case%yielding) .and. allocated(equation%beam%floors)) then
-            call choose_storey_springs(case, equation%beam%floors%k, equation)
+            call choose_storey_springs(case%yielding, first_yield(case, &
+               size(equation%beam%floors%k)), equation%beam%floors%k, equation)
          end if
          return
       end if
@@ -354,7 +356,8 @@ contains
       storeys%n = equation%floors%n
       storeys%law = no_hysteresis
       if (allocated(case%yielding)) then
-         call choose_storey_springs(case, equation%floors%k, equation)
+         call choose_storey_springs(case%yielding, first_yield(case, equation%floors%n), &
+            equation%floors%k, equation)
          if (allocated(equation%floors%laws)) then
             storeys%law = equation%floors%laws(1)%factors
             equation%floors%laws%place = [(equation%floors%first + 2*equation%floors%free - 1 + i, &

@@ -10,53 +10,20 @@ module rwmf_model_effects_storeys_yielding_storeys
       renew_coefficients
    use rwmf_model_floor_motion, only: follows_roof, storey_motion
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bouc_wen, only: follow_signs, new_hysteresis
+   use rwmf_model_hysteresis_bouc_wen, only: follow_signs
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement
    use rwmf_model_hysteresis_laws, only: branch_word, load_spring, loading_direction, new_branch, &
       new_spring, pass_limit, spring_force, spring_limits, spring_loss, spring_residual, turn_spring
-   use rwmf_model_hysteresis_spring_set, only: has_branches, law_of, storey_strengths, &
-      yield_displacement
-   use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id
    implicit none
    private
 
-   public :: choose_storey_springs, storeys_loss, start_storeys, settle_storeys
+   public :: storeys_loss, start_storeys, settle_storeys
    public :: branch_limits, loading_direction_of, pass_storey_limit, turn_storey
    public :: stands_still, side_beyond_zero, hysteretic_states, stop_at_zero
    public :: put_shears, storey_residuals, storey_word, is_softening
 
 contains
-
-   !> Create a spring or a smooth law for each storey of the frame.
-   subroutine choose_storey_springs(case, k, equation)
-      type(case_t), intent(in) :: case
-      !! case with `&yielding`
-      real(wp), intent(in) :: k(:)
-      !! (storeys) elastic stiffnesses over the mass of the floors [1/s2]
-      type(equation_t), intent(inout) :: equation
-      !! equation with its floors. The caller sets the places of the states of smooth storeys
-      real(wp) :: u_y(size(k))
-      integer :: i
-
-      if (allocated(case%yielding%storey_u_y)) then
-         u_y = storey_strengths(case)
-      else
-         u_y = yield_displacement(case)
-      end if
-      if (.not. allocated(equation%state%storeys)) allocate (equation%state%storeys(size(k)))
-      associate (floors => equation%floors, yielding => case%yielding)
-         floors%yields = .true.
-         if (has_branches(yielding)) then
-            floors%springs = new_spring(k, k*u_y, yielding%hardening, law=law_of(yielding))
-            equation%state%storeys = new_branch(floors%springs)
-         else
-            floors%laws = [(new_hysteresis(yielding, u_y(i), k(i)), i=1, size(k))]
-            equation%state%storeys%slope = yielding%hardening*k
-            allocate (equation%state%storey_signs(size(k)))
-         end if
-      end associate
-   end subroutine choose_storey_springs
 
    !> Initialise storeys that have not moved: load them slowly from zero to the initial state, then
    !> release them.
@@ -76,7 +43,7 @@ contains
       end if
       call storey_motion(model, state%side, y, d, d_dot)
       do i = 1, model%floors%n_storeys
-         associate (spring => model%floors%springs(i), branch => state%storeys(i))
+         associate (spring => model%floors%springs(i), branch => state%storey_branches(i))
             branch = new_branch(spring)
             call load_spring(spring, branch, d(i))
          end associate
@@ -112,7 +79,7 @@ contains
             end associate
          else if (loading_direction_of(model, state, i)*d_dot(i) < 0 .and. .not. keeps_directions) &
             then
-            call turn_spring(model%floors%springs(i), state%storeys(i), d(i))
+            call turn_spring(model%floors%springs(i), state%storey_branches(i), d(i))
             highest = i
          end if
       end do
@@ -132,8 +99,8 @@ contains
       logical :: is_known
 
       if (follows_roof(model)) then
-         state%frame_slope = state%storeys(1)%slope/frame_mass(model)
-         state%frame_offset = state%storeys(1)%offset/frame_mass(model)
+         state%frame_slope = state%storey_branches(1)%slope/frame_mass(model)
+         state%frame_offset = state%storey_branches(1)%offset/frame_mass(model)
       end if
       is_known = state%capacity_is_known .and. (allocated(state%storey_signs) &
          .or. highest <= model%floors%free)
@@ -154,7 +121,7 @@ contains
       low = -huge(low)
       high = huge(high)
       if (allocated(equation%floors%springs)) call spring_limits(equation%floors%springs(storey), &
-         equation%state%storeys(storey), low, high)
+         equation%state%storey_branches(storey), low, high)
    end subroutine branch_limits
 
    !> Sign that d_i' keeps on the active branch, or in the current piece of a smooth law; 0 on an
@@ -168,7 +135,7 @@ contains
       if (allocated(state%storey_signs)) then
          direction = state%storey_signs(storey)%loading_direction
       else
-         direction = loading_direction(model%floors%springs(storey), state%storeys(storey))
+         direction = loading_direction(model%floors%springs(storey), state%storey_branches(storey))
       end if
    end function loading_direction_of
 
@@ -181,7 +148,7 @@ contains
       !! number of the storey, from the ground up
       character(8) :: word
 
-      word = branch_word(model%floors%springs(storey), state%storeys(storey))
+      word = branch_word(model%floors%springs(storey), state%storey_branches(storey))
    end function storey_word
 
    !> Return whether the force of a storey falls along its active branch.
@@ -190,7 +157,7 @@ contains
       integer, intent(in) :: storey
       !! number of the storey, from the ground up
 
-      is_softening = state%storeys(storey)%slope < 0
+      is_softening = state%storey_branches(storey)%slope < 0
    end function is_softening
 
    !> Return whether a smooth storey has not moved yet, so that it has no loading direction.
@@ -249,7 +216,7 @@ contains
       logical, intent(in) :: is_rising
       !! true if d_i grows
 
-      call pass_limit(model%floors%springs(storey), state%storeys(storey), is_rising)
+      call pass_limit(model%floors%springs(storey), state%storey_branches(storey), is_rising)
       call renew_storeys(model, state, storey)
    end subroutine pass_storey_limit
 
@@ -271,7 +238,7 @@ contains
          return
       end if
       call storey_motion(model, state%side, y, d, d_dot)
-      call turn_spring(model%floors%springs(storey), state%storeys(storey), d(storey))
+      call turn_spring(model%floors%springs(storey), state%storey_branches(storey), d(storey))
       call renew_storeys(model, state, storey)
    end subroutine turn_storey
 
@@ -287,7 +254,7 @@ contains
       loss = 0
       if (allocated(equation%floors%laws)) return
       call storey_motion(equation, equation%state%side, y, d, d_dot)
-      loss = sum(spring_loss(equation%floors%springs, equation%state%storeys, d))
+      loss = sum(spring_loss(equation%floors%springs, equation%state%storey_branches, d))
    end function storeys_loss
 
    !> Write the history columns of storey shears without dampers, over the weight of the case's
@@ -305,10 +272,10 @@ contains
       call storey_motion(equation, equation%state%side, y, d, d_dot)
       if (allocated(equation%floors%laws)) then
          associate (laws => equation%floors%laws)
-            shears = equation%state%storeys%slope*d + laws%force_at_z1*y(laws%place)
+            shears = equation%state%storey_branches%slope*d + laws%force_at_z1*y(laws%place)
          end associate
       else
-         shears = spring_force(equation%floors%springs, equation%state%storeys, d)
+         shears = spring_force(equation%floors%springs, equation%state%storey_branches, d)
       end if
       if (follows_roof(equation)) then
          call put(row, id%frame_force_over_m_s_g, shears(1)/(frame_mass(equation)*equation%p%g))
@@ -334,7 +301,7 @@ contains
                laws%hardening, laws%beta, laws%exponent)
          end associate
       else
-         residuals = spring_residual(equation%floors%springs, equation%state%storeys, d)
+         residuals = spring_residual(equation%floors%springs, equation%state%storey_branches, d)
       end if
    end function storey_residuals
 
