@@ -17,8 +17,7 @@ module rwmf_embedding_stepping
    use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
       restore_state, save_state, snapshot_t, start_instance, use_host_motion, wall_instance_t
    use rwmf_integrator_factory, only: new_integrator
-   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, rates_at, &
-      second_derivative
+   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, rates_at
    use rwmf_model_bent_wall, only: forces_of_linked_floors
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_contributions, only: effects_frame_force

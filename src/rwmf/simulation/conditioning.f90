@@ -14,7 +14,7 @@ module rwmf_simulation_conditioning
    use rwmf_simulation_peak, only: ask_for_peak, peak_of
    use rwmf_simulation_run, only: run_once
    use rwmf_simulation_scalars, only: floors_of, is_present, scalars_of, value_of, values_t
-   use rwmf_simulation_state_result, only: add_warning, ending_name, result_t, sensitivities_t
+   use rwmf_simulation_state_result, only: add_warning, ending_name, result_t
    use rwmf_text_strings, only: integer_to_text
    implicit none
    private

@@ -33,11 +33,10 @@ module rwmf_simulation_run
       recorder_t
    use rwmf_simulation_state_hybrid_state, only: has_ended, hybrid_t, is_at_rest, mode_collapsed, &
       mode_overturned
-   use rwmf_simulation_state_result, only: add_warning, result_t
+   use rwmf_simulation_state_result, only: result_t
    use rwmf_simulation_static_rest, only: come_to_rest
    use rwmf_simulation_warnings, only: list_case_warnings, warn_of_chatter, warn_of_grazing, &
       warn_of_reactions, warn_of_short_history
-   use rwmf_text_strings, only: real_to_text
    implicit none
    private
 

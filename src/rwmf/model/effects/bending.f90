@@ -6,11 +6,10 @@ module rwmf_model_effects_bending
    use rwmf_model_beam, only: linked_floors_t, set_beam, set_floors, set_links, set_vectors
    use rwmf_model_bent_wall, only: landing
    use rwmf_model_effects_bending_loop, only: bending_coefficients, fixed_columns, mode_columns, &
-      shape_columns, spring_columns
+      shape_columns
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
       model_t
    use rwmf_model_hysteresis_spring_set, only: count_linked_smooth
-   use rwmf_model_scene, only: elsewhere, frame_term, scene_t, through_link
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, group_values_t, has_group, has_key, integer_of, &

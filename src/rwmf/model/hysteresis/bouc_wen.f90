@@ -16,7 +16,6 @@ module rwmf_model_hysteresis_bouc_wen
       motion_signs_t, renew_effects
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, &
       virgin_displacement
-   use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
    use rwmf_model_hysteresis_spring_set, only: yield_displacement
    use rwmf_problem_case, only: case_t, yielding_t
    implicit none

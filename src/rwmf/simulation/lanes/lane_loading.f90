@@ -108,7 +108,8 @@ contains
             batch%coef(i, j) = equation%state%coef(1, j)
          end do
          table(i, of_steps) = real(lane%integrator%steps, wp)
-         batch%steps_left = min(batch%steps_left, batch%max_steps - table(i, of_steps))
+         batch%steps_left = min(batch%steps_left, batch%max_steps - table(i, of_steps), &
+            real(most_creeping, wp))
          table(i, of_time) = hybrid%t
          table(i, of_fastest) = lane%recorder%theta_dot_ends
          table(i, of_rejected) = 0

@@ -12,7 +12,6 @@ module rwmf_simulation_lanes_lane_outputs
    use rwmf_simulation_lanes_reaction_screen, only: note_extremes, screen_reactions
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_piece
-   use rwmf_simulation_state_hybrid_state, only: has_ended
    implicit none
    private
 

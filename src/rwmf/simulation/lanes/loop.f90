@@ -27,8 +27,7 @@ module rwmf_simulation_lanes_loop
       forget_target, further_state, join_batch
    use rwmf_simulation_lanes_lane_outputs, only: choose_steps, observe_steps
    use rwmf_simulation_recorder_recorder, only: recorder_t
-   use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, hybrid_t, &
-      most_creeping
+   use rwmf_simulation_state_hybrid_state, only: check_progress, hybrid_t, most_creeping
    implicit none
    private
 

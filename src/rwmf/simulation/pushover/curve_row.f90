@@ -1,10 +1,10 @@
 !> Values of one step of a static curve, with the words and signs of the history of a run.
 module rwmf_simulation_pushover_curve_row
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: cable_at, equation_t, kinematics_at
+   use rwmf_model_assembly, only: cable_at, kinematics_at
    use rwmf_model_bent_sections, only: find_bent_extremes, find_bent_sections
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_demands, only: building_t, demands_at, demands_t
+   use rwmf_model_demands, only: demands_at, demands_t
    use rwmf_model_energy, only: mechanical_energy, yielding_loss
    use rwmf_model_effects_storeys_yielding_storeys, only: put_shears
    use rwmf_model_equation, only: frame_displacement

@@ -13,7 +13,7 @@ module rwmf_model_effects_storeys_yielding_storeys
    use rwmf_model_hysteresis_bouc_wen, only: follow_signs
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement
    use rwmf_model_hysteresis_laws, only: branch_word, load_spring, loading_direction, new_branch, &
-      new_spring, pass_limit, spring_force, spring_limits, spring_loss, spring_residual, turn_spring
+      pass_limit, spring_force, spring_limits, spring_loss, spring_residual, turn_spring
    use rwmf_problem_quantity_table, only: id
    implicit none
    private
