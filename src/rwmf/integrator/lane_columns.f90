@@ -84,6 +84,8 @@ module rwmf_integrator_lane_columns
       !! numbers of floors and drifts among the demands
       integer :: n = 0
       !! number of values
+      integer :: columns = 0
+      !! number of values and of coefficients of section forces
       logical, allocatable :: is_led(:)
       !! (values) the value is in a fixed proportion to one before it
    end type screen_t

@@ -5,7 +5,7 @@ module rwmf_integrator_lane_reactions
       of_fastest_demand, of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, &
       screen_t
    use rwmf_integrator_pairs, only: most_stages
-   use rwmf_model_demands_loop, only: demand_constants, lane_demands
+   use rwmf_model_demands_loop, only: demand_constants, lane_demands, section_terms, sections
    use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
    use rwmf_model_lanes, only: lane_count
    use rwmf_model_scene, only: force_parts_t
@@ -27,6 +27,15 @@ module rwmf_integrator_lane_reactions
 
    real(wp), parameter :: unknown = sqrt(huge(1.0_wp))
    !! value at the beginning of a step after a jump of the ground
+
+   real(wp), parameter :: rise = 0.25_wp
+   !! largest rise of a peak above three samples, over their range [-]
+   real(wp), parameter :: slack = 0.01_wp
+   !! margin over the range so far [-]
+   real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
+   !! bound of the factors of a product
+   real(wp), parameter :: same = 1.0e-8_wp
+   !! relative difference between two procedures that compute the same value [-]
 
    real(wp), parameter :: short_angle = 0.4_wp
    !! largest phase angle of a plain step: the second harmonic departs from a chord by (2*0.4)**2/8
@@ -64,14 +73,14 @@ contains
       real(wp), intent(inout) :: table(lane_count, column_count)
       !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
       !! `of_ground_end`, `of_plain` and `of_calm`
-      real(wp), intent(inout) :: values(lane_count, screen%n, value_count)
+      real(wp), intent(inout) :: values(lane_count, screen%columns, value_count)
       !! reactions and demands, in the units of `lane_demands`, at both ends and in the middle;
       !! their extremes so far are kept
       real(wp) :: angle(lane_count), at(lane_count, 2), turning(lane_count)
       real(wp) :: y_middle(lane_count, parts%through_link%n)
       integer :: i, m
 
-      call begin_at_end(screen%n, ground(:, [1, last], :), mark, table, values)
+      call begin_at_end(screen%columns, ground(:, [1, last], :), mark, table, values)
       turning = 0
       ! forces of a wall contain sines and cosines of twice its rotation
       if (parts%through_link%has_wall) turning = 2*max(abs(y(:, 2)), abs(y_new(:, 2)))
@@ -97,7 +106,7 @@ contains
                table(1, of_plain))
             table(:, of_plain) = aint(table(:, of_plain))
          else
-            call find_plain_steps(parts, screen%n, angle, values, table(1, of_plain))
+            call find_plain_steps(parts, screen%columns, angle, values, table(1, of_plain))
          end if
       end if
       if (.not. screen%has_demands) return
@@ -160,7 +169,7 @@ contains
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
       !! [m/s2]
-      real(wp), intent(out) :: found(lane_count, screen%n)
+      real(wp), intent(out) :: found(lane_count, screen%columns)
       !! each in its unit
 
       if (screen%has_demands) then
@@ -171,15 +180,13 @@ contains
    end subroutine find_values
 
    !> Find the steps that cannot contain an extremum of some values. Their three samples are below
-   !> the largest value so far by more than a peak can exceed them. This excess is an eighth of the
-   !> range for a parabola, or for a vibration through up to `longest_angle`. A value that falls
-   !> from the largest so far, by the parabola through the samples, has no other peak either. Most
-   !> values are magnitudes, so the bounds hold for any sign of the samples.
+   !> the largest magnitude so far by more than a peak can exceed them. This excess is an eighth of
+   !> the range for a parabola, or for a vibration through up to `longest_angle`.
    pure subroutine find_flat_steps(screen, angle, values, first, final, parts, is_flat)
       type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: angle(lane_count)
       !! phase angle of the fastest vibration of the scene over the step [rad]
-      real(wp), intent(in) :: values(lane_count, screen%n, value_count)
+      real(wp), intent(in) :: values(lane_count, screen%columns, value_count)
       integer, intent(in) :: first, final
       !! range of the values to check
       type(force_parts_t), intent(in) :: parts
@@ -187,16 +194,6 @@ contains
       !! 1 if the step has no extremum, 0 if it may have one; 0.5 if values grow up to the end
       real(wp), parameter :: longest_angle = 1.5_wp
       !! longest phase angle of a step [rad]
-      real(wp), parameter :: rise = 0.25_wp
-      !! rise of a peak above the samples, over their range [-]
-      real(wp), parameter :: slack = 0.01_wp
-      !! margin over the range so far [-]
-      real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
-      !! bound of the factors of a product
-      real(wp), parameter :: same = 1.0e-8_wp
-      !! relative difference between two procedures that compute the same value [-]
-      real(wp) :: top, low, level, range, a, b, c, grows, falls
-      !! a, b, c: samples; of the quotient the samples of N, then of |H|
       integer :: i, q
 
       !$omp simd
@@ -204,27 +201,110 @@ contains
          is_flat(i) = merge(1.0_wp, 0.0_wp, angle(i) < longest_angle)
       end do
       do q = first, final
-         if (screen%is_led(q) .or. (q == demand .and. is_quotient(parts))) cycle
-         !$omp simd private(top, low, level, range, a, b, c, grows, falls)
+         if (screen%is_led(q)) cycle
+         if (q == demand .and. is_quotient(parts)) then
+            call check_quotient(screen%columns, values, is_flat)
+         else if (q > screen%n - sections .and. first > demand) then
+            call check_section(screen%columns, values, q, screen%n + 1 + section_terms*(q + sections &
+               - 1 - screen%n), is_flat)
+         else
+            call check_value(screen%columns, values, q, is_flat)
+         end if
+      end do
+   end subroutine find_flat_steps
+
+   !> Check the steps for an extremum of one value, of its magnitude except for -N. A magnitude that
+   !> falls from the largest so far, by the parabola through the samples, has no other peak either.
+   pure subroutine check_value(columns, values, q, is_flat)
+      integer, intent(in) :: columns
+      !! number of values and coefficients
+      real(wp), intent(in) :: values(lane_count, columns, value_count)
+      integer, intent(in) :: q
+      !! number of the value
+      real(wp), intent(inout) :: is_flat(lane_count)
+      !! as in `find_flat_steps`
+      real(wp) :: a, b, c, begin, end, top, low, level, range, grows, falls
+      logical :: is_magnitude
+      integer :: i
+
+      is_magnitude = q /= low_normal
+      !$omp simd private(a, b, c, begin, end, top, low, level, range, grows, falls)
+      do i = 1, lane_count
+         a = values(i, q, at_begin)
+         b = values(i, q, at_middle)
+         c = values(i, q, at_end)
+         level = values(i, q, so_far)
+         range = level - values(i, q, least_so_far)
+         low = rise*(max(a, b, c) - min(a, b, c))
+         begin = merge(abs(a), a, is_magnitude)
+         end = merge(abs(c), c, is_magnitude)
+         top = merge(max(begin, abs(b), end), max(a, b, c), is_magnitude)
+         ! slopes of the parabola at both ends, away from zero
+         grows = merge(sign(1.0_wp, c), 1.0_wp, is_magnitude)
+         grows = min(grows*(3*c - 4*b + a), grows*(4*b - 3*a - c))
+         falls = merge(sign(1.0_wp, a), 1.0_wp, is_magnitude)
+         falls = max(falls*(3*c - 4*b + a), falls*(4*b - 3*a - c))
+         grows = merge(0.5_wp, 0.0_wp, min(grows, low + end - begin) > low)
+         falls = merge(1.0_wp, 0.0_wp, max(falls + low, end - begin, &
+            begin - level - same*abs(level)) < 0)
+         top = merge(1.0_wp, max(grows, falls), top + low + slack*max(range, 0.0_wp) <= level)
+         is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))
+      end do
+   end subroutine check_value
+
+   !> Check the steps for an extremum of a maximum along the wall. At every height the range of the
+   !> force is at most the largest range of its coefficients in Bernstein form.
+   pure subroutine check_section(columns, values, q, first, is_flat)
+      integer, intent(in) :: columns
+      !! number of values and coefficients
+      real(wp), intent(in) :: values(lane_count, columns, value_count)
+      integer, intent(in) :: q
+      !! number of the value
+      integer, intent(in) :: first
+      !! column of its first coefficient
+      real(wp), intent(inout) :: is_flat(lane_count)
+      !! as in `find_flat_steps`
+      real(wp) :: a, b, c, top, low, level, range, grows, falls, spread(lane_count)
+      integer :: i, m
+
+      spread = 0
+      do m = first, first + section_terms - 1
+         !$omp simd private(a, b, c)
          do i = 1, lane_count
-            a = values(i, q, at_begin)
-            b = values(i, q, at_middle)
-            c = values(i, q, at_end)
-            top = max(a, b, c)
-            low = min(a, b, c)
-            low = rise*max(top - low, a + b + c - low)
-            level = values(i, q, so_far)
-            range = level - values(i, q, least_so_far)
-            ! slopes of the parabola at both ends
-            grows = merge(0.5_wp, 0.0_wp, min(3*c - 4*b - abs(a), 4*b - 3*a - c) > low)
-            falls = merge(1.0_wp, 0.0_wp, max(3*c - 4*b + abs(a), 4*b - 3*a + abs(c)) < -low)
-            falls = merge(falls, 0.0_wp, a <= level*(1 + same))
-            top = top + low + slack*max(range, 0.0_wp)
-            top = merge(1.0_wp, max(grows, falls), top <= level)
-            is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))
+            a = values(i, m, at_begin)
+            b = values(i, m, at_middle)
+            c = values(i, m, at_end)
+            spread(i) = max(spread(i), max(a, b, c) - min(a, b, c))
          end do
       end do
-      if (first > demand .or. .not. is_quotient(parts)) return
+      !$omp simd private(a, b, c, top, low, level, range, grows, falls)
+      do i = 1, lane_count
+         a = values(i, q, at_begin)
+         b = values(i, q, at_middle)
+         c = values(i, q, at_end)
+         level = values(i, q, so_far)
+         range = level - values(i, q, least_so_far)
+         low = rise*(a + b + c - min(a, b, c))
+         ! slopes at both ends; the force may change its sign between the samples
+         grows = merge(0.5_wp, 0.0_wp, min(3*c - 4*b - a, 4*b - 3*a - c) > low)
+         falls = merge(1.0_wp, 0.0_wp, max(3*c - 4*b + a, 4*b - 3*a + c) < -low)
+         falls = merge(falls, 0.0_wp, a <= level*(1 + same))
+         top = max(a, b, c) + rise*spread(i) + slack*max(range, 0.0_wp)
+         top = merge(1.0_wp, max(grows, falls), top <= level)
+         is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))
+      end do
+   end subroutine check_section
+
+   !> Check the steps for an extremum of the quotient |H|/N, by bounds of |H| and N.
+   pure subroutine check_quotient(columns, values, is_flat)
+      integer, intent(in) :: columns
+      !! number of values and coefficients
+      real(wp), intent(in) :: values(lane_count, columns, value_count)
+      real(wp), intent(inout) :: is_flat(lane_count)
+      !! as in `find_flat_steps`
+      real(wp) :: top, low, level, a, b, c
+      integer :: i
+
       !$omp simd private(top, low, level, a, b, c)
       do i = 1, lane_count
          a = -max(-cap, min(values(i, low_normal, at_begin), cap))
@@ -232,17 +312,17 @@ contains
          c = -max(-cap, min(values(i, low_normal, at_end), cap))
          low = min(a, b, c)
          low = low - rise*(max(a, b, c) - low) - slack*abs(low)
-         a = a*min(values(i, demand, at_begin), cap)
-         b = b*min(values(i, demand, at_middle), cap)
-         c = c*min(values(i, demand, at_end), cap)
-         top = max(a, b, c)
-         top = top + rise*(a + b + c - min(a, b, c)) + slack*abs(top)
+         a = a*max(-cap, min(values(i, demand, at_begin), cap))
+         b = b*max(-cap, min(values(i, demand, at_middle), cap))
+         c = c*max(-cap, min(values(i, demand, at_end), cap))
+         top = max(abs(a), abs(b), abs(c))
+         top = top + rise*(max(a, b, c) - min(a, b, c)) + slack*top
          level = min(values(i, demand, so_far), cap)
          ! a pivot that lifts has the largest possible demand
          top = merge(-1.0_wp, merge(top, 2*cap*cap, low > 0), level >= cap)
          is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level*max(low, 0.0_wp))
       end do
-   end subroutine find_flat_steps
+   end subroutine check_quotient
 
    !> Return whether the demand of a scene is |H|/N rather than the force of a shear key.
    pure logical function is_quotient(parts)
@@ -261,14 +341,12 @@ contains
       real(wp), intent(in) :: angle(lane_count)
       !! phase angle of the fastest vibration of the scene over the step [rad]
       real(wp), intent(in) :: values(lane_count, n, value_count)
-      !! reactions at the ends of the step, and their extremes so far: -N [m/s2], |H|/N [-], |V|
-      !! [m/s2]; further values follow
+      !! reactions at the ends of the step: -N [m/s2], H/N [-], V [m/s2]; extremes so far of -N and
+      !! of the magnitudes of the others; further values follow
       real(wp), intent(out) :: is_plain(lane_count)
       !! 1 if the step has no extremum, 0 if it may have one [-]
       real(wp), parameter :: largest_margin = 0.25_wp
       !! margin over the range so far, for a step of `short_angle` [-]
-      real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
-      !! bound of the factors of a product
       real(wp) :: margin, range, found, level, normal_a, normal_b
       integer :: i, q
 
@@ -278,7 +356,9 @@ contains
             if (q == 1) is_plain(i) = merge(1.0_wp, 0.0_wp, angle(i) < short_angle)
             margin = max(0.01_wp, largest_margin*(angle(i)/short_angle)**2)
             range = values(i, q, so_far) - values(i, q, least_so_far)
-            found = max(values(i, q, at_begin), values(i, q, at_end)) + margin*max(range, 0.0_wp)
+            found = max(values(i, q, at_begin), values(i, q, at_end))
+            if (q /= low_normal) found = max(abs(values(i, q, at_begin)), abs(values(i, q, at_end)))
+            found = found + margin*max(range, 0.0_wp)
             level = values(i, q, so_far)
             if (q == demand .and. is_quotient(parts)) then
                ! |H| departs from its ends by a part of its range, which is less than the largest
@@ -286,8 +366,8 @@ contains
                normal_a = -min(values(i, low_normal, at_begin), cap)
                normal_b = -min(values(i, low_normal, at_end), cap)
                level = min(level, cap)
-               found = max(normal_a*min(values(i, demand, at_begin), cap), &
-                  normal_b*min(values(i, demand, at_end), cap)) &
+               found = max(normal_a*min(abs(values(i, demand, at_begin)), cap), &
+                  normal_b*min(abs(values(i, demand, at_end)), cap)) &
                   + margin*level*min(-values(i, low_normal, least_so_far), cap)
                level = level*(min(normal_a, normal_b) - margin*max(0.0_wp, &
                   values(i, low_normal, so_far) - values(i, low_normal, least_so_far)))

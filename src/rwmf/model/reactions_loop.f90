@@ -20,8 +20,8 @@ module rwmf_model_reactions_loop
    integer, parameter :: demand = 2
    integer, parameter :: shear = 3
    integer, parameter :: reaction_count = 3
-   !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2]; the run keeps the maximum
-   !! of each
+   !! -N [m/s2], H/N [-] (with a shear key H [m/s2]) and V [m/s2]; the run keeps the maximum of the
+   !! first and of the magnitudes of the others
 
    !> Motion of the lanes, and the forces on their walls above the base, horizontal and upward, over
    !> m_w [m/s2].
@@ -64,9 +64,9 @@ contains
       real(wp), intent(in) :: ground(lane_count, 2)
       !! horizontal and vertical ground acceleration [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count)
-      !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2]. They are in the columns
-      !! `low_normal`, `demand` and `shear`. Without a wall only the shear is meaningful; the other
-      !! columns hold the smallest number.
+      !! -N [m/s2], H/N [-] (with a shear key H [m/s2]) and V [m/s2], in the columns `low_normal`,
+      !! `demand` and `shear`. Without a wall only the shear is meaningful; the first column holds the
+      !! smallest number, the second 0.
       type(lane_forces_t), intent(out) :: forces
       real(wp), intent(out) :: rates(lane_count, parts%through_link%n)
       !! rates of the floor states [m/s], [m/s2]; other rates are undefined
@@ -92,12 +92,11 @@ contains
             !$omp simd
             do i = 1, lane_count
                found(i, low_normal) = -huge(1.0_wp)
-               found(i, demand) = -huge(1.0_wp)
+               found(i, demand) = 0
                phi_ddot(i) = link(i, 1)/link(i, 2)
                found(i, shear) = phi_ddot(i) + ground(i, 1)
             end do
             call push_floors(parts%through_link, coef, rates, ground, found(1, shear))
-            found(:, shear) = abs(found(:, shear))
             return
          end if
          call move_centroid(coef, ground, link + corner + cable, motion, phi_ddot, force)
@@ -109,17 +108,16 @@ contains
       end associate
       !$omp simd
       do i = 1, lane_count
-         found(i, shear) = abs(found(i, shear))
          found(i, low_normal) = -force(i, 2)
       end do
       if (parts%has_shear_key) then
-         found(:, demand) = abs(force(:, 1))
+         found(:, demand) = force(:, 1)
          return
       end if
       !$omp simd
       do i = 1, lane_count
-         found(i, demand) = merge(abs(force(i, 1))/max(force(i, 2), tiny(1.0_wp)), huge(1.0_wp), &
-            abs(force(i, 1)) < force(i, 2)*sqrt(huge(1.0_wp)))
+         found(i, demand) = merge(force(i, 1)/max(force(i, 2), tiny(1.0_wp)), sign(huge(1.0_wp), &
+            force(i, 1)), abs(force(i, 1)) < force(i, 2)*sqrt(huge(1.0_wp)))
       end do
    end subroutine lane_forces
 

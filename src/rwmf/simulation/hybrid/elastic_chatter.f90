@@ -49,12 +49,14 @@ contains
       v = abs(hybrid%y(2))
       if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0 .or. v <= 0) return
       if (equation%moves_at_rest) return
+      e = factor_at(hybrid%restitution, v)
+      ! a jump has at least half of these flights
+      if (least_flights/2*(1 - e) > most_lost) return
       begin = decelerations(equation, hybrid%t)
       if (minval(begin) <= 0) return
       if (v**2 > 2*minval(begin)*small_angle) return
       span = min(t_limit, demand_turns(equation, interval_of(equation), hybrid%t)) - hybrid%t
       if (span < least_flights*2*v/minval(begin)) return
-      e = factor_at(hybrid%restitution, v)
       damping = damping_at(hybrid, equation, v)
       do
          pull = decelerations(equation, hybrid%t + span)

@@ -5,7 +5,7 @@ module rwmf_simulation_lanes_reaction_screen
       of_ground_end, of_interval, of_limit, of_middle, of_next, of_plain, of_time, of_trial
    use rwmf_integrator_lane_reactions, only: at_begin, at_end, find_values, least_so_far, &
       screen_one => screen_steps, so_far, value_count
-   use rwmf_model_demands_loop, only: demand_constants
+   use rwmf_model_demands_loop, only: demand_constants, section_terms, sections
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_reactions_loop, only: reaction_count
    use rwmf_motion_ground_motion, only: turning_point
@@ -54,8 +54,9 @@ contains
          allocate (screen%is_led(reaction_count), source=.false.)
          if (screen%has_demands) screen%is_led = [screen%is_led, recorder%demands%is_led]
          screen%n = size(screen%is_led)
+         screen%columns = screen%n + merge(sections*section_terms, 0, screen%has_demands)
          screen%has_middle = screen%has_demands .or. screen%has_sampled_reactions
-         allocate (batch%values(batch%width, screen%n, value_count), source=0.0_wp)
+         allocate (batch%values(batch%width, screen%columns, value_count), source=0.0_wp)
          allocate (batch%constants(batch%width, demand_constants(screen%floors, screen%drifts)), &
             source=0.0_wp)
       end associate
@@ -73,8 +74,10 @@ contains
          batch%values(i, :reaction_count, least_so_far) = lane%recorder%forces%smallest
       end if
       if (batch%screen%has_demands) then
-         batch%values(i, reaction_count + 1:, so_far) = lane%recorder%demands%largest
-         batch%values(i, reaction_count + 1:, least_so_far) = lane%recorder%demands%smallest
+         associate (values => batch%values(i, reaction_count + 1:batch%screen%n, :))
+            values(:, so_far) = lane%recorder%demands%largest
+            values(:, least_so_far) = lane%recorder%demands%smallest
+         end associate
       end if
    end subroutine note_extremes
 

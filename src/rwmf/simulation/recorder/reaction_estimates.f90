@@ -6,7 +6,8 @@ module rwmf_simulation_recorder_reaction_estimates
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: vertex_of_parabola
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
-   use rwmf_model_reactions_loop, only: lane_reactions, n_quantities => reaction_count
+   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
+      n_quantities => reaction_count, shear
    use rwmf_simulation_events_step_quartic, only: quartic_of, quartic_t, quintic_of, slope_at, &
       value_at
    use rwmf_simulation_events_step_view, only: accelerations, is_short, step_view_t
@@ -80,7 +81,7 @@ contains
             acceleration(1, 1) = ground(equation, t)
             if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
             call lane_reactions(equation%parts, equation%state%coef, y, acceleration, at)
-            found(:, i) = at(1, :)
+            found(:, i) = [at(1, low_normal), abs(at(1, [demand, shear]))]
          end do
       end associate
    end subroutine estimate_reactions
