@@ -253,7 +253,8 @@ contains
    end subroutine check_value
 
    !> Check the steps for an extremum of a maximum along the wall. At every height the range of the
-   !> force is at most the largest range of its coefficients in Bernstein form.
+   !> force is at most the largest range of its coefficients in Bernstein form. Most of the force may
+   !> be static, so a margin over its range so far would exclude few steps.
    pure subroutine check_section(columns, values, q, first, is_flat)
       integer, intent(in) :: columns
       !! number of values and coefficients
@@ -264,7 +265,7 @@ contains
       !! column of its first coefficient
       real(wp), intent(inout) :: is_flat(lane_count)
       !! as in `find_flat_steps`
-      real(wp) :: a, b, c, top, low, level, range, grows, falls, spread(lane_count)
+      real(wp) :: a, b, c, spread(lane_count)
       integer :: i, m
 
       spread = 0
@@ -277,21 +278,11 @@ contains
             spread(i) = max(spread(i), max(a, b, c) - min(a, b, c))
          end do
       end do
-      !$omp simd private(a, b, c, top, low, level, range, grows, falls)
+      !$omp simd private(a)
       do i = 1, lane_count
-         a = values(i, q, at_begin)
-         b = values(i, q, at_middle)
-         c = values(i, q, at_end)
-         level = values(i, q, so_far)
-         range = level - values(i, q, least_so_far)
-         low = rise*(a + b + c - min(a, b, c))
-         ! slopes at both ends; the force may change its sign between the samples
-         grows = merge(0.5_wp, 0.0_wp, min(3*c - 4*b - a, 4*b - 3*a - c) > low)
-         falls = merge(1.0_wp, 0.0_wp, max(3*c - 4*b + a, 4*b - 3*a + c) < -low)
-         falls = merge(falls, 0.0_wp, a <= level*(1 + same))
-         top = max(a, b, c) + rise*spread(i) + slack*max(range, 0.0_wp)
-         top = merge(1.0_wp, max(grows, falls), top <= level)
-         is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))
+         a = max(values(i, q, at_begin), values(i, q, at_middle), values(i, q, at_end)) &
+            + 2*rise*spread(i)
+         is_flat(i) = merge(is_flat(i), 0.0_wp, a <= values(i, q, so_far))
       end do
    end subroutine check_section
 

@@ -93,17 +93,17 @@ contains
       batch%table(:, of_calm) = 0
       associate (parts => lanes(1)%equation%parts, last => batch%pair%stages)
          if (.not. parts%is_complete) return
+         batch%table(:, of_middle:of_middle + 1) = (batch%ground(:, 1, :) + batch%ground(:, last, &
+            :))/2
          do i = 1, batch%width
             if (.not. batch%is_busy(i)) cycle
             if (.not. batch%is_known(i)) call find_begin(lanes(i), i, batch)
             batch%table(i, of_next) = merge(1, 0, continues(i, batch))
-            associate (middle => batch%table(i, of_middle:of_middle + 1))
-               middle = (batch%ground(i, 1, :) + batch%ground(i, last, :))/2
-               if (.not. batch%has_curves) cycle
-               t = batch%table(i, of_time) + batch%table(i, of_trial)/2
-               middle(1) = ground(lanes(i)%equation, t)
-               if (lanes(i)%equation%has_vertical) middle(2) = vertical_ground(lanes(i)%equation, t)
-            end associate
+            if (.not. batch%has_curves) cycle
+            t = batch%table(i, of_time) + batch%table(i, of_trial)/2
+            batch%table(i, of_middle) = ground(lanes(i)%equation, t)
+            if (lanes(i)%equation%has_vertical) batch%table(i, of_middle + 1) = vertical_ground( &
+               lanes(i)%equation, t)
          end do
          if (batch%width == 1) then
             call screen_one(parts, batch%screen, last, batch%constants, batch%coef, batch%y, &
@@ -158,12 +158,11 @@ contains
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
       type(batch_t), intent(inout) :: batch
-      real(wp) :: acceleration(1, 2)
-      real(wp), allocatable, dimension(:, :) :: constants, coef, y, found
+      real(wp) :: acceleration(1, 2), constants(1, size(batch%constants, 2))
+      real(wp) :: coef(1, size(batch%coef, 2)), y(1, size(batch%y, 2))
+      real(wp) :: found(1, size(batch%values, 2))
 
       acceleration(1, :) = batch%ground(i, 1, :)
-      allocate (constants(1, size(batch%constants, 2)), coef(1, size(batch%coef, 2)))
-      allocate (y(1, size(batch%y, 2)), found(1, size(batch%values, 2)))
       constants(1, :) = batch%constants(i, :)
       coef(1, :) = batch%coef(i, :)
       y(1, :) = batch%y(i, :)
