@@ -278,7 +278,7 @@ contains
 
       do i = 1, batch%width
          is_watched = batch%is_busy(i) .and. lanes(i)%is_smooth
-         if (is_watched .and. minval(batch%table(i, [of_plain, of_calm])) > 0) then
+         if (is_watched .and. min(batch%table(i, of_plain), batch%table(i, of_calm)) > 0) then
             is_watched = needs_all_steps(lanes(i)%recorder)
             if (.not. is_watched) is_watched = may_be_fastest(batch, i, &
                lanes(i)%recorder%theta_dot_max)

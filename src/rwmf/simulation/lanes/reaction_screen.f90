@@ -138,17 +138,23 @@ contains
       !! number of the lane in the batch
       type(batch_t), intent(in) :: batch
       real(wp), parameter :: slack = 1.0e-9_wp
-      integer :: next
+      real(wp) :: since
+      integer :: k, next
 
       associate (table => batch%table, lines => batch%lines, last => batch%pair%stages)
          continues = table(i, of_trial) < table(i, of_limit) - table(i, of_time)
          if (continues) return
          next = min(int(table(i, of_interval)) + 1, ubound(lines, 2))
          if (.not. lines(1, next) > table(i, of_limit)) return
-         associate (since => table(i, of_limit) - lines(4, next), a => batch%ground(i, last, :))
-            continues = all(abs(lines([2, 5], next) + since*lines([3, 6], next) - a) &
-               <= slack*abs(a))
-         end associate
+         since = table(i, of_limit) - lines(4, next)
+         continues = .true.
+         ! without array temporaries, because most steps end at a knot
+         do k = 1, 2
+            associate (a => batch%ground(i, last, k))
+               continues = continues .and. abs(lines(3*k - 1, next) + since*lines(3*k, next) - a) &
+                  <= slack*abs(a)
+            end associate
+         end do
       end associate
    end function continues
 
