@@ -207,11 +207,31 @@ contains
          call lane_demands(equation%parts, floors, storeys, constants, equation%state%coef, &
             reshape(y, [1, size(y)]), acceleration, found)
       end associate
-      do q = 1, size(recorder%largest)
-         call checks%close_to(abs(found(1, reaction_count + q)), recorder%largest(q), &
-            'demand of the loop, '//name, rtol=1.0e-11_wp)
-      end do
+      associate (n => reaction_count + size(recorder%largest))
+         ! the last two are magnitudes, and -1 without a wall
+         found(1, reaction_count + 1:n - sections) = abs(found(1, reaction_count + 1:n - sections))
+         do q = reaction_count + 1, n
+            call checks%close_to(found(1, q), recorder%largest(q - reaction_count), &
+               'demand of the loop, '//name, rtol=1.0e-11_wp)
+         end do
+         if (.not. equation%has_wall) return
+         call check_coefficients(found(1, n - 1), found(1, n + 1:n + section_terms), 'shear, '//name)
+         call check_coefficients(found(1, n), found(1, n + section_terms + 1:), 'moment, '//name)
+      end associate
    end subroutine check_demands
+
+   !> Check that the coefficients of a section force enclose its maximum along the wall, and that the
+   !> first and the last are its values at both ends.
+   subroutine check_coefficients(largest, c, name)
+      real(wp), intent(in) :: largest
+      !! [m/s2] or [m2/s2], as the coefficients
+      real(wp), intent(in) :: c(:)
+      character(*), intent(in) :: name
+
+      call checks%that(largest <= maxval(abs(c))*(1 + round_off), 'coefficients enclose '//name)
+      call checks%that(largest >= max(abs(c(1)), abs(c(size(c))))*(1 - round_off), &
+         'ends of '//name)
+   end subroutine check_coefficients
 
    !> Compare the demands of the loop over lanes with the scalar ones for a case without wall.
    subroutine check_bare_frame(case, name)
