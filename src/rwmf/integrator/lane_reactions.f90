@@ -252,9 +252,11 @@ contains
       end do
    end subroutine check_value
 
-   !> Check the steps for an extremum of a maximum along the wall. At every height the range of the
-   !> force is at most the largest range of its coefficients in Bernstein form. Most of the force may
-   !> be static, so a margin over its range so far would exclude few steps.
+   !> Check the steps for an extremum of a maximum along the wall.
+   !>
+   !> Either the maximum stays below the largest so far by the largest range of a coefficient in
+   !> Bernstein form, or all coefficients stay below it. The outer coefficients are values at the ends
+   !> of the wall, which may also grow up to the end of the step.
    pure subroutine check_section(columns, values, q, first, is_flat)
       integer, intent(in) :: columns
       !! number of values and coefficients
@@ -265,24 +267,31 @@ contains
       !! column of its first coefficient
       real(wp), intent(inout) :: is_flat(lane_count)
       !! as in `find_flat_steps`
-      real(wp) :: a, b, c, spread(lane_count)
+      real(wp) :: a, b, c
+      real(wp), dimension(lane_count) :: spread, inside, all_inside
       integer :: i, m
 
       spread = 0
+      all_inside = 1
       do m = first, first + section_terms - 1
+         inside = 1
+         call check_value(columns, values, m, inside)
          !$omp simd private(a, b, c)
          do i = 1, lane_count
             a = values(i, m, at_begin)
             b = values(i, m, at_middle)
             c = values(i, m, at_end)
             spread(i) = max(spread(i), max(a, b, c) - min(a, b, c))
+            inside(i) = merge(inside(i), aint(inside(i)), m == first .or. m == first &
+               + section_terms - 1)
+            all_inside(i) = min(all_inside(i), inside(i))
          end do
       end do
       !$omp simd private(a)
       do i = 1, lane_count
          a = max(values(i, q, at_begin), values(i, q, at_middle), values(i, q, at_end)) &
             + 2*rise*spread(i)
-         is_flat(i) = merge(is_flat(i), 0.0_wp, a <= values(i, q, so_far))
+         is_flat(i) = min(is_flat(i), merge(1.0_wp, all_inside(i), a <= values(i, q, so_far)))
       end do
    end subroutine check_section
 

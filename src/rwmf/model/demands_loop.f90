@@ -175,8 +175,8 @@ contains
       !! [m/s2]
       type(lane_forces_t), intent(in) :: forces
       real(wp), intent(inout) :: found(lane_count, sections*(1 + section_terms))
-      !! shear [m/s2] and moment [m2/s2]; then the part of the cable and the coefficients of the
-      !! shear, and the coefficients of the moment
+      !! shear [m/s2] and moment [m2/s2]; then the coefficients of the shear from the link to the
+      !! base, with the part of the cable before the last one, and those of the moment
       real(wp), parameter :: least = 1.0e-100_wp
       !! smallest denominator, against division by zero
       real(wp), dimension(lane_count) :: h, b, turn, push, across, about
@@ -197,7 +197,7 @@ contains
             *forces%motion%rate(i)
          across(i) = cosine*forces%cable(i, 1) - sine*forces%cable(i, 2)
          found(i, 1) = abs(across(i))
-         found(i, 3) = across(i)
+         found(i, 5) = across(i)
          of_link = cosine*forces%link(i, 1) - sine*forces%link(i, 2)
          across(i) = across(i) + of_link
          about(i) = 2*h(i)*across(i) - forces%motion%side(i)*(b(i) - 2*coef(i, first_wall + 5) &
@@ -206,8 +206,8 @@ contains
          found(i, 2) = abs(about(i) - 2*h(i)*across(i))
          slope = push(i) + 2*h(i)*turn(i)
          rest = turn(i)*b(i)*b(i)/3 - 2*h(i)*across(i)
-         found(i, 4) = -across(i)
-         found(i, 5) = slope/2 - across(i)
+         found(i, 3) = -across(i)
+         found(i, 4) = slope/2 - across(i)
          found(i, 6) = slope - across(i) - h(i)*turn(i)
          found(i, 7) = 2*h(i)*across(i) - about(i)
          found(i, 8) = found(i, 7) + rest/3

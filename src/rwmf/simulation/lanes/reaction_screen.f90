@@ -68,6 +68,7 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
+      integer :: q
 
       if (batch%screen%has_reactions) then
          batch%values(i, :reaction_count, so_far) = lane%recorder%forces%largest
@@ -77,6 +78,13 @@ contains
          associate (values => batch%values(i, reaction_count + 1:batch%screen%n, :))
             values(:, so_far) = lane%recorder%demands%largest
             values(:, least_so_far) = lane%recorder%demands%smallest
+         end associate
+         associate (n => batch%screen%n)
+            ! most of a section force may be static: its coefficients have no margin over their range
+            do q = 1, sections
+               batch%values(i, n + section_terms*(q - 1) + 1:n + section_terms*q, [so_far, &
+                  least_so_far]) = batch%values(i, n - sections + q, so_far)
+            end do
          end associate
       end if
    end subroutine note_extremes
