@@ -12,8 +12,8 @@ module rwmf_integrator_lane_reactions
    implicit none
    private
 
-   public :: screen_steps, find_plain_steps, find_values
-   public :: at_begin, at_middle, at_end, so_far, least_so_far, value_count, short_angle
+   public :: screen_steps, find_values
+   public :: at_begin, at_middle, at_end, so_far, least_so_far, value_count
 
    integer, parameter :: at_begin = 1
    integer, parameter :: at_middle = 2
@@ -37,18 +37,13 @@ module rwmf_integrator_lane_reactions
    real(wp), parameter :: same = 1.0e-8_wp
    !! relative difference between two procedures that compute the same value [-]
 
-   real(wp), parameter :: short_angle = 0.4_wp
-   !! largest phase angle of a plain step: the second harmonic departs from a chord by (2*0.4)**2/8
-   !! of its amplitude [rad]
-
 contains
 
    !> Compute reactions and demands in the attempted steps of all lanes, and mark the steps without
    !> an extremum.
    !>
    !> The values at the end of a step are those at the beginning of the next one, unless the ground
-   !> jumps in between. If the ends are not sufficient, the middle is found from the cubic through
-   !> states and rates.
+   !> jumps in between. The state in the middle is found from the cubic through states and rates.
    subroutine screen_steps(parts, screen, last, constants, coef, y, k, y_new, ground, mark, table, &
       values)
       type(force_parts_t), intent(in) :: parts
@@ -87,27 +82,20 @@ contains
       angle = table(:, of_trial)*max(table(:, of_frequency), turning)
       at = ground(:, last, :)
       call find_values(parts, screen, constants, coef, y_new, at, values(1, 1, at_end))
-      if (screen%has_middle) then
-         do m = 1, parts%through_link%n
-            !$omp simd
-            do i = 1, lane_count
-               y_middle(i, m) = (y(i, m) + y_new(i, m))/2 + table(i, of_trial)/8*(k(i, m, 1) &
-                  - k(i, m, last))
-            end do
+      do m = 1, parts%through_link%n
+         !$omp simd
+         do i = 1, lane_count
+            y_middle(i, m) = (y(i, m) + y_new(i, m))/2 + table(i, of_trial)/8*(k(i, m, 1) &
+               - k(i, m, last))
          end do
-         at = table(:, of_middle:of_middle + 1)
-         call find_values(parts, screen, constants, coef, y_middle, at, values(1, 1, at_middle))
-      end if
+      end do
+      at = table(:, of_middle:of_middle + 1)
+      call find_values(parts, screen, constants, coef, y_middle, at, values(1, 1, at_middle))
       table(:, of_plain) = 1
       table(:, of_calm) = 1
       if (screen%has_reactions) then
-         if (screen%has_sampled_reactions) then
-            call find_flat_steps(screen, angle, values, 1, reaction_count, parts, &
-               table(1, of_plain))
-            table(:, of_plain) = aint(table(:, of_plain))
-         else
-            call find_plain_steps(parts, screen%columns, angle, values, table(1, of_plain))
-         end if
+         call find_flat_steps(screen, angle, values, 1, reaction_count, parts, table(1, of_plain))
+         table(:, of_plain) = aint(table(:, of_plain))
       end if
       if (.not. screen%has_demands) return
       angle = table(:, of_trial)*max(table(:, of_fastest_demand), turning)
@@ -330,53 +318,5 @@ contains
 
       is_quotient = parts%through_link%has_wall .and. .not. parts%has_shear_key
    end function is_quotient
-
-   !> Find the steps that cannot contain an extremum of the reactions. Most steps are so short, and
-   !> so far from the extrema so far, that their ends suffice. A quotient |H|/N is bounded by its
-   !> parts, because it has a sharp peak wherever N is small.
-   pure subroutine find_plain_steps(parts, n, angle, values, is_plain)
-      type(force_parts_t), intent(in) :: parts
-      integer, intent(in) :: n
-      !! number of values
-      real(wp), intent(in) :: angle(lane_count)
-      !! phase angle of the fastest vibration of the scene over the step [rad]
-      real(wp), intent(in) :: values(lane_count, n, value_count)
-      !! reactions at the ends of the step: -N [m/s2], H/N [-], V [m/s2]; extremes so far of -N and
-      !! of the magnitudes of the others; further values follow
-      real(wp), intent(out) :: is_plain(lane_count)
-      !! 1 if the step has no extremum, 0 if it may have one [-]
-      real(wp), parameter :: largest_margin = 0.25_wp
-      !! margin over the range so far, for a step of `short_angle` [-]
-      real(wp) :: margin, range, found, level, normal_a, normal_b
-      integer :: i, q
-
-      do q = 1, reaction_count
-         !$omp simd private(margin, range, found, level, normal_a, normal_b)
-         do i = 1, lane_count
-            if (q == 1) is_plain(i) = merge(1.0_wp, 0.0_wp, angle(i) < short_angle)
-            margin = max(0.01_wp, largest_margin*(angle(i)/short_angle)**2)
-            range = values(i, q, so_far) - values(i, q, least_so_far)
-            found = max(values(i, q, at_begin), values(i, q, at_end))
-            if (q /= low_normal) found = max(abs(values(i, q, at_begin)), abs(values(i, q, at_end)))
-            found = found + margin*max(range, 0.0_wp)
-            level = values(i, q, so_far)
-            if (q == demand .and. is_quotient(parts)) then
-               ! |H| departs from its ends by a part of its range, which is less than the largest
-               ! quotient times the largest N
-               normal_a = -min(values(i, low_normal, at_begin), cap)
-               normal_b = -min(values(i, low_normal, at_end), cap)
-               level = min(level, cap)
-               found = max(normal_a*min(abs(values(i, demand, at_begin)), cap), &
-                  normal_b*min(abs(values(i, demand, at_end)), cap)) &
-                  + margin*level*min(-values(i, low_normal, least_so_far), cap)
-               level = level*(min(normal_a, normal_b) - margin*max(0.0_wp, &
-                  values(i, low_normal, so_far) - values(i, low_normal, least_so_far)))
-               ! a pivot that lifts has the largest possible demand
-               if (values(i, demand, so_far) >= cap) found = -huge(found)
-            end if
-            is_plain(i) = merge(is_plain(i), 0.0_wp, found < level .and. range >= 0)
-         end do
-      end do
-   end subroutine find_plain_steps
 
 end module rwmf_integrator_lane_reactions

@@ -11,7 +11,6 @@ module rwmf_simulation_lanes_reaction_screen
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_simulation_lanes_batch, only: lane_state_t, batch_t
    use rwmf_simulation_recorder_demand_extremes, only: count_demands, put_constants
-   use rwmf_simulation_recorder_reaction_estimates, only: fastest_of
    implicit none
    private
 
@@ -31,7 +30,7 @@ contains
       if (.not. allocated(batch%values)) call choose_screen(lane, batch)
       if (.not. batch%screen%is_used) return
       batch%is_known(i) = .false.
-      batch%table(i, of_frequency) = fastest_of(lane%equation)
+      if (batch%screen%has_reactions) batch%table(i, of_frequency) = lane%recorder%forces%frequency
       if (batch%screen%has_demands) then
          batch%table(i, of_fastest_demand) = lane%recorder%demands%frequency
          call put_constants(lane%recorder%demands, batch%constants(i, :))
@@ -48,14 +47,12 @@ contains
          screen%has_reactions = allocated(recorder%forces)
          screen%has_demands = allocated(recorder%demands) .and. equation%parts%is_complete
          screen%is_used = screen%has_reactions .or. allocated(recorder%demands)
-         screen%has_sampled_reactions = equation%floors%n > 0
          if (screen%has_demands) call count_demands(recorder%demands, equation, screen%floors, &
             screen%drifts, screen%has_demands)
          allocate (screen%is_led(reaction_count), source=.false.)
          if (screen%has_demands) screen%is_led = [screen%is_led, recorder%demands%is_led]
          screen%n = size(screen%is_led)
          screen%columns = screen%n + merge(sections*section_terms, 0, screen%has_demands)
-         screen%has_middle = screen%has_demands .or. screen%has_sampled_reactions
          allocate (batch%values(batch%width, screen%columns, value_count), source=0.0_wp)
          allocate (batch%constants(batch%width, demand_constants(screen%floors, screen%drifts)), &
             source=0.0_wp)

@@ -148,7 +148,7 @@ contains
       if (.not. allocated(case%output)) return
       recorder%keeps_energy = case%output%energy
       recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
-      call create_reaction_extremes(recorder%forces, case)
+      call create_reaction_extremes(recorder%forces, case, equation, y)
       call create_demands(recorder%demands, case, equation, y)
       call create_envelopes(recorder%envelopes, case, equation, y)
       if (allocated(case%output%dt)) then
