@@ -182,7 +182,7 @@ contains
       !! 1 if the step has no extremum, 0 if it may have one; 0.5 if values grow up to the end
       real(wp), parameter :: longest_angle = 1.5_wp
       !! longest phase angle of a step [rad]
-      integer :: i, q
+      integer :: i, m, q
 
       !$omp simd
       do i = 1, lane_count
@@ -193,8 +193,9 @@ contains
          if (q == demand .and. is_quotient(parts)) then
             call check_quotient(screen%columns, values, is_flat)
          else if (q > screen%n - sections .and. first > demand) then
-            call check_section(screen%columns, values, q, screen%n + 1 + section_terms*(q + sections &
-               - 1 - screen%n), is_flat)
+            m = q - (screen%n - sections)
+            call check_section(screen%columns, values, q, screen%n + section_terms*(m - 1) + 1, &
+               is_flat)
          else
             call check_value(screen%columns, values, q, is_flat)
          end if
@@ -243,8 +244,8 @@ contains
    !> Check the steps for an extremum of a maximum along the wall.
    !>
    !> Either the maximum stays below the largest so far by the largest range of a coefficient in
-   !> Bernstein form, or all coefficients stay below it. The outer coefficients are values at the ends
-   !> of the wall, which may also grow up to the end of the step.
+   !> Bernstein form, or all coefficients stay below it. The outer coefficients are values at the
+   !> ends of the wall, which may also grow up to the end of the step.
    pure subroutine check_section(columns, values, q, first, is_flat)
       integer, intent(in) :: columns
       !! number of values and coefficients

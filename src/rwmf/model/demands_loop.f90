@@ -37,10 +37,11 @@ contains
       n = of_floors + floors + storeys
    end function demand_constants
 
-   !> Compute the reactions, followed by the demands with their signs. The demands are storey drifts
-   !> [-], storey shears [m/s2], floor accelerations [m/s2] and overturning moment [m]. The magnitudes
-   !> of the largest shear [m/s2] and moment [m2/s2] of the wall follow, each -1 without a wall. The
-   !> last columns are the coefficients of `find_sections`.
+   !> Compute the reactions, followed by the demands with their signs.
+   !>
+   !> The demands are storey drifts [-], storey shears [m/s2], floor accelerations [m/s2] and
+   !> overturning moment [m]. The magnitudes of the largest shear [m/s2] and moment [m2/s2] of the
+   !> wall follow, each -1 without a wall. The last columns are the coefficients of `find_sections`.
    subroutine lane_demands(parts, floors, storeys, building, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       !! complete
@@ -54,8 +55,8 @@ contains
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
       !! horizontal and vertical ground acceleration [m/s2]
-      real(wp), intent(out) :: found(lane_count, reaction_count + 2*storeys + floors + 1 + sections &
-         *(1 + section_terms))
+      real(wp), intent(out) :: found(lane_count, reaction_count + 2*storeys + floors + 1 &
+         + sections*(1 + section_terms))
       !! reactions as in `lane_reactions`, then demands and coefficients, each in its unit
       type(lane_forces_t) :: forces
       real(wp) :: rates(lane_count, parts%through_link%n)

@@ -65,8 +65,8 @@ contains
       !! horizontal and vertical ground acceleration [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count)
       !! -N [m/s2], H/N [-] (with a shear key H [m/s2]) and V [m/s2], in the columns `low_normal`,
-      !! `demand` and `shear`. Without a wall only the shear is meaningful; the first column holds the
-      !! smallest number, the second 0.
+      !! `demand` and `shear`. Without a wall only the shear is meaningful; the first column holds
+      !! the smallest number, the second 0.
       type(lane_forces_t), intent(out) :: forces
       real(wp), intent(out) :: rates(lane_count, parts%through_link%n)
       !! rates of the floor states [m/s], [m/s2]; other rates are undefined

@@ -173,8 +173,8 @@ contains
          acceleration, found)
       call checks%close_to(found(1, low_normal), -reactions%normal, 'N of the loop, '//name, &
          rtol=round_off)
-      call checks%close_to(abs(found(1, demand)), friction_demand(reactions), 'demand of the loop, ' &
-         //name, rtol=10*round_off)
+      call checks%close_to(abs(found(1, demand)), friction_demand(reactions), 'demand of the ' &
+         //'loop, '//name, rtol=10*round_off)
       call checks%close_to(found(1, shear_of_base), reactions%base_shear, 'shear of the ' &
          //'loop, '//name, rtol=10*round_off)
    end subroutine check_loop
@@ -215,13 +215,14 @@ contains
                'demand of the loop, '//name, rtol=1.0e-11_wp)
          end do
          if (.not. equation%has_wall) return
-         call check_coefficients(found(1, n - 1), found(1, n + 1:n + section_terms), 'shear, '//name)
+         call check_coefficients(found(1, n - 1), found(1, n + 1:n + section_terms), &
+            'shear, '//name)
          call check_coefficients(found(1, n), found(1, n + section_terms + 1:), 'moment, '//name)
       end associate
    end subroutine check_demands
 
-   !> Check that the coefficients of a section force enclose its maximum along the wall, and that the
-   !> first and the last are its values at both ends.
+   !> Check that the coefficients of a section force enclose its maximum along the wall, and that
+   !> the first and the last are its values at both ends.
    subroutine check_coefficients(largest, c, name)
       real(wp), intent(in) :: largest
       !! [m/s2] or [m2/s2], as the coefficients

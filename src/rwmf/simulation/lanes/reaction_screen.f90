@@ -77,7 +77,7 @@ contains
             values(:, least_so_far) = lane%recorder%demands%smallest
          end associate
          associate (n => batch%screen%n)
-            ! most of a section force may be static: its coefficients have no margin over their range
+            ! most of a section force may be static: no margin over its range so far
             do q = 1, sections
                batch%values(i, n + section_terms*(q - 1) + 1:n + section_terms*q, [so_far, &
                   least_so_far]) = batch%values(i, n - sections + q, so_far)

@@ -193,14 +193,14 @@ contains
 
    !> True if the values at both ends of a short step exclude an extremum inside.
    !>
-   !> Most steps are short and far below the extrema so far, so they need no state inside. A quotient
-   !> |H|/N is bounded by its parts, because it has a sharp peak wherever N is small.
+   !> Most steps are short and far below the extrema so far, so they need no state inside. A
+   !> quotient |H|/N is bounded by its parts, because it has a sharp peak wherever N is small.
    logical function is_plain(forces, piece)
       type(reaction_extremes_recorder_t), intent(in) :: forces
       type(step_view_t), intent(in) :: piece
       real(wp), parameter :: short_angle = 0.4_wp
-      !! largest phase angle of a plain step: the second harmonic departs from a chord by (2*0.4)**2/8
-      !! of its amplitude [rad]
+      !! largest phase angle of a plain step: the second harmonic departs from a chord by
+      !! (2*0.4)**2/8 of its amplitude [rad]
       real(wp), parameter :: largest_margin = 0.25_wp, least_margin = 0.01_wp
       !! margin over the range so far, for a step of `short_angle` and for a very short one [-]
       real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
