@@ -40,6 +40,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker("no_cover")
         if item.get_closest_marker("slow"):
             slow.setdefault(item.path, set()).add(name)
+        if "browser" in getattr(item, "fixturenames", ()):
+            slow.setdefault(item.path, set()).add("browser")
     # a process of pytest-xdist: otherwise the last one works alone on a long file
     if hasattr(config, "workerinput"):
         items.sort(key=lambda item: -len(slow.get(item.path, ())))
