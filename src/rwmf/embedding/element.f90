@@ -92,9 +92,9 @@ contains
       if (allocated(error)) return
       wall_alone = case
       if (allocated(wall_alone%frame)) deallocate (wall_alone%frame)
-      if (allocated(wall_alone%vertical)) then
-         if (allocated(case%vertical%ratio)) element%vertical_ratio = case%vertical%ratio
-         deallocate (wall_alone%vertical)
+      if (allocated(wall_alone%upward)) then
+         if (allocated(case%upward%ratio)) element%vertical_ratio = case%upward%ratio
+         deallocate (wall_alone%upward)
       end if
       none = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
       call build_equation(wall_alone, none, element%equation)
@@ -246,13 +246,13 @@ contains
    !> Add vertical motion and further effects to force and tangents.
    !>
    !> The derivatives of further effects by phi and phi' are central differences.
-   subroutine add_effects(element, side, kin, motion, vertical, response)
+   subroutine add_effects(element, side, kin, motion, upward, response)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(in) :: motion(3)
       !! phi [rad], phi' [rad/s], phi'' [rad/s2]
-      real(wp), intent(in) :: vertical
+      real(wp), intent(in) :: upward
       !! v_g'' [m/s2]
       type(element_response_t), intent(inout) :: response
       real(wp), parameter :: step = 1.0e-5_wp
@@ -268,8 +268,8 @@ contains
       associate (p => element%equation%p, phi => motion(1), phi_dot => motion(2), &
                  phi_ddot => motion(3))
          unit = element%m_w*p%R/kin%lever
-         moment = vertical*kin%s/p%R
-         moment_1 = -vertical*kin%c/p%R
+         moment = upward*kin%s/p%R
+         moment_1 = -upward*kin%c/p%R
          if (has_further_effects(element%equation)) then
             here = moment_of_effects(element, side, phi, phi_dot)
             by_phi = (moment_of_effects(element, side, phi + step, phi_dot) &
@@ -310,7 +310,7 @@ contains
       state%coef(1, first_wall + wall_coefficients - 2:first_wall + wall_coefficients - 1) &
          = [1.0_wp, 0.0_wp]
       motion%ground = 0
-      motion%vertical = 0
+      motion%upward = 0
       call lane_rates(element%effects, state%coef, side*[phi, phi_dot], motion, rates)
       sums = [motion%moment(1), motion%inertia(1) - 1]
    end function moment_of_effects

@@ -21,7 +21,8 @@ module rwmf_model_demands
    use rwmf_model_reactions, only: link_force, link_tilt, plastic_part, roof_acceleration
    use rwmf_model_wall_sections, only: find_section_extremes, link_places, links_t, &
       section_extremes_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_floors
+   use rwmf_problem_frame_strength, only: has_strength
    implicit none
    private
 
@@ -86,7 +87,7 @@ contains
       type(case_t), intent(in) :: case
 
       floor_count = 1
-      if (allocated(case%storeys)) floor_count = size(case%storeys%frame%m)
+      if (has_floors(case)) floor_count = size(case%frame%floors%m)
    end function floor_count
 
    !> Number of the lowest floor with a link: the roof, unless every floor has one.
@@ -94,8 +95,8 @@ contains
       type(case_t), intent(in) :: case
 
       lowest_link = floor_count(case)
-      if (.not. allocated(case%storeys)) return
-      associate (coupling => case%storeys%coupling)
+      if (.not. has_floors(case)) return
+      associate (coupling => case%frame%coupling)
          if (coupling == 'every_floor' .or. coupling == 'springs') lowest_link = 1
       end associate
    end function lowest_link
@@ -120,7 +121,7 @@ contains
          end if
          return
       end if
-      if (allocated(case%storeys)) then
+      if (has_floors(case)) then
          call describe_storeys(case, equation, building)
       else
          building%floors = 1
@@ -142,7 +143,7 @@ contains
       type(building_t), intent(inout) :: building
       integer :: n, i
 
-      associate (frame => case%storeys%frame)
+      associate (frame => case%frame%floors)
          n = size(frame%m)
          building%floors = n
          building%drifts = n
@@ -155,7 +156,7 @@ contains
          building%k = frame%k*(2*pi/case%frame%T_s/frame%omega(1))**2
          building%load = leaning_loads(case)
          building%viscous_time = case%frame%xi_s*case%frame%T_s/pi
-         building%is_linear = .not. allocated(case%yielding)
+         building%is_linear = .not. has_strength(case)
          building%unit = equation%floors%unit
       end associate
    end subroutine describe_storeys

@@ -78,7 +78,7 @@ contains
 
       associate (motion => forces%motion, phi_ddot => forces%phi_ddot)
          motion%ground = ground(:, 1)
-         motion%vertical = ground(:, 2)
+         motion%upward = ground(:, 2)
          corner = 0
          cable = 0
          if (size(parts%under_corner%terms) > 0) call add_up(parts%under_corner, coef, y, motion, &
@@ -140,7 +140,7 @@ contains
       real(wp) :: corner(lane_count, 2), rates(lane_count, part%n)
 
       motion%ground = 0
-      motion%vertical = 0
+      motion%upward = 0
       call add_up(part, coef, y, motion, corner, rates)
       force = 0
       call press_corner(part, coef, corner, motion, phi_ddot, force)

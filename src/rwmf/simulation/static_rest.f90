@@ -194,7 +194,7 @@ contains
       !! (states)
 
       motion%ground = 0
-      motion%vertical = 0
+      motion%upward = 0
       call lane_rates(model%scene, state%coef, y, motion, rates)
    end subroutine still_rates
 

@@ -8,8 +8,8 @@ module rwmf_spectrum_rows
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_change, only: change_case, changes_t, find_changes
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t, spectrum_spec_t, wall_t
-   use rwmf_problem_record, only: set_factor
+   use rwmf_problem_case, only: case_t, has_floors, spectrum_spec_t, wall_t
+   use rwmf_problem_record, only: set_factor, sets_motion, upward_group
    use rwmf_problem_scene_axes, only: axis_t, list_axes, set_axes
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_problem_wall_size, only: scale_to_period
@@ -220,10 +220,11 @@ contains
          .or. key == 'solver.verify'
       if (key == 'model.g') then
          rows%has_own_motion = rows%has_own_motion .or. allocated(case%motion)
-      else if (index(key, 'motion.') == 1 .or. index(key, 'vertical.') == 1) then
+      else if (sets_motion(key(:index(key, '.') - 1))) then
          rows%has_own_motion = .true.
          rows%has_own_shape = rows%has_own_shape .or. .not. (key == 'motion.scale' &
-            .or. key == 'motion.a_max_g' .or. key == 'motion.v_p' .or. key == 'vertical.ratio')
+            .or. key == 'motion.a_max_g' .or. key == 'motion.v_p' &
+            .or. key == upward_group//'.ratio')
       end if
    end subroutine note_key
 
@@ -419,7 +420,7 @@ contains
       is_allowed = ieee_is_finite(value)
       if (.not. is_allowed .or. axis == axis_scale) return
       is_allowed = value > 0 .or. (axes(axis) == 'gamma' .and. value >= 0 &
-         .and. .not. allocated(case%storeys))
+         .and. .not. has_floors(case))
    end function is_allowed
 
    !> Copy the description of the motion, without the samples of its records.
@@ -428,9 +429,9 @@ contains
       type(case_t), intent(inout) :: row
 
       row%motion = case%motion
-      if (.not. allocated(case%vertical_record)) return
-      if (.not. allocated(row%vertical_record)) allocate (row%vertical_record)
-      row%vertical_record%factor = case%vertical_record%factor
+      if (.not. allocated(case%upward_record)) return
+      if (.not. allocated(row%upward_record)) allocate (row%upward_record)
+      row%upward_record%factor = case%upward_record%factor
    end subroutine take_motion
 
    !> Apply a factor to the horizontal motion: to the scale of a record or the size of a pulse.

@@ -288,7 +288,7 @@ contains
       force = link_force(equation, kinematics_at(equation, y(1)), t, y, y_dot)
       moment = turn(link_corner(equation, case, y), force, equation, y)
       if (.not. has_all_links(case)) return
-      associate (frame => case%storeys%frame)
+      associate (frame => case%frame%floors)
          share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
          forces = resisting_roof(equation, case, y)*frame%k*frame%height/sum(frame%height)
          pulls = frame%m*(share*roof_ddot_of(equation, y, y_dot(2)) + ground(equation, t)) + forces
@@ -308,7 +308,7 @@ contains
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: y(:)
-      real(wp) :: u(size(case%storeys%frame%m))
+      real(wp) :: u(size(case%frame%floors%m))
       type(kinematics_t) :: kin
       real(wp), allocatable :: parts(:)
 
@@ -423,15 +423,15 @@ contains
       shear = equation%p%gamma*equation%p%omega_s*(equation%p%omega_s*u &
          + 2*equation%p%xi_s*slope*y(2))
       if (has_all_links(case)) then
-         shear = case%storeys%frame%k(1)*case%storeys%frame%height(1) &
-            /sum(case%storeys%frame%height)*sum(resisting_roof(equation, case, y), &
+         shear = case%frame%floors%k(1)*case%frame%floors%height(1) &
+            /sum(case%frame%floors%height)*sum(resisting_roof(equation, case, y), &
             [.true., .false., .false.])
       else if (allocated(case%yielding)) then
          associate (law => case%yielding)
             shear = shear + equation%p%gamma*equation%p%omega_s**2*(1 - law%hardening) &
                *(law%u_y*y(3) - u)
          end associate
-      else if (allocated(case%storeys)) then
+      else if (allocated(case%frame%floors)) then
          shear = storey_shear(equation, case, y, u, slope*y(2))
       end if
    end function frame_shear
@@ -440,7 +440,7 @@ contains
       type(case_t), intent(in) :: case
 
       has_all_links = .false.
-      if (allocated(case%storeys)) has_all_links = case%storeys%coupling == 'every_floor'
+      if (allocated(case%frame%floors)) has_all_links = case%frame%coupling == 'every_floor'
    end function has_all_links
 
    !> Shear of the columns of the lowest storey and of all dampers. With one mode it is the force on
@@ -457,8 +457,8 @@ contains
       real(wp) :: roof_ddot
       type(kinematics_t) :: kin
 
-      associate (frame => case%storeys%frame)
-         if (case%storeys%coupling == 'full') then
+      associate (frame => case%frame%floors)
+         if (case%frame%coupling == 'full') then
             shear = frame%k(1)*y(3) + sum(matmul(damping_matrix(frame, case%frame%xi_s), &
                [y(5:6), rate]))
             return

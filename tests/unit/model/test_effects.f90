@@ -90,8 +90,8 @@ contains
       type(case_t) :: case
 
       case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-      allocate (case%vertical)
-      case%vertical%ratio = ratio
+      allocate (case%upward)
+      case%upward%ratio = ratio
    end function shaken_vertically
 
    !> Check that a group absent from a case adds no loop, state or coefficient to its equation.
@@ -140,10 +140,10 @@ contains
       call checks%that(all(abs([state%theta, state%theta_dot] - whole%final_state) <= 0), &
          'a host gets the bits of one run')
       call destroy_stepping(wall)
-      deallocate (case%vertical%ratio)
-      allocate (case%vertical_record)
-      case%vertical_record%t = [0.0_wp, 1.0_wp]
-      case%vertical_record%a = [0.0_wp, 1.0_wp]
+      deallocate (case%upward%ratio)
+      allocate (case%upward_record)
+      case%upward_record%t = [0.0_wp, 1.0_wp]
+      case%upward_record%a = [0.0_wp, 1.0_wp]
       call create_stepping(wall, case, error)
       call advance_stepping(wall, [0.0_wp, 1.0_wp], [0.0_wp, 1.0_wp], error)
       call checks%has_error(error, err_input, '&vertical', 'samples of a host')

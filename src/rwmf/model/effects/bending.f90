@@ -9,9 +9,9 @@ module rwmf_model_effects_bending
       shape_columns
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
       model_t
-   use rwmf_model_hysteresis_spring_set, only: count_linked_smooth
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
+   use rwmf_problem_frame_strength, only: count_linked_smooth
    use rwmf_problem_group_values, only: derive, group_values_t, has_group, has_key, integer_of, &
       real_of, text_of
    use rwmf_problem_key, only: dimensional, key_t, not_negative, optional_key, positive, required, &

@@ -30,7 +30,7 @@ contains
             optional_key('cable', 'eta_y', 'real', '-', '', positive, &
             'P/(m_w g) at which the tendon yields; absent: it stays elastic'))), &
          optional_key('cable', 'hardening', 'real', '-', '0.0', below_one, &
-            'stiffness of the yielding tendon over its elastic one'), &
+            'stiffness of the tendon after yield over its elastic one'), &
          usually('[0.003, 0.3]', &
             optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
             'strain at which it breaks, that of the prestress included; absent: never')), &

@@ -31,7 +31,7 @@ module rwmf_simulation_hybrid_transitions
    public :: reason_of_jump
    public :: apply_event, begin_piece, enter_rest, lift_off, observe_peak, negligible
 
-   character(*), parameter :: reason_of_jump = 'vertical motion or fuses take all of weight and ' &
+   character(*), parameter :: reason_of_jump = 'ground motion or fuses take all of weight and ' &
       //'cable force from the base, and a wall in the air is not in the model'
    !! why a wall leaves its base with both corners
    real(wp), parameter :: negligible = 0.01_wp

@@ -305,7 +305,7 @@ contains
       !! the piece is known to have no extremum of the reactions
       logical, intent(in), optional :: has_calm_demands
       !! the piece is known to have no extremum of the demands
-      type(displacements_t) :: storeys
+      type(displacements_t) :: floors
       logical :: is_left
 
       is_left = allocated(recorder%forces)
@@ -316,7 +316,7 @@ contains
       if (is_left) call observe_moving(recorder%forces, piece, error)
       if (allocated(error)) return
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, &
-         recorder%t_drifts, storeys, piece, error)
+         recorder%t_drifts, floors, piece, error)
       if (allocated(error)) return
       if (allocated(recorder%top)) call observe_top(recorder, piece, error)
       if (allocated(error)) return

@@ -45,12 +45,12 @@ contains
       !! frequency of this scene over that of the case's storeys [-]
       integer :: n
 
-      frame = case%storeys%frame
+      frame = case%frame%floors
       n = size(frame%m)
-      if (.not. has_all_modes(case%storeys)) then
+      if (.not. has_all_modes(case)) then
          equation%floors%excited_mass_ratio = roof_factor(frame, 1)
          equation%floors%base_shear_ratio = equation%floors%excited_mass_ratio
-         equation%floors%are_linked = case%storeys%coupling == 'every_floor'
+         equation%floors%are_linked = case%frame%coupling == 'every_floor'
          if (equation%floors%are_linked) equation%floors%base_shear_ratio = base_shear_share(frame)
          equation%floors%mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
          if (equation%floors%are_linked .and. has_numbers(case, 'bending')) then
@@ -79,7 +79,7 @@ contains
       equation%state%frame_slope = 0
       equation%p%xi_s = 0
       equation%p%two_xi_omega = 0
-      if (allocated(case%storeys%k_link)) call set_link_springs(case%storeys%k_link, equation)
+      if (allocated(case%frame%k_link)) call set_link_springs(case%frame%k_link, equation)
       equation%moves_at_rest = equation%has_impacts .and. equation%floors%free > 0
    end subroutine set_storeys
 
@@ -92,7 +92,7 @@ contains
       integer :: i
 
       allocate (equation%beam%floors)
-      associate (frame => case%storeys%frame, floors => equation%beam%floors)
+      associate (frame => case%frame%floors, floors => equation%beam%floors)
          unit = frame_mass(equation)*frame%shape(size(frame%m), 1)**2
          pace = 2*pi/case%frame%T_s/frame%omega(1)
          floors%share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
