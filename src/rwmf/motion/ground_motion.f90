@@ -17,7 +17,6 @@ module rwmf_motion_ground_motion
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, refined_motion, scaled_motion
    public :: step_parts
-   public :: unit_motion, motion_unit
    public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
    public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
    public :: lowest_vertical
@@ -83,7 +82,7 @@ contains
       type(record_t), intent(in), optional :: upward_record
       type(motion_t) :: motion
 
-      motion = horizontal_motion(case, motion_unit(case), record)
+      motion = horizontal_motion(case, record)
       if (allocated(case%upward)) then
          if (allocated(case%upward%ratio)) motion%vertical_ratio = case%upward%ratio
       end if
@@ -124,38 +123,9 @@ contains
       motion%last_turning = motion%curve%last - 1
    end subroutine join_curve
 
-   !> Build the horizontal ground motion of a case in its own unit: the record as given in the file,
-   !> or the pulse over its amplitude. Cases that differ only in this unit share this motion.
-   pure function unit_motion(case, origin) result(motion)
-      type(case_t), intent(in) :: case
-      type(case_t), intent(in) :: origin
-      !! case that holds the samples of the record: this case or its original
-      type(motion_t) :: motion
-
-      ! a missing record is passed as an absent argument
-      motion = horizontal_motion(case, 1.0_wp, origin%record)
-   end function unit_motion
-
-   !> Unit of the horizontal motion of a case, with its sign [m/s2].
-   pure real(wp) function motion_unit(case) result(unit)
-      type(case_t), intent(in) :: case
-      type(curve_t) :: curve
-
-      unit = 1
-      if (.not. allocated(case%motion)) return
-      if (case%motion%kind == 'record') then
-         unit = case%record%factor
-      else if (case%motion%kind /= 'none') then
-         curve = build_curve(case%motion, case%model%g)
-         unit = curve%amplitude
-      end if
-   end function motion_unit
-
    !> Build the horizontal ground motion of a case; no motion without `&motion`.
-   pure function horizontal_motion(case, unit, record) result(motion)
+   pure function horizontal_motion(case, record) result(motion)
       type(case_t), intent(in) :: case
-      real(wp), intent(in) :: unit
-      !! unit of the samples, or amplitude of the pulse [m/s2]
       type(record_t), intent(in), optional :: record
       !! record with samples, of kind 'record'
       type(motion_t) :: motion
@@ -164,11 +134,10 @@ contains
       if (.not. allocated(case%motion)) return
       select case (case%motion%kind)
       case ('record')
-         motion = piecewise_linear_motion(record%t, unit*record%a)
+         motion = piecewise_linear_motion(record%t, case%record%factor*record%a)
       case ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker', 'ricker_antisymmetric', &
             'mavroeidis_papageorgiou')
          motion = pulse_motion(build_curve(case%motion, case%model%g))
-         motion%curve%amplitude = unit
       case default
          continue
       end select
