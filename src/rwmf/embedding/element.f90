@@ -18,7 +18,6 @@ module rwmf_embedding_element
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_link_rotation, only: find_rotation, slope_of_phi_ddot
    use rwmf_embedding_ranges, only: require_numbers
-   use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_list, only: all_effects
    use rwmf_model_effects_loops, only: lane_rates
@@ -28,6 +27,7 @@ module rwmf_embedding_element
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: lane_motion_t, wall_coefficients
    use rwmf_model_scene, only: first_wall, scene_t
+   use rwmf_model_system_assembly, only: build_equation
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
@@ -112,6 +112,7 @@ contains
       type(case_t), intent(in) :: case
       type(error_t), allocatable, intent(out) :: error
       type(case_group_t), allocatable :: effects(:)
+      logical :: is_beyond
       integer :: i
 
       if (.not. allocated(case%wall)) then
@@ -120,9 +121,13 @@ contains
       end if
       effects = all_effects()
       do i = 1, size(effects)
-         if (.not. associated(effects(i)%refuse_element)) cycle
-         if (effects(i)%is_present(case)) call effects(i)%refuse_element(case, error)
-         if (allocated(error)) return
+         if (effects(i)%no_element == '') cycle
+         is_beyond = effects(i)%is_present(case)
+         if (is_beyond .and. associated(effects(i)%is_beyond_element)) is_beyond &
+            = effects(i)%is_beyond_element(case)
+         if (.not. is_beyond) cycle
+         call fail(error, err_input, 'an element has no '//trim(effects(i)%no_element))
+         return
       end do
    end subroutine check_element
 

@@ -8,9 +8,9 @@ module rwmf_embedding_wall_instance
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_integrator_one_step, only: one_step_t
-   use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_model_equation, only: discrete_state_t
    use rwmf_model_impact_rule, only: impact_law
+   use rwmf_model_system_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_motion_ground_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
    use rwmf_problem_case, only: case_t, has_floors

@@ -5,7 +5,7 @@ module rwmf_problem_frame_strength
    implicit none
    private
 
-   public :: has_strength, yields_by_storey, has_branches, frame_law, frame_hardening
+   public :: has_strength, storeys_have_strengths, has_branches, frame_law, frame_hardening
    public :: yield_displacement, first_yield, storey_strengths, count_linked_smooth
 
 contains
@@ -18,12 +18,12 @@ contains
    end function has_strength
 
    !> True if each storey has its own strength.
-   pure logical function yields_by_storey(case)
+   pure logical function storeys_have_strengths(case)
       type(case_t), intent(in) :: case
 
-      yields_by_storey = allocated(case%yielding)
-      if (yields_by_storey) yields_by_storey = allocated(case%yielding%storey_u_y)
-   end function yields_by_storey
+      storeys_have_strengths = allocated(case%yielding)
+      if (storeys_have_strengths) storeys_have_strengths = allocated(case%yielding%storey_u_y)
+   end function storeys_have_strengths
 
    !> True if the hysteresis of a frame with strength consists of branches; false for a smooth law.
    pure logical function has_branches(case)
@@ -66,7 +66,7 @@ contains
       !! number of storeys
       real(wp) :: u_y(n)
 
-      if (yields_by_storey(case)) then
+      if (storeys_have_strengths(case)) then
          u_y = storey_strengths(case)
       else
          u_y = yield_displacement(case)

@@ -5,23 +5,23 @@ module rwmf_simulation_run
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_factory, only: new_integrator, run_method
    use rwmf_integrator_interface_integrator, only: integrator_t, tolerance_t
-   use rwmf_model_assembly, only: build_equation, cable_at, equation_t
+   use rwmf_model_system_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t, cable_strain
-   use rwmf_model_contributions, only: state_sizes
-   use rwmf_model_demands, only: building_t
-   use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
+   use rwmf_model_system_contributions, only: state_sizes
+   use rwmf_model_system_demands, only: building_t
+   use rwmf_model_floors_yielding_storeys, only: storey_residuals
    use rwmf_model_equation, only: discrete_state_t, frame_displacement, frame_travel
-   use rwmf_model_energy, only: dissipates_hysteretically
+   use rwmf_model_system_energy, only: dissipates_hysteretically
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
       tendon_is_broken
    use rwmf_model_impact_rule, only: balanced_restitution, impact_law
-   use rwmf_model_rest, only: inverse_inertia
+   use rwmf_model_system_rest, only: inverse_inertia
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
    use rwmf_problem_frame_strength, only: has_strength, storey_strengths, yield_displacement, &
-      yields_by_storey
+      storeys_have_strengths
    use rwmf_problem_quantity_table, only: all_quantities, key_length
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_advance, only: advance, begin_advance
@@ -312,7 +312,7 @@ contains
       if (dissipates_hysteretically(equation)) then
          call fill_hysteresis(case, equation, hybrid, result)
       end if
-      if (yields_by_storey(case)) call fill_storeys(case, equation, hybrid, recorder, result)
+      if (storeys_have_strengths(case)) call fill_storeys(case, equation, hybrid, recorder, result)
       if (equation%has_wall) call fill_wall(case, equation, hybrid, recorder, result)
       if (recorder%keeps_energy) result%energy = recorder%energy
       if (allocated(recorder%forces)) then
@@ -375,7 +375,7 @@ contains
       end if
       if (allocated(case%fuse)) result%theta_end_over_alpha = hybrid%y(1)/equation%p%alpha
       if (has_strength(case)) then
-         if (.not. yields_by_storey(case)) result%ductility = result%u_s_max &
+         if (.not. storeys_have_strengths(case)) result%ductility = result%u_s_max &
             /yield_displacement(case)
          if (equation%floors%yields) then
             result%residual_displacement = sum(storey_residuals(equation, hybrid%y))

@@ -11,8 +11,8 @@ module rwmf_spectrum_lane_rows
    use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, batch_width
    use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, &
       tsitouras_papakostas_64, tsitouras_papakostas_75
-   use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_model_scene, only: is_same_scene, scene_t
+   use rwmf_model_system_assembly, only: build_equation, equation_t
    use rwmf_motion_ground_motion, only: is_piecewise_linear, motion_t, refined_motion, &
       scaled_motion
    use rwmf_problem_case, only: case_t, has_floors

@@ -6,21 +6,21 @@ program test_balance
       pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
       uneven_storeys, with_inerter, with_tendon, yielding_storeys
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
-      kinematics_at, rates_at, second_derivative
-   use rwmf_model_demands, only: building_of, building_t, links_of
-   use rwmf_model_demands_loop, only: demand_constants, lane_demands
-   use rwmf_model_energy, only: powers_at
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: load_to, plastic_parts
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: of_viscous, power_count
-   use rwmf_model_reactions, only: cable_force, corner_force, friction_demand, &
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      kinematics_at, rates_at, second_derivative
+   use rwmf_model_system_demands, only: building_of, building_t, links_of
+   use rwmf_model_system_demands_loop, only: demand_constants, lane_demands
+   use rwmf_model_system_energy, only: powers_at
+   use rwmf_model_system_reactions, only: cable_force, corner_force, friction_demand, &
       link_force, reactions_at, reactions_t
-   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
+   use rwmf_model_system_reactions_loop, only: demand, lane_reactions, low_normal, &
       reaction_count, shear_of_base => shear
-   use rwmf_model_wall_sections, only: find_forces_beside, links_t
+   use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_shear_frame, only: damping_matrix

@@ -6,10 +6,10 @@ program test_effects
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
       query_state, stepping_t, wall_state_t
-   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
-      kinematics_at, second_derivative
-   use rwmf_model_jacobian, only: jacobian
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      kinematics_at, second_derivative
+   use rwmf_model_system_jacobian, only: jacobian
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_motion_polyline, only: merged_times
    use rwmf_problem_case, only: case_t, damper_t, inerter_t, link_t

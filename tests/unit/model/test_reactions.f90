@@ -5,9 +5,9 @@ program test_reactions
    use reaction_scenes, only: add_storeys, column, scene
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       rates_at
-   use rwmf_model_reactions, only: reactions_at, reactions_t
+   use rwmf_model_system_reactions, only: reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, initial_t, output_t
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame

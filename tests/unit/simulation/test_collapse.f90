@@ -50,7 +50,7 @@ program test_collapse
    use rwmf_core_kinds, only: pi, wp
    use rwmf_integrator_factory, only: new_integrator
    use rwmf_integrator_interface_integrator, only: integrator_t
-   use rwmf_model_assembly, only: build_equation, equation_t
+   use rwmf_model_system_assembly, only: build_equation, equation_t
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t

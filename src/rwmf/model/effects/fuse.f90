@@ -1,13 +1,13 @@
 !> Hysteretic fuses under the corners of the base, `&fuse`.
 module rwmf_model_effects_fuse
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t, &
       place_left, place_right, sprung_t
    use rwmf_model_hysteresis_laws, only: new_spring
-   use rwmf_model_hysteresis_spring, only: spring_t
    use rwmf_model_hysteresis_spring_set, only: add_springs, fuses_energy
    use rwmf_model_scene, only: under_corner
+   use rwmf_model_spring, only: spring_t
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, group_values_t, has_key, real_of, text_of
@@ -49,7 +49,8 @@ contains
       group%fill => fill_fuse
       group%is_present => has_fuse
       group%add_events => add_branch_event
-      group%refuse_element => refuse_element
+      group%no_element = '&fuse: what yields has to be remembered, and an element holds no ' &
+         //'state; a wall that steps with the host (create_stepping) does'
    end function fuse_group
 
    subroutine derive_fuse(values, error)
@@ -153,13 +154,5 @@ contains
 
       names = [character(name_length) :: names, 'branch']
    end subroutine add_branch_event
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &fuse: what yields has to be remembered, ' &
-         //'and an element holds no state; a wall that steps with the host (create_stepping) does')
-   end subroutine refuse_element
 
 end module rwmf_model_effects_fuse

@@ -4,7 +4,7 @@
 !> In a storey with relative displacement d it pushes the two floors apart with W d/height, where W
 !> is the weight above. This is a negative storey stiffness. Theory: docs/theory/storeys.md.
 module rwmf_model_effects_p_delta
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
       model_t
@@ -51,7 +51,7 @@ contains
       group%fill => fill_p_delta
       group%is_present => has_p_delta
       group%add_events => add_collapse
-      group%refuse_element => refuse_element
+      group%no_element = "&p_delta: the frame is the host's"
    end function p_delta_group
 
    subroutine derive_p_delta(values, error)
@@ -146,13 +146,6 @@ contains
 
       names = [character(name_length) :: names, 'collapsed']
    end subroutine add_collapse
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &p_delta: the frame is the host''s')
-   end subroutine refuse_element
 
    !> Prepare the P-Delta push on a single degree of freedom, on one mode, or on storeys with
    !> states.

@@ -3,7 +3,7 @@
 !> The cable force P does not depend on the motion of the ground, and the frame's mass moves
 !> horizontally only. So the only effect is the moment of m_w v_g'' about the pivot.
 module rwmf_model_effects_vertical_motion
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t
    use rwmf_model_scene, only: on_weight
@@ -42,7 +42,9 @@ contains
       group%check => check_vertical
       group%fill => fill_vertical
       group%is_present => has_vertical
-      group%refuse_element => refuse_element
+      group%is_beyond_element => has_record
+      group%no_element = '&vertical file: the host hands over the motion, and &vertical ratio ' &
+         //'follows it'
    end function vertical_group
 
    !> Check that the group gives either a ratio to the horizontal motion or a record.
@@ -85,13 +87,11 @@ contains
       has_vertical = allocated(case%upward)
    end function has_vertical
 
-   subroutine refuse_element(case, error)
+   pure logical function has_record(case)
       type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
 
-      if (allocated(case%upward_record)) call fail(error, err_input, 'an element has no ' &
-         //'&vertical file: the host hands over the motion, and &vertical ratio follows it')
-   end subroutine refuse_element
+      has_record = allocated(case%upward_record)
+   end function has_record
 
    !> Prepare the contribution of the vertical motion to the equation, if the case has it.
    subroutine prepare_vertical(case, equation, vertical)

@@ -1,7 +1,7 @@
 !> Inelastic frame, `&yielding`: its strength as one spring or storey by storey, its law, and the
 !> ductility at collapse.
 module rwmf_model_effects_yielding
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
@@ -17,7 +17,7 @@ module rwmf_model_effects_yielding
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_single_storey
    use rwmf_problem_frame_strength, only: has_branches, storey_strengths, yield_displacement, &
-      yields_by_storey
+      storeys_have_strengths
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
       has_key, real_of, text_of
    use rwmf_problem_key, only: below_one, dimensional, optional_key, positive, usually
@@ -87,7 +87,7 @@ contains
       group%is_present => has_yielding
       group%add_states => add_hysteretic_states
       group%add_events => add_yielding_events
-      group%refuse_element => refuse_element
+      group%no_element = "&yielding: the frame is the host's"
    end function yielding_group
 
    !> Derive yield forces over the weight of the frame, and those of storeys over their stiffness.
@@ -477,7 +477,7 @@ contains
       integer :: i
 
       shares = [1.0_wp]
-      if (.not. yields_by_storey(case)) then
+      if (.not. storeys_have_strengths(case)) then
          u_y = [yield_displacement(case)]
       else
          associate (floors => case%frame%floors)
@@ -603,12 +603,5 @@ contains
       names = [character(name_length) :: names, 'branch']
       if (allocated(case%yielding%ultimate)) names = [character(name_length) :: names, 'collapsed']
    end subroutine add_yielding_events
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &yielding: the frame is the host''s')
-   end subroutine refuse_element
 
 end module rwmf_model_effects_yielding

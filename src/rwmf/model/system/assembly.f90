@@ -6,11 +6,10 @@
 !>                                  - (gamma lever + c) f/R - (g/R) (s + q r)
 !>
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
-module rwmf_model_assembly
+module rwmf_model_system_assembly
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_model_cable, only: cable_elongation, cable_stiffness, linear_cable, no_cable, &
       signed_linear_cable, spring_cable
-   use rwmf_model_contributions, only: choose_contributions
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
@@ -24,6 +23,7 @@ module rwmf_model_assembly
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: add_term, first_wall, force_parts_of, frame_term, in_cable, &
       linear_cable_term, scene_t, straight_cable_term, term_t, through_link
+   use rwmf_model_system_contributions, only: choose_contributions
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_wall_size, only: half_diagonal
@@ -281,4 +281,4 @@ contains
       second_derivative = y_dot(2)
    end function second_derivative
 
-end module rwmf_model_assembly
+end module rwmf_model_system_assembly

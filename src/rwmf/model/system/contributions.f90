@@ -1,5 +1,5 @@
 !> Effects beyond wall, frame and cable: selection for a case, and sums over all of them.
-module rwmf_model_contributions
+module rwmf_model_system_contributions
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_list, only: prepare_effect
    use rwmf_model_effects_numbers, only: bending_effect, effect_count
@@ -153,4 +153,4 @@ contains
       end do
    end function effects_frame_force
 
-end module rwmf_model_contributions
+end module rwmf_model_system_contributions

@@ -1,12 +1,12 @@
-!> Loop over lanes that computes the demands of a building, as `rwmf_model_demands` does for one
-!> state.
-module rwmf_model_demands_loop
+!> Loop over lanes that computes the demands of a building, as `rwmf_model_system_demands` does for
+!> one state.
+module rwmf_model_system_demands_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: follow_storeys
    use rwmf_model_effects_numbers, only: storeys_effect
    use rwmf_model_lanes, only: lane_count
-   use rwmf_model_reactions_loop, only: lane_forces, lane_forces_t, reaction_count
    use rwmf_model_scene, only: first_wall, force_parts_t, term_t
+   use rwmf_model_system_reactions_loop, only: lane_forces, lane_forces_t, reaction_count
    implicit none
    private
 
@@ -182,4 +182,4 @@ contains
       end do
    end subroutine find_sections
 
-end module rwmf_model_demands_loop
+end module rwmf_model_system_demands_loop

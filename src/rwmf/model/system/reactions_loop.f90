@@ -3,7 +3,7 @@
 !> Each loop of a scene adds to the moment about the pivot, and the arms of these moments are known.
 !> The moments of the loops in `force_parts_t` thus give their forces on the wall
 !> (docs/theory/demands.md, "Reactions").
-module rwmf_model_reactions_loop
+module rwmf_model_system_reactions_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_effects_numbers, only: fuse_effect, link_effect, storeys_effect
@@ -364,4 +364,4 @@ contains
       end do
    end subroutine push_floors
 
-end module rwmf_model_reactions_loop
+end module rwmf_model_system_reactions_loop

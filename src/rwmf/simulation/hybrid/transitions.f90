@@ -4,15 +4,17 @@
 module rwmf_simulation_hybrid_transitions
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_assembly, only: enter_side, equation_t, interval_of, rates_at, second_derivative
-   use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, tendon_is_broken, &
       turn_back
-   use rwmf_model_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, pull_duration
-   use rwmf_model_rest, only: decelerations, elastic_loss, hold_wall, may_rest, release_wall, &
-      will_settle
    use rwmf_model_restitution, only: factor_at, largest_factor
+   use rwmf_model_system_assembly, only: enter_side, equation_t, interval_of, rates_at, &
+      second_derivative
+   use rwmf_model_system_energy, only: mechanical_energy
+   use rwmf_model_system_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, &
+      pull_duration
+   use rwmf_model_system_rest, only: decelerations, elastic_loss, hold_wall, may_rest, &
+      release_wall, will_settle
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_storey_events, only: end_branch, settle_storeys

@@ -1,13 +1,13 @@
 !> Largest demands of a run, found by `rwmf_simulation_recorder_peak_search`.
 module rwmf_simulation_recorder_demand_extremes
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: equation_t, interval_of
-   use rwmf_model_demands, only: building_of, building_t, demands_at, demands_t
    use rwmf_model_floor_motion, only: follows_roof
    use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_model_system_assembly, only: equation_t, interval_of
+   use rwmf_model_system_demands, only: building_of, building_t, demands_at, demands_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_frame_strength, only: has_strength, yields_by_storey
+   use rwmf_problem_frame_strength, only: has_strength, storeys_have_strengths
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_state
    use rwmf_simulation_state_result, only: demand_extremes_t
@@ -55,7 +55,7 @@ contains
          if (follows_roof(equation)) then
             recorder%is_led(2:drifts) = .true.
             if (has_strength(case)) recorder%is_led(drifts + 2:2*drifts) &
-               = .not. yields_by_storey(case)
+               = .not. storeys_have_strengths(case)
          end if
       end associate
    end subroutine create_demands

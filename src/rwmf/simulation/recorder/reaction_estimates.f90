@@ -6,7 +6,7 @@ module rwmf_simulation_recorder_reaction_estimates
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: vertex_of_parabola
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
-   use rwmf_model_reactions_loop, only: lane_reactions, n_quantities => reaction_count
+   use rwmf_model_system_reactions_loop, only: lane_reactions, n_quantities => reaction_count
    use rwmf_simulation_events_step_quartic, only: quartic_of, quartic_t, quintic_of, slope_at, &
       value_at
    use rwmf_simulation_events_step_view, only: accelerations, is_short, step_view_t

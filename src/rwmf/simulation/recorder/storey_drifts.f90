@@ -2,7 +2,7 @@
 module rwmf_simulation_recorder_storey_drifts
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: equation_t
+   use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_math_sign_changes, only: no_change
    use rwmf_simulation_events_first_change, only: changes_in, moment_t, sample_functions, &

@@ -1,7 +1,7 @@
 !> Storeys of the frame, `&storeys`: their lists, or the rule that generates them, and their link
 !> to the wall.
 module rwmf_model_effects_storeys_storeys
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, floor_states, &
       no_hysteresis
@@ -73,7 +73,7 @@ contains
       group%fill => fill_storeys
       group%is_present => has_storeys
       group%add_states => add_floor_states
-      group%refuse_element => refuse_element
+      group%no_element = "&storeys: the frame is the host's own"
    end function storeys_group
 
    !> Mark a key as one that scales another key and may be given with it.
@@ -394,12 +394,5 @@ contains
       end do
       names = [character(name_length) :: names, states(:, 1), states(:, 2)]
    end subroutine add_floor_states
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &storeys: the frame is the host''s own')
-   end subroutine refuse_element
 
 end module rwmf_model_effects_storeys_storeys
