@@ -5,8 +5,8 @@ module rwmf_integrator_lane_reactions
       of_fastest_demand, of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, &
       screen_t
    use rwmf_integrator_pairs, only: most_stages
-   use rwmf_model_demands_loop, only: demand_constants, lane_demands, section_terms, sections
-   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
+   use rwmf_model_system_demands_loop, only: demand_constants, lane_demands, section_terms, sections
+   use rwmf_model_system_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
    use rwmf_model_lanes, only: lane_count
    use rwmf_model_scene, only: force_parts_t
    implicit none

@@ -6,22 +6,22 @@ program test_balance
       pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
       uneven_storeys, with_inerter, with_tendon, yielding_storeys
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
-      kinematics_at, rates_at, second_derivative
-   use rwmf_model_demands, only: building_of, building_t, links_of
-   use rwmf_model_demands_loop, only: demand_constants, lane_demands, section_terms, &
-      sections
-   use rwmf_model_energy, only: powers_at
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: load_to, plastic_parts
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: of_viscous, power_count
-   use rwmf_model_reactions, only: cable_force, corner_force, friction_demand, &
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      kinematics_at, rates_at, second_derivative
+   use rwmf_model_system_demands, only: building_of, building_t, links_of
+   use rwmf_model_system_demands_loop, only: demand_constants, lane_demands, section_terms, &
+      sections
+   use rwmf_model_system_energy, only: powers_at
+   use rwmf_model_system_reactions, only: cable_force, corner_force, friction_demand, &
       link_force, reactions_at, reactions_t
-   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
+   use rwmf_model_system_reactions_loop, only: demand, lane_reactions, low_normal, &
       reaction_count, shear_of_base => shear
-   use rwmf_model_wall_sections, only: find_forces_beside, links_t
+   use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_shear_frame, only: damping_matrix
@@ -310,7 +310,7 @@ contains
       force = link_force(equation, kinematics_at(equation, y(1)), t, y, y_dot)
       moment = turn(link_corner(equation, case, y), force, equation, y)
       if (.not. has_all_links(case)) return
-      associate (frame => case%storeys%frame)
+      associate (frame => case%frame%floors)
          share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
          forces = resisting_roof(equation, case, y)*frame%k*frame%height/sum(frame%height)
          pulls = frame%m*(share*roof_ddot_of(equation, y, y_dot(2)) + ground(equation, t)) + forces
@@ -330,7 +330,7 @@ contains
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: y(:)
-      real(wp) :: u(size(case%storeys%frame%m))
+      real(wp) :: u(size(case%frame%floors%m))
       type(kinematics_t) :: kin
       real(wp), allocatable :: parts(:)
 
@@ -445,15 +445,15 @@ contains
       shear = equation%p%gamma*equation%p%omega_s*(equation%p%omega_s*u &
          + 2*equation%p%xi_s*slope*y(2))
       if (has_all_links(case)) then
-         shear = case%storeys%frame%k(1)*case%storeys%frame%height(1) &
-            /sum(case%storeys%frame%height)*sum(resisting_roof(equation, case, y), &
+         shear = case%frame%floors%k(1)*case%frame%floors%height(1) &
+            /sum(case%frame%floors%height)*sum(resisting_roof(equation, case, y), &
             [.true., .false., .false.])
       else if (allocated(case%yielding)) then
          associate (law => case%yielding)
             shear = shear + equation%p%gamma*equation%p%omega_s**2*(1 - law%hardening) &
                *(law%u_y*y(3) - u)
          end associate
-      else if (allocated(case%storeys)) then
+      else if (allocated(case%frame%floors)) then
          shear = storey_shear(equation, case, y, u, slope*y(2))
       end if
    end function frame_shear
@@ -462,7 +462,7 @@ contains
       type(case_t), intent(in) :: case
 
       has_all_links = .false.
-      if (allocated(case%storeys)) has_all_links = case%storeys%coupling == 'every_floor'
+      if (allocated(case%frame%floors)) has_all_links = case%frame%coupling == 'every_floor'
    end function has_all_links
 
    !> Shear of the columns of the lowest storey and of all dampers. With one mode it is the force on
@@ -479,8 +479,8 @@ contains
       real(wp) :: roof_ddot
       type(kinematics_t) :: kin
 
-      associate (frame => case%storeys%frame)
-         if (case%storeys%coupling == 'full') then
+      associate (frame => case%frame%floors)
+         if (case%frame%coupling == 'full') then
             shear = frame%k(1)*y(3) + sum(matmul(damping_matrix(frame, case%frame%xi_s), &
                [y(5:6), rate]))
             return

@@ -3,7 +3,7 @@ module rwmf_simulation_events_event_time
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, keep_inside, narrow
-   use rwmf_model_assembly, only: rhs
+   use rwmf_model_system_assembly, only: rhs
    use rwmf_simulation_events_step_view, only: step_view_t
    implicit none
    private

@@ -4,7 +4,7 @@ module rwmf_simulation_events_turns
    use rwmf_core_kinds, only: wp
    use rwmf_math_sign_changes, only: no_change, one_change, polygon_t, roughness, &
       value_polygon
-   use rwmf_model_assembly, only: rates_at
+   use rwmf_model_system_assembly, only: rates_at
    use rwmf_simulation_events_first_change, only: changes_in, functions_t, moment_t, &
       span_between, span_t, stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: fastest_angle, sample_state, step_view_t

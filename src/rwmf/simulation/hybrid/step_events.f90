@@ -5,9 +5,9 @@
 module rwmf_simulation_hybrid_step_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: equation_t
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_model_lift_off, only: find_uplift_acceleration
+   use rwmf_model_system_assembly, only: equation_t
+   use rwmf_model_system_lift_off, only: find_uplift_acceleration
    use rwmf_simulation_events_event_time, only: find_event_time
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, &

@@ -5,9 +5,9 @@ module rwmf_simulation_lanes_reaction_screen
       of_ground_end, of_interval, of_limit, of_middle, of_next, of_plain, of_time, of_trial
    use rwmf_integrator_lane_reactions, only: at_begin, at_end, find_values, least_so_far, &
       screen_one => screen_steps, so_far, value_count
-   use rwmf_model_demands_loop, only: demand_constants, section_terms, sections
    use rwmf_model_equation, only: ground, vertical_ground
-   use rwmf_model_reactions_loop, only: reaction_count
+   use rwmf_model_system_demands_loop, only: demand_constants, section_terms, sections
+   use rwmf_model_system_reactions_loop, only: reaction_count
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_simulation_lanes_batch, only: lane_state_t, batch_t
    use rwmf_simulation_recorder_demand_extremes, only: count_demands, put_constants

@@ -10,7 +10,7 @@ module rwmf_simulation_recorder_peak_search
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: climb, maximum_between, maximum_t, vertex_of_parabola
-   use rwmf_model_assembly, only: equation_t, rates_at
+   use rwmf_model_system_assembly, only: equation_t, rates_at
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, &
       step_view_t, turning_frequency
    use rwmf_simulation_recorder_reaction_estimates, only: frequency_with_springs, inside, &

@@ -5,9 +5,9 @@
 module rwmf_simulation_recorder_reaction_estimates
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: vertex_of_parabola
-   use rwmf_model_assembly, only: rates_at
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
-   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
+   use rwmf_model_system_assembly, only: rates_at
+   use rwmf_model_system_reactions_loop, only: demand, lane_reactions, low_normal, &
       n_quantities => reaction_count, shear
    use rwmf_simulation_events_step_quartic, only: quartic_of, quartic_t, quintic_of, slope_at, &
       value_at

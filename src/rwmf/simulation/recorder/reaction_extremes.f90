@@ -13,11 +13,11 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, climb, is_wider, maximum_between, &
       maximum_t, narrow, vertex_of_parabola
-   use rwmf_model_assembly, only: equation_t, interval_of, rates_at
-   use rwmf_model_reactions_loop, only: demand, low_normal, &
+   use rwmf_model_system_assembly, only: equation_t, interval_of, rates_at
+   use rwmf_model_system_reactions_loop, only: demand, low_normal, &
       n_quantities => reaction_count, shear
    use rwmf_model_equation, only: ground, has_further_effects, vertical_ground
-   use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
+   use rwmf_model_system_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_short, &

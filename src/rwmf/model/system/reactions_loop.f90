@@ -3,7 +3,7 @@
 !> Each loop of a scene adds to the moment about the pivot, and the arms of these moments are known.
 !> The moments of the loops in `force_parts_t` thus give their forces on the wall
 !> (docs/theory/demands.md, "Reactions").
-module rwmf_model_reactions_loop
+module rwmf_model_system_reactions_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_effects_numbers, only: fuse_effect, link_effect, storeys_effect
@@ -78,7 +78,7 @@ contains
 
       associate (motion => forces%motion, phi_ddot => forces%phi_ddot)
          motion%ground = ground(:, 1)
-         motion%vertical = ground(:, 2)
+         motion%upward = ground(:, 2)
          corner = 0
          cable = 0
          if (size(parts%under_corner%terms) > 0) call add_up(parts%under_corner, coef, y, motion, &
@@ -138,7 +138,7 @@ contains
       real(wp) :: corner(lane_count, 2), rates(lane_count, part%n)
 
       motion%ground = 0
-      motion%vertical = 0
+      motion%upward = 0
       call add_up(part, coef, y, motion, corner, rates)
       force = 0
       call press_corner(part, coef, corner, motion, phi_ddot, force)
@@ -362,4 +362,4 @@ contains
       end do
    end subroutine push_floors
 
-end module rwmf_model_reactions_loop
+end module rwmf_model_system_reactions_loop

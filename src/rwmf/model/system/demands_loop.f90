@@ -1,13 +1,12 @@
-!> Loop over lanes that computes the demands of a building, as `rwmf_model_demands` does for one
-!> state.
-module rwmf_model_demands_loop
+!> Loop over lanes that computes the demands of a building, as `rwmf_model_system_demands` does for
+!> one state.
+module rwmf_model_system_demands_loop
    use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_loops, only: follow_storeys
    use rwmf_model_effects_numbers, only: storeys_effect
-   use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, floor_states, &
-      no_hysteresis
    use rwmf_model_lanes, only: lane_count
-   use rwmf_model_reactions_loop, only: lane_forces, lane_forces_t, reaction_count
    use rwmf_model_scene, only: first_wall, force_parts_t, term_t
+   use rwmf_model_system_reactions_loop, only: lane_forces, lane_forces_t, reaction_count
    implicit none
    private
 
@@ -30,11 +29,11 @@ module rwmf_model_demands_loop
 contains
 
    !> Number of constants of one building.
-   pure integer function demand_constants(floors, storeys) result(n)
-      integer, intent(in) :: floors, storeys
-      !! numbers of floors and storeys
+   pure integer function demand_constants(floors, drifts) result(n)
+      integer, intent(in) :: floors, drifts
+      !! numbers of floors and of storey drifts
 
-      n = of_floors + floors + storeys
+      n = of_floors + floors + drifts
    end function demand_constants
 
    !> Compute the reactions, followed by the demands with their signs.
@@ -42,12 +41,12 @@ contains
    !> The demands are storey drifts [-], storey shears [m/s2], floor accelerations [m/s2] and
    !> overturning moment [m]. The magnitudes of the largest shear [m/s2] and moment [m2/s2] of the
    !> wall follow, each -1 without a wall. The last columns are the coefficients of `find_sections`.
-   subroutine lane_demands(parts, floors, storeys, building, coef, y, ground, found)
+   subroutine lane_demands(parts, floors, drifts, building, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       !! complete
-      integer, intent(in) :: floors, storeys
-      !! numbers of floors and storeys; the storeys have states
-      real(wp), intent(in) :: building(lane_count, demand_constants(floors, storeys))
+      integer, intent(in) :: floors, drifts
+      !! numbers of floors and of storey drifts; the storeys have states
+      real(wp), intent(in) :: building(lane_count, demand_constants(floors, drifts))
       !! constants of the buildings
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
       !! coefficients of the loops, on the current side and the active branches
@@ -55,7 +54,7 @@ contains
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
       !! horizontal and vertical ground acceleration [m/s2]
-      real(wp), intent(out) :: found(lane_count, reaction_count + 2*storeys + floors + 1 &
+      real(wp), intent(out) :: found(lane_count, reaction_count + 2*drifts + floors + 1 &
          + sections*(1 + section_terms))
       !! reactions as in `lane_reactions`, then demands and coefficients, each in its unit
       type(lane_forces_t) :: forces
@@ -67,11 +66,11 @@ contains
       type(term_t) :: term
 
       call lane_forces(parts, coef, y, ground, found, forces, rates)
-      last = reaction_count + 2*storeys + floors
+      last = reaction_count + 2*drifts + floors
       found(:, last + 1) = 0
       found(:, last + 2:last + 1 + sections) = -1
       found(:, last + 2 + sections:) = 0
-      if (storeys > 0) term = parts%through_link%terms(findloc(parts%through_link%terms%effect, &
+      if (drifts > 0) term = parts%through_link%terms(findloc(parts%through_link%terms%effect, &
          storeys_effect, dim=1))
       if (floors > 0) then
          length = 1
@@ -94,47 +93,14 @@ contains
             end do
          end do
       end if
-      if (storeys > 0) call follow_storeys(storeys, term%law, building, coef(1, term%coef), &
-         y(1, min(term%state, size(y, 2))), roof, found(1, reaction_count + 1))
+      if (drifts > 0) call follow_storeys(drifts, term%law, building(1, of_unit), &
+         building(1, of_floors + floors + 1), coef(1, term%coef), y(1, min(term%state, &
+         size(y, 2))), roof, found(1, reaction_count + 1))
       if (parts%through_link%has_wall) then
          call overturn_wall(coef, ground, forces, building(1, of_weight), found(1, last + 1))
          call find_sections(coef, ground, forces, found(1, last + 2))
       end if
    end subroutine lane_demands
-
-   !> Compute drifts and shears of storeys with states.
-   pure subroutine follow_storeys(n, law, building, coef, y, roof, found)
-      integer, intent(in) :: n
-      !! number of storeys and floors
-      integer, intent(in) :: law
-      !! hysteresis law of the storeys
-      real(wp), intent(in) :: building(lane_count, demand_constants(n, n))
-      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, n - 1, law))
-      !! coefficients of `add_floors`
-      real(wp), intent(in) :: y(lane_count, floor_states(n, n - 1, law))
-      !! states of the floors
-      real(wp), intent(in) :: roof(lane_count)
-      !! [m]
-      real(wp), intent(inout) :: found(lane_count, 2*n)
-      real(wp) :: drift(lane_count), shear(lane_count)
-      integer :: i, j
-
-      do j = 1, n
-         drift = roof
-         if (j < n) drift = y(:, j)
-         if (j > 1) drift = drift - y(:, j - 1)
-         !$omp simd
-         do i = 1, lane_count
-            shear(i) = coef(i, 1 + j)*drift(i) + coef(i, n + 1 + j)
-            found(i, j) = drift(i)*building(i, of_floors + n + j)
-         end do
-         if (law /= no_hysteresis) shear = shear + coef(:, 3*n + 1 + n**2 + j)*y(:, 2*n - 2 + j)
-         !$omp simd
-         do i = 1, lane_count
-            found(i, n + j) = shear(i)*building(i, of_unit)
-         end do
-      end do
-   end subroutine follow_storeys
 
    !> Add the moment of the wall's horizontal inertia about the ground, over the weight.
    pure subroutine overturn_wall(coef, ground, forces, over_weight, moment)
@@ -233,4 +199,4 @@ contains
       end do
    end subroutine find_sections
 
-end module rwmf_model_demands_loop
+end module rwmf_model_system_demands_loop
