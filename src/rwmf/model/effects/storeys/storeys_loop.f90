@@ -339,7 +339,7 @@ contains
       end do
    end subroutine add_smooth_power
 
-   !> Compute the magnitudes of drifts [-] and shears [m/s2] of storeys with states.
+   !> Compute drifts [-] and shears [m/s2] of storeys with states.
    pure subroutine follow_storeys(n, law, unit, over_height, coef, y, roof, found)
       integer, intent(in) :: n
       !! number of storeys and floors
