@@ -8,6 +8,7 @@ module rwmf_integrator_lane_kernels
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
    use rwmf_integrator_lane_control_l16, only: accept_or_reject, advance_intervals, plan_step
+   use rwmf_integrator_lane_quiet_l16, only: find_quiet_steps
    use rwmf_integrator_lane_reactions_l16, only: screen_steps
    use rwmf_integrator_lane_step_l16, only: attempt_step
    use rwmf_model_lanes_l16, only: batch_width => lane_count
@@ -16,6 +17,8 @@ module rwmf_integrator_lane_kernels
       advance_intervals_v3 => advance_intervals, plan_step_v3 => plan_step
    use rwmf_integrator_lane_control_l16_v4, only: accept_or_reject_v4 => accept_or_reject, &
       advance_intervals_v4 => advance_intervals, plan_step_v4 => plan_step
+   use rwmf_integrator_lane_quiet_l16_v3, only: find_quiet_steps_v3 => find_quiet_steps
+   use rwmf_integrator_lane_quiet_l16_v4, only: find_quiet_steps_v4 => find_quiet_steps
    use rwmf_integrator_lane_reactions_l16_v3, only: screen_steps_v3 => screen_steps
    use rwmf_integrator_lane_reactions_l16_v4, only: screen_steps_v4 => screen_steps
    use rwmf_integrator_lane_step_l16_v3, only: attempt_step_v3 => attempt_step
@@ -32,6 +35,7 @@ module rwmf_integrator_lane_kernels
       procedure(attempt_step), pointer, nopass :: attempt_step => null()
       procedure(accept_or_reject), pointer, nopass :: accept_or_reject => null()
       procedure(advance_intervals), pointer, nopass :: advance_intervals => null()
+      procedure(find_quiet_steps), pointer, nopass :: find_quiet_steps => null()
       procedure(screen_steps), pointer, nopass :: screen_steps => null()
    end type lane_kernels_t
 
@@ -83,14 +87,14 @@ contains
 #ifdef LANE_LEVELS
       case (4)
          kernels = lane_kernels_t(plan_step_v4, attempt_step_v4, accept_or_reject_v4, &
-            advance_intervals_v4, screen_steps_v4)
+            advance_intervals_v4, find_quiet_steps_v4, screen_steps_v4)
       case (3)
          kernels = lane_kernels_t(plan_step_v3, attempt_step_v3, accept_or_reject_v3, &
-            advance_intervals_v3, screen_steps_v3)
+            advance_intervals_v3, find_quiet_steps_v3, screen_steps_v3)
 #endif
       case default
          kernels = lane_kernels_t(plan_step, attempt_step, accept_or_reject, advance_intervals, &
-            screen_steps)
+            find_quiet_steps, screen_steps)
       end select
    end function lane_kernels_of
 

@@ -11,7 +11,7 @@ module rwmf_model_effects_loops
       vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta_loop, only: add_p_delta
    use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_excited_mass_power, &
-      add_floor_power, add_floors, follow_storeys
+      add_floor_power, add_floors, follow_storeys, move_storeys
    use rwmf_model_effects_vertical_motion_loop, only: add_vertical, add_vertical_power
    use rwmf_model_effects_yielding_loop, only: add_bouc_wen, add_bouc_wen_power
    use rwmf_model_lanes, only: add_frame, add_frame_power, add_linear_cable, add_straight_cable, &
@@ -21,7 +21,7 @@ module rwmf_model_effects_loops
    implicit none
    private
 
-   public :: lane_rates, lane_powers, power_unit, follow_storeys
+   public :: lane_rates, lane_powers, power_unit, follow_storeys, lane_storeys
 
 contains
 
@@ -115,6 +115,32 @@ contains
             motion)
       end associate
    end subroutine move_scene
+
+   !> Compute the displacements of the storeys with states, and their rates.
+   subroutine lane_storeys(scene, n, coef, y, d)
+      type(scene_t), intent(in) :: scene
+      integer, intent(in) :: n
+      !! number of storeys
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      !! coefficients of the terms
+      real(wp), intent(in) :: y(lane_count, scene%n)
+      !! states
+      real(wp), intent(out) :: d(lane_count, n, 0:1)
+      !! displacements [m] and rates [m/s] of the storeys
+      type(lane_motion_t) :: motion
+      integer :: i
+
+      motion%ground = 0
+      motion%upward = 0
+      call move_scene(scene, coef, y, motion)
+      do i = 1, size(scene%terms)
+         associate (term => scene%terms(i), own => scene%terms(i)%coef)
+            if (term%effect == link_effect) call tilt_link(coef(1, own), motion)
+            if (term%effect == storeys_effect) call move_storeys(term, coef(1, own), &
+               y(1, term%state), motion, d)
+         end associate
+      end do
+   end subroutine lane_storeys
 
    !> Add the powers of ground motion, dampers and smooth plastic flow to a sum. The dissipation of
    !> springs on straight lines is computed from their elongations instead.

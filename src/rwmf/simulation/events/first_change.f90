@@ -23,8 +23,8 @@ module rwmf_simulation_events_first_change
 
    public :: ending_t, functions_t, moment_t, kept_samples_t, span_t, watch_t
    public :: any_course, monotone, changed_at_begin
-   public :: changes_in, sample_functions, shows_no_event, span_between, stop_at_change, &
-      stop_at_event, value_at
+   public :: changes_in, expect_change, measure_span, sample_functions, shows_no_event, &
+      span_between, stop_at_change, stop_at_event, value_at
 
    integer, parameter :: any_course = 0
    !! the function may change and return
@@ -240,27 +240,36 @@ contains
    end subroutine keep_moment
 
    !> Span between two samples.
-   !>
-   !> The functions of a kind drive each other. A vibration that cancels in one of them at both ends
-   !> appears in another, so the roughness of the least smooth one applies to all.
    function span_between(functions, a, b) result(span)
       class(functions_t), intent(in) :: functions
       type(moment_t), intent(in) :: a, b
       type(span_t) :: span
-      real(wp) :: angle
-      integer :: i
 
       span%a = a
       span%b = b
-      do i = 0, 1
-         span%largest(i) = max(maxval(abs(a%f(:, i))), maxval(abs(b%f(:, i))))
-      end do
-      angle = fastest_angle(functions%step, b%t - a%t)
-      span%rough = 0
-      do i = 1, size(a%f, 1)
-         span%rough = max(span%rough, roughness(angle, b%t - a%t, a%f(i, :), b%f(i, :)))
-      end do
+      call measure_span(fastest_angle(functions%step, b%t - a%t), span)
    end function span_between
+
+   !> Compute roughness and largest values of the functions in a span.
+   !>
+   !> The functions of a kind drive each other. A vibration that cancels in one of them at both ends
+   !> appears in another, so the roughness of the least smooth one applies to all.
+   pure subroutine measure_span(angle, span)
+      real(wp), intent(in) :: angle
+      !! phase of the fastest vibration over the span, at least 1 [rad]
+      type(span_t), intent(inout) :: span
+      integer :: i
+
+      associate (a => span%a, b => span%b)
+         do i = 0, 1
+            span%largest(i) = max(maxval(abs(a%f(:, i))), maxval(abs(b%f(:, i))))
+         end do
+         span%rough = 0
+         do i = 1, size(a%f, 1)
+            span%rough = max(span%rough, roughness(angle, b%t - a%t, a%f(i, :), b%f(i, :)))
+         end do
+      end associate
+   end subroutine measure_span
 
    !> Distance of a watched function from its level; negative on the unexpected side.
    pure real(wp) function value_at(watch, moment) result(value)
@@ -283,6 +292,31 @@ contains
          watch%order)) return
       changes = changes_of(polygon_in(span, watch), noise_in(span, watch))
    end function changes_in
+
+   !> Find the position of a change in a span from its ends alone.
+   pure subroutine expect_change(span, watch, x, is_clear)
+      type(span_t), intent(in) :: span
+      type(watch_t), intent(in) :: watch
+      real(wp), intent(out) :: x
+      !! approximate position of a single change, from 0 to 1; the largest number without one [-]
+      logical, intent(out) :: is_clear
+      !! the ends show that the function has at most one change, and not at the beginning
+      integer :: changes
+
+      x = huge(x)
+      select case (watch%course)
+      case (changed_at_begin)
+         changes = change_at_begin
+      case (monotone)
+         changes = merge(no_change, one_change, value_at(watch, span%b) >= 0)
+         if (changes == one_change .and. .not. value_at(watch, span%a) > 0) changes = &
+            change_at_begin
+      case default
+         changes = changes_in(span, watch)
+      end select
+      is_clear = changes == no_change .or. changes == one_change
+      if (changes == one_change) x = root_of(polygon_in(span, watch))
+   end subroutine expect_change
 
    !> Values and derivatives of a watched function at both ends of a span, positive on its side of
    !> the level.

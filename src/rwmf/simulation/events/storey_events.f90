@@ -4,7 +4,7 @@
 !> force passes zero.
 module rwmf_simulation_events_storey_events
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: discrete_state_t, model_t
+   use rwmf_model_equation, only: discrete_state_t, equation_t, model_t
    use rwmf_model_floor_motion, only: storey_accelerations, storey_motion
    use rwmf_model_floors_yielding_storeys, only: branch_limits, hysteretic_states, &
       is_softening, loading_direction_of, pass_storey_limit, settle_storeys, &
@@ -16,7 +16,7 @@ module rwmf_simulation_events_storey_events
    implicit none
    private
 
-   public :: displacements_t, hysteretic_t, end_branch
+   public :: displacements_t, hysteretic_t, end_branch, list_ends, zero_of
    public :: branch_limits, is_softening, loading_direction_of, pass_storey_limit, settle_storeys, &
       start_storeys, storey_word
 
@@ -53,41 +53,62 @@ contains
       end associate
    end subroutine evaluate_storeys
 
-   !> Declare the events of a storey: the start of its motion, a reversal, limits of its branch.
+   !> Declare the events of a storey.
    function watch_storey(self, i, span) result(watches)
       class(displacements_t), intent(in) :: self
       integer, intent(in) :: i
       !! number of the storey from the ground up
       type(span_t), intent(in) :: span
       type(watch_t), allocatable :: watches(:)
+      type(watch_t) :: list(2)
+      integer :: n
+
+      call list_ends(self%step%equation, i, span, list, n)
+      watches = list(:n)
+   end function watch_storey
+
+   !> List the events of a storey: the start of its motion, a reversal, limits of its branch.
+   pure subroutine list_ends(equation, i, span, watches, n)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: i
+      !! number of the storey from the ground up
+      type(span_t), intent(in) :: span
+      !! displacements
+      type(watch_t), intent(out) :: watches(2)
+      integer, intent(out) :: n
+      !! number of watches in the list
       real(wp) :: low, high
       integer :: direction
 
-      associate (equation => self%step%equation)
-         if (stands_still(equation%state, i)) then
-            watches = start_of_motion(span, i)
-            return
-         end if
-         direction = loading_direction_of(equation, equation%state, i)
-         call branch_limits(equation, i, low, high)
-      end associate
+      n = 2
+      if (stands_still(equation%state, i)) then
+         call watch_start(span, i, watches(1), n)
+         return
+      end if
+      direction = loading_direction_of(equation, equation%state, i)
+      call branch_limits(equation, i, low, high)
       if (direction /= 0) then
          if (direction < 0) high = low
-         watches = [reversal(span, i, direction), watch_t(i, 0, level=high, &
-            side=real(-direction, wp), kind=event_storey_limit, course=monotone)]
+         watches(1) = reversal(span, i, direction)
+         watches(2) = watch_t(i, 0, level=high, side=real(-direction, wp), &
+            kind=event_storey_limit, course=monotone)
       else
          ! a storey beyond a limit by round-off starts at the limit
-         watches = [watch_t(i, 0, level=min(low, span%a%f(i, 0)), kind=event_storey_limit), &
-            watch_t(i, 0, level=max(high, span%a%f(i, 0)), side=-1.0_wp, kind=event_storey_limit)]
+         watches(1) = watch_t(i, 0, level=min(low, span%a%f(i, 0)), kind=event_storey_limit)
+         watches(2) = watch_t(i, 0, level=max(high, span%a%f(i, 0)), side=-1.0_wp, &
+            kind=event_storey_limit)
       end if
-   end function watch_storey
+   end subroutine list_ends
 
-   !> Start of a storey without previous motion. Its first nonzero derivative gives the direction.
-   pure function start_of_motion(span, i) result(watches)
+   !> Watch the start of a storey without previous motion. Its first nonzero derivative gives the
+   !> direction.
+   pure subroutine watch_start(span, i, watch, n)
       type(span_t), intent(in) :: span
       integer, intent(in) :: i
       !! number of the storey from the ground up
-      type(watch_t), allocatable :: watches(:)
+      type(watch_t), intent(inout) :: watch
+      integer, intent(out) :: n
+      !! 1, or 0 if the storey does not start
       real(wp) :: way
 
       associate (a => span%a%f(i, :), b => span%b%f(i, :))
@@ -96,13 +117,10 @@ contains
          if (size(a) < 3 .and. abs(way) <= 0) way = b(2)
          if (begins_at_rest(span, i)) way = b(2)
       end associate
-      if (abs(way) > 0) then
-         watches = [watch_t(i, 1, side=-sign(1.0_wp, way), kind=event_storey_turn, &
-            course=changed_at_begin)]
-      else
-         allocate (watches(0))
-      end if
-   end function start_of_motion
+      n = merge(1, 0, abs(way) > 0)
+      if (n > 0) watch = watch_t(i, 1, side=-sign(1.0_wp, way), kind=event_storey_turn, &
+         course=changed_at_begin)
+   end subroutine watch_start
 
    !> Reversal of a yielding storey.
    pure type(watch_t) function reversal(span, i, direction) result(watch)
@@ -151,23 +169,28 @@ contains
       end associate
    end subroutine evaluate_hysteretic
 
-   !> Declare the zero of the hysteretic force of a smooth storey, which is monotone before a
-   !> reversal.
+   !> Declare the zero of the hysteretic force of a smooth storey.
    function watch_zero(self, i, span) result(watches)
       class(hysteretic_t), intent(in) :: self
       integer, intent(in) :: i
       !! number of the storey from the ground up
       type(span_t), intent(in) :: span
       type(watch_t), allocatable :: watches(:)
-      integer :: side
 
-      side = side_beyond_zero(self%step%equation%state, i)
-      if (side /= 0) then
-         watches = [watch_t(i, 0, side=real(-side, wp), kind=event_storey_zero, course=monotone)]
-      else
-         allocate (watches(0))
-      end if
+      allocate (watches(0))
+      if (side_beyond_zero(self%step%equation%state, i) /= 0) watches = [zero_of( &
+         self%step%equation, i)]
    end function watch_zero
+
+   !> Zero of the hysteretic force of a smooth storey, which is monotone before a reversal.
+   pure type(watch_t) function zero_of(equation, i) result(watch)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: i
+      !! number of a storey whose force passes zero
+
+      watch = watch_t(i, 0, side=-real(side_beyond_zero(equation%state, i), wp), &
+         kind=event_storey_zero, course=monotone)
+   end function zero_of
 
    !> Move a storey to its next branch after a branch end.
    subroutine end_branch(model, state, ending, y)

@@ -8,15 +8,17 @@ module rwmf_simulation_events_watched_functions
    use rwmf_simulation_events_first_change, only: ending_t, functions_t, shows_no_event, &
       stop_at_event
    use rwmf_simulation_events_lift_off_events, only: reserve_t
-   use rwmf_simulation_events_step_view, only: count_parts, step_view_t
+   use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_events_storey_events, only: displacements_t, hysteretic_t
    use rwmf_simulation_state_hybrid_state, only: hybrid_t, mode_held
    implicit none
    private
 
-   public :: cut_step, is_uncut, watches_functions
+   public :: cut_step, keeps_limits, watches_functions
 
    integer, parameter :: kinds = 4
+   integer, parameter :: first_limit = 3
+   !! number of the first kind whose events only end a run or a rest
 
 contains
 
@@ -53,21 +55,21 @@ contains
       if (allocated(functions)) functions%n = n
    end subroutine choose_functions
 
-   !> Return whether the ends of a step suffice to show that `cut_step` leaves it whole.
-   logical function is_uncut(step, hybrid)
+   !> Return whether the ends of a step suffice to show that neither a drift nor a held wall ends it.
+   logical function keeps_limits(step, hybrid)
       type(step_view_t), intent(in) :: step
-      !! step without an integrator
+      !! step of one part, without an integrator
       type(hybrid_t), intent(in) :: hybrid
       class(functions_t), allocatable :: functions
       integer :: kind
 
-      is_uncut = count_parts(step) == 1
-      do kind = 1, kinds
-         if (.not. is_uncut) return
+      keeps_limits = .true.
+      do kind = first_limit, kinds
          call choose_functions(step, hybrid, kind, functions)
-         if (allocated(functions)) is_uncut = shows_no_event(functions, step)
+         if (allocated(functions)) keeps_limits = shows_no_event(functions, step)
+         if (.not. keeps_limits) return
       end do
-   end function is_uncut
+   end function keeps_limits
 
    !> End the last step of the integrator at the first event of the functions, or leave it whole.
    subroutine cut_step(step, hybrid, ending, error)

@@ -7,12 +7,14 @@ module rwmf_simulation_lanes_batch
    use rwmf_integrator_lane_columns, only: column_count, line_columns, of_calm, of_fastest, &
       of_high, of_interval, of_low, of_plain, of_time, of_trial, screen_t
    use rwmf_integrator_lane_kernels, only: lane_kernels_t
+   use rwmf_integrator_lane_quiet, only: limit_count
    use rwmf_integrator_pairs, only: most_stages, pair_t
    use rwmf_math_sign_changes, only: changes_of, one_change, polygon_t, rate_polygon, &
       roughness, unclear
    use rwmf_model_equation, only: enter_interval, equation_t, ground, interval_of, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
       is_piecewise_linear, line_of, line_t, motion_t, step_parts, vertical_line_of
+   use rwmf_simulation_events_first_change, only: span_t, watch_t
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_hybrid_free_vibration, only: long_rest
    use rwmf_simulation_recorder_recorder, only: needs_all_steps, recorder_t
@@ -20,7 +22,8 @@ module rwmf_simulation_lanes_batch
    implicit none
    private
 
-   public :: lane_state_t, batch_t, create_batch, leave_batch, tabulate_lines, line_row
+   public :: at_storey
+   public :: lane_state_t, storey_end_t, batch_t, create_batch, leave_batch, tabulate_lines, line_row
    public :: longest_step, find_steps_to_inspect, follow_curves, follow_interval
    public :: first_acceleration, turns_in_step, may_shorten
 
@@ -29,6 +32,27 @@ module rwmf_simulation_lanes_batch
    !! without events except turns [rad]
    real(wp), parameter :: no_limit = -1
    !! limit of an interval that lanes enter one by one only [s]
+
+   integer, parameter :: at_storey = 4
+   !! target event in addition to those of the rotation: a storey ends its branch
+
+   !> First end of a storey's branch in the attempted step of a lane.
+   type :: storey_end_t
+      type(watch_t) :: first
+      !! end of a branch found in the step
+      real(wp) :: at = huge(1.0_wp)
+      !! its position in the step; the largest number without one [-]
+      type(watch_t) :: target
+      !! end of a branch at the target of the step
+      real(wp) :: rest = 0
+      !! time from the end of the step to the target, by one step of Newton's method [s]
+      real(wp), allocatable :: y(:), rates(:)
+      !! (states) at the end of the step, and their rates
+      type(span_t) :: span
+      !! displacements of the storeys at both ends of the step [m]
+      type(span_t) :: states
+      !! hysteretic states at both ends [-]
+   end type storey_end_t
 
    !> State of one run of a batch between its steps. Its pointers refer to data of their owners.
    type :: lane_state_t
@@ -41,7 +65,7 @@ module rwmf_simulation_lanes_batch
       !! end time of the run [s]
       type(error_t), allocatable :: error
       logical :: is_smooth = .false.
-      !! between events, the rotation alone shows all changes
+      !! the ends of the attempted step show its first change
       logical :: is_held = .false.
       !! the wall is held at rest while other states move
       logical :: has_limits = .false.
@@ -52,7 +76,26 @@ module rwmf_simulation_lanes_batch
       !! length of the step that contains the event [s]
       integer :: trials = 0
       !! number of trial steps to this event
+      type(storey_end_t) :: storey
    end type lane_state_t
+
+   !> Storeys that yield one by one, in the lanes of a batch.
+   type :: branches_t
+      integer :: n = 0
+      !! number of storeys; if 0 the following components are not allocated
+      logical :: is_screened = .false.
+      !! a loop over the lanes finds the steps without the end of a branch
+      integer :: smooth = 0
+      !! index of the first hysteretic state; 0 for storeys on straight lines
+      real(wp), allocatable :: limits(:, :, :)
+      !! (width, storeys, columns) limits of the branches, see `rwmf_integrator_lane_quiet`
+      real(wp), allocatable :: frequency(:)
+      !! (width) frequency of the fastest vibration [rad/s]
+      real(wp), allocatable :: d(:, :, :, :)
+      !! (width, storeys, 0:1, 2) displacements [m] and rates [m/s] at both ends of the steps
+      real(wp), allocatable :: is_quiet(:, :)
+      !! (width, 0:storeys) 1 if a storey certainly does not end its branch; first column: all
+   end type branches_t
 
    !> Batch of lanes that step together.
    type :: batch_t
@@ -109,6 +152,7 @@ module rwmf_simulation_lanes_batch
       !! (width, constants) constants of the buildings
       logical, allocatable :: is_known(:)
       !! (width) true if the values at the start of the step are known
+      type(branches_t) :: branches
    end type batch_t
 
 contains
@@ -139,11 +183,30 @@ contains
          allocate (batch%t_before(width), batch%y_before(width, n))
          batch%table(:, [of_plain, of_calm]) = 1
          allocate (batch%is_known(width), source=.false.)
+         if (equation%floors%yields) call create_storeys(equation, width, batch%branches)
          batch%max_steps = real(max_steps, wp)
          batch%has_curves = .not. is_piecewise_linear(equation%motion)
          allocate (batch%lines(line_columns, 0:1), source=no_limit)
       end associate
    end subroutine create_batch
+
+   !> Create the arrays of storeys that yield one by one.
+   subroutine create_storeys(equation, width, branches)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: width
+      type(branches_t), intent(out) :: branches
+
+      associate (n => equation%floors%n_storeys)
+         branches%n = n
+         ! the loop knows storeys whose floors have states
+         branches%is_screened = equation%floors%n > 0
+         if (allocated(equation%floors%laws)) branches%smooth = equation%floors%laws(1)%place
+         allocate (branches%limits(width, n, limit_count), source=0.0_wp)
+         allocate (branches%frequency(width), source=0.0_wp)
+         allocate (branches%d(width, n, 0:1, 2), source=0.0_wp)
+         allocate (branches%is_quiet(width, 0:n), source=0.0_wp)
+      end associate
+   end subroutine create_storeys
 
    !> Divide the buffer into the arrays of the kernels, all zero.
    !>
@@ -201,6 +264,10 @@ contains
       alone%values = batch%values(i:i, :, :)
       alone%constants = batch%constants(i:i, :)
       alone%is_known = batch%is_known(i)
+      if (batch%branches%n > 0) then
+         alone%branches%limits = batch%branches%limits(i:i, :, :)
+         alone%branches%frequency = batch%branches%frequency(i)
+      end if
       alone%mark = batch%mark(i)
       alone%table(1, :) = batch%table(i, :)
       alone%coef(1, :) = batch%coef(i, :)

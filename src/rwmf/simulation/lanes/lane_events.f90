@@ -16,8 +16,8 @@ module rwmf_simulation_lanes_lane_events
    use rwmf_simulation_hybrid_free_vibration, only: long_rest
    use rwmf_simulation_hybrid_hybrid_loop, only: end_step
    use rwmf_simulation_hybrid_transitions, only: apply_event, observe_peak
-   use rwmf_simulation_lanes_batch, only: batch_t, first_acceleration, lane_state_t, may_shorten, &
-      turns_in_step
+   use rwmf_simulation_lanes_batch, only: at_storey, batch_t, first_acceleration, lane_state_t, &
+      may_shorten, turns_in_step
    use rwmf_simulation_lanes_lane_loading, only: bound_work, catch_up, enter_batch, forget_target, &
       further_state, load_line
    use rwmf_simulation_lanes_lane_outputs, only: pass_step
@@ -31,6 +31,8 @@ module rwmf_simulation_lanes_lane_events
 
    integer, parameter :: at_state = 3
    !! event in addition to those of the rotation: a further state leaves its window
+   integer, parameter :: most_trials = 6
+   !! largest number of trial steps to an event
 
 contains
 
@@ -60,34 +62,26 @@ contains
       call enter_batch(lane, i, batch)
    end subroutine pass_limit
 
-   !> Find the first event in the step of a lane by its quartic; without one, accept the step.
+   !> Find the first event in the step of a lane; without one, accept the step.
    subroutine find_event(lane, i, batch)
       type(lane_state_t), intent(inout), target :: lane
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
       type(quartic_t) :: quartic
-      integer :: turns
       real(wp) :: x
-      logical :: is_beyond
+      logical :: is_clear
 
-      associate (table => batch%table, y => batch%y, y_new => batch%y_new)
-         quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
-            first_acceleration(batch, i))
-         turns = turns_in_step(batch, i)
-         x = 0
-         if (turns == no_change .and. may_shorten(lane, batch)) call cross_window( &
-            table(i, of_trial)*[y(i, 2), y_new(i, 2)], y_new(i, 1) - y(i, 1), &
-            [table(i, of_low), table(i, of_high)] - y(i, 1), lane%target_event, x)
-         if (.not. (x > 0 .and. x <= 1)) call first_event(quartic, [table(i, of_low), &
-            table(i, of_high)], [table(i, of_bottom), table(i, of_top)], lane%target_event, x)
-         call compare_with_further(lane, i, batch, x)
-         ! by round-off, a motion may turn beyond the limit of the branch that begins there
-         is_beyond = (lane%target_event == at_high .and. y(i, 1) > table(i, of_high)) &
-            .or. (lane%target_event == at_low .and. y(i, 1) < table(i, of_low))
-         if (is_beyond) is_beyond = event_at_level(lane, table(i, merge(of_low, of_high, &
-            lane%target_event == at_low))) == event_branch
-         if (is_beyond .or. is_against_loading(lane, i, batch) .or. turns == unclear) then
+      ! two events at nearly the same time may precede each other in turn
+      lane%trials = merge(0, lane%trials + 1, lane%target_event == no_event)
+      call find_in_rotation(lane, i, batch, quartic, x, is_clear)
+      if (is_clear .and. lane%storey%at <= merge(1.0_wp, x, lane%target_event == no_event)) then
+         lane%target_event = at_storey
+         lane%storey%target = lane%storey%first
+         x = lane%storey%at
+      end if
+      associate (table => batch%table, y => batch%y)
+         if (.not. is_clear .or. lane%trials > most_trials) then
             lane%target_event = no_event
             call inspect_step(lane, i, batch)
             return
@@ -102,13 +96,67 @@ contains
             call happen(lane, i, (table(i, of_time)), (y(i, :)), batch)
             return
          end if
-         x = sharpened(lane, i, quartic, x, batch)
+         if (lane%target_event /= at_storey) x = sharpened(lane, i, quartic, x, batch)
          lane%seen_within = table(i, of_trial)
-         lane%trials = 0
          table(i, of_target) = max(x*table(i, of_trial), 4*epsilon(x)*table(i, of_time))
          table(i, of_inspection) = 1
       end associate
    end subroutine find_event
+
+   !> Find the first event of the rotation in the step of a lane by its quartic.
+   subroutine find_in_rotation(lane, i, batch, quartic, x, is_clear)
+      type(lane_state_t), intent(inout) :: lane
+      !! with its target event on return
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(batch_t), intent(in) :: batch
+      type(quartic_t), intent(out) :: quartic
+      real(wp), intent(out) :: x
+      !! position of the event [-]
+      logical, intent(out) :: is_clear
+      !! the quartic shows the first event
+      integer :: turns
+      logical :: is_beyond
+
+      lane%target_event = no_event
+      x = 0
+      is_clear = .true.
+      if (lane%is_held) return
+      associate (table => batch%table, y => batch%y, y_new => batch%y_new)
+         quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
+            first_acceleration(batch, i))
+         turns = turns_in_step(batch, i)
+         if (turns == no_change .and. may_shorten(lane, batch)) call cross_window( &
+            table(i, of_trial)*[y(i, 2), y_new(i, 2)], y_new(i, 1) - y(i, 1), &
+            [table(i, of_low), table(i, of_high)] - y(i, 1), lane%target_event, x)
+         if (.not. (x > 0 .and. x <= 1)) call first_event(quartic, [table(i, of_low), &
+            table(i, of_high)], [table(i, of_bottom), table(i, of_top)], lane%target_event, x)
+         call compare_with_further(lane, i, batch, x)
+         ! by round-off, a motion may turn beyond the limit of the branch that begins there
+         is_beyond = (lane%target_event == at_high .and. y(i, 1) > table(i, of_high)) &
+            .or. (lane%target_event == at_low .and. y(i, 1) < table(i, of_low))
+         if (is_beyond) is_beyond = event_at_level(lane, table(i, merge(of_low, of_high, &
+            lane%target_event == at_low))) == event_branch
+         is_clear = .not. (is_beyond .or. is_against_loading(lane, i, batch) .or. turns == unclear)
+      end associate
+   end subroutine find_in_rotation
+
+   !> Return whether an event of the rotation or of another storey precedes the target of a storey.
+   logical function is_preceded(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(batch_t), intent(in) :: batch
+      type(quartic_t) :: quartic
+      real(wp) :: x
+      logical :: is_clear
+
+      is_preceded = lane%storey%at <= 1
+      if (is_preceded .or. lane%target_event /= at_storey) return
+      call find_in_rotation(lane, i, batch, quartic, x, is_clear)
+      is_preceded = .not. is_clear .or. lane%target_event /= no_event
+      lane%target_event = at_storey
+   end function is_preceded
 
    !> Refine the time of an event with the rates at the end of the step.
    !>
@@ -216,13 +264,16 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(batch_t), intent(inout) :: batch
-      integer, parameter :: most_trials = 6
       real(wp) :: short
       !! fraction of the step for which a Taylor series is accurate [-]
       real(wp), dimension(lane%equation%n) :: y, rates
       real(wp) :: t, rest
       integer :: j
 
+      if (is_preceded(lane, i, batch)) then
+         call find_event(lane, i, batch)
+         return
+      end if
       call catch_up(lane, i, batch)
       associate (table => batch%table, h => batch%table(i, of_trial))
          t = table(i, of_time) + h
@@ -230,7 +281,9 @@ contains
             y(j) = batch%y_new(i, j)
             rates(j) = batch%k(i, j, batch%pair%stages)
          end do
-         if (.not. last_stage_suffices(lane, i, y, rates, batch)) then
+         if (lane%target_event == at_storey) then
+            rates = lane%storey%rates
+         else if (.not. last_stage_suffices(lane, i, y, rates, batch)) then
             call rates_at(lane%equation, t, y, rates)
             if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, batch)
             if (lane%target_event == at_turn &
@@ -300,7 +353,9 @@ contains
       !! (states) at the end of the step, and their rates
       type(batch_t), intent(in) :: batch
 
-      if (lane%target_event == at_turn) then
+      if (lane%target_event == at_storey) then
+         rest = lane%storey%rest
+      else if (lane%target_event == at_turn) then
          rest = -y(2)/rates(2)
       else if (lane%target_event == at_state) then
          associate (further => further_state(lane%equation))
@@ -361,8 +416,13 @@ contains
          hybrid%t = min(t, table(i, of_limit))
          hybrid%y(:) = y
          ending%kind = event_peak
+         ending%is_rising = lane%target_event == at_high
          if (lane%target_event == at_turn) then
             hybrid%y(2) = 0
+         else if (lane%target_event == at_storey) then
+            associate (watch => lane%storey%target)
+               ending = ending_t(watch%kind, watch%which, hybrid%t, watch%side < 0)
+            end associate
          else if (lane%target_event == at_state) then
             hybrid%y(further_state(equation)) = 0
             ending%kind = event_passage
@@ -370,7 +430,6 @@ contains
             hybrid%y(1) = table(i, merge(of_low, of_high, lane%target_event == at_low))
             ending%kind = event_at_level(lane, hybrid%y(1))
          end if
-         ending%is_rising = lane%target_event == at_high
          lane%integrator%steps = lane%integrator%steps + 1_i8
          lane%integrator%h = table(i, of_length)
          if ((batch%is_watched(i) .or. allocated(batch%work)) .and. hybrid%t &

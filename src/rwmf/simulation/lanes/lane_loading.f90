@@ -18,6 +18,7 @@ module rwmf_simulation_lanes_lane_loading
    use rwmf_simulation_lanes_batch, only: batch_t, follow_interval, lane_state_t, line_row, &
       longest_step
    use rwmf_simulation_lanes_reaction_screen, only: begin_reactions
+   use rwmf_simulation_lanes_storey_ends, only: load_limits
    use rwmf_simulation_state_hybrid_state, only: check_creep, check_progress, has_ended, &
       mode_held, mode_rest, mode_rocking, most_creeping, progress_t
    use rwmf_text_strings, only: real_to_text
@@ -123,10 +124,12 @@ contains
          batch%has_limits = batch%has_limits .or. lane%has_limits
          lane%is_smooth = .true.
          lane%target_event = no_event
+         lane%storey%at = huge(span)
          table(i, of_target) = 0
          table(i, of_inspection) = merge(0, 1, lane%is_smooth)
       end associate
       call load_window(lane, i, batch)
+      if (lane%equation%floors%yields) call load_limits(lane, i, batch)
       call load_line(lane, i, t_limit, batch)
       call begin_reactions(lane, i, batch)
       ! under an extremely strong motion, no first step is short enough

@@ -14,18 +14,16 @@ module rwmf_simulation_lanes_loop
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_model_system_assembly, only: equation_t
    use rwmf_motion_ground_motion, only: is_piecewise_linear
-   use rwmf_simulation_events_fuse_support, only: ends_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event
-   use rwmf_simulation_events_step_view, only: step_view_t
-   use rwmf_simulation_events_watched_functions, only: is_uncut
    use rwmf_simulation_hybrid_hybrid_loop, only: check_steps
-   use rwmf_simulation_lanes_batch, only: batch_t, create_batch, follow_curves, follow_interval, &
+   use rwmf_simulation_lanes_batch, only: batch_t, create_batch, follow_curves, &
       lane_state_t
    use rwmf_simulation_lanes_lane_events, only: converge_to_event, find_event, inspect_step, &
       pass_limit
    use rwmf_simulation_lanes_lane_loading, only: bound_work, catch_up, check_length, &
       forget_target, further_state, join_batch
    use rwmf_simulation_lanes_lane_outputs, only: choose_steps, observe_steps
+   use rwmf_simulation_lanes_storey_ends, only: inspect_limits
    use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_state_hybrid_state, only: check_progress, hybrid_t, most_creeping
    implicit none
@@ -84,7 +82,7 @@ contains
             call follow_curves(lanes, batch)
             call attempt_one(scene, batch%pair, batch%coef, batch%ground, trial, batch%tolerance, &
                batch%y, .false., batch%k, batch%y_new, batch%error, batch%work)
-            call ask_limits(lanes, batch)
+            if (batch%has_limits) call inspect_limits(lanes, batch)
             if (batch%keeps_more) call choose_steps(lanes, batch)
             call accept_or_reject_one(n, further_state(lanes(1)%equation), batch%table, batch%y, &
                batch%k, batch%y_new, batch%error, batch%mark)
@@ -95,7 +93,7 @@ contains
             call follow_curves(lanes, batch)
             call batch%kernels%attempt_step(scene, batch%pair, batch%coef, batch%ground, trial, &
                batch%tolerance, batch%y, .false., batch%k, batch%y_new, batch%error, batch%work)
-            call ask_limits(lanes, batch)
+            if (batch%has_limits) call inspect_limits(lanes, batch)
             if (batch%keeps_more) call choose_steps(lanes, batch)
             call batch%kernels%accept_or_reject(n, further_state(lanes(1)%equation), batch%table, &
                batch%y, batch%k, batch%y_new, batch%error, batch%mark)
@@ -137,38 +135,6 @@ contains
          batch%has_ended = .true.
       end if
    end subroutine step_batch
-
-   !> Find the steps that are smooth although their lanes have limits.
-   subroutine ask_limits(lanes, batch)
-      type(lane_state_t), intent(inout), target :: lanes(:)
-      type(batch_t), intent(inout), target :: batch
-      type(step_view_t) :: step
-      real(wp), dimension(lanes(1)%equation%n), target :: y_a, y_b, rates_a, rates_b
-      integer :: i
-
-      if (.not. batch%has_limits) return
-      batch%has_limits = .false.
-      do i = 1, batch%width
-         if (.not. (batch%is_busy(i) .and. lanes(i)%has_limits)) cycle
-         batch%has_limits = .true.
-         call follow_interval(lanes(i), i, batch)
-         y_a = batch%y(i, :)
-         y_b = batch%y_new(i, :)
-         step%equation => lanes(i)%equation
-         step%t_a = batch%table(i, of_time)
-         step%t_b = step%t_a + batch%table(i, of_trial)
-         step%y_a => y_a
-         step%y_b => y_b
-         rates_a = batch%k(i, :, 1)
-         rates_b = batch%k(i, :, batch%pair%stages)
-         step%rates_a => rates_a
-         step%rates_b => rates_b
-         lanes(i)%is_smooth = is_uncut(step, lanes(i)%hybrid)
-         if (lanes(i)%is_smooth) lanes(i)%is_smooth = .not. ends_on_fuses(step)
-         batch%table(i, of_inspection) = merge(0, 1, lanes(i)%is_smooth &
-            .and. lanes(i)%target_event == no_event)
-      end do
-   end subroutine ask_limits
 
    !> Fail if round-off holds a lane at nearly the same time.
    subroutine check_lane(lane, i, batch)

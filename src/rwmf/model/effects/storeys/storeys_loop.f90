@@ -10,6 +10,7 @@ module rwmf_model_effects_storeys_storeys_loop
    private
 
    public :: add_floors, add_excited_mass, add_floor_power, add_excited_mass_power, follow_storeys
+   public :: move_storeys
    public :: no_hysteresis, floor_coefficients, floor_states, free_floors
 
    integer, parameter :: no_hysteresis = -1
@@ -216,6 +217,47 @@ contains
          end do
       end do
    end subroutine add_smooth_shears
+
+   !> Compute the displacements of the storeys with states, and their rates.
+   pure subroutine move_storeys(term, coef, y, motion, d)
+      type(term_t), intent(in) :: term
+      !! term of `add_floors`
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
+      !! coefficients of `add_floors`
+      real(wp), intent(in) :: y(lane_count, term%n_states)
+      !! states of `add_floors`
+      type(lane_motion_t), intent(in) :: motion
+      real(wp), intent(out) :: d(lane_count, term%n, 0:1)
+      !! displacements [m] and rates [m/s] of the storeys
+      integer :: free, i, j, m
+
+      free = free_floors(term)
+      do m = 0, 1
+         do j = 1, min(free, term%n)
+            !$omp simd
+            do i = 1, lane_count
+               d(i, j, m) = y(i, m*free + j)
+            end do
+         end do
+      end do
+      if (free < term%n) then
+         !$omp simd
+         do i = 1, lane_count
+            d(i, term%n, 0) = coef(i, 1)*(motion%side(i)*motion%u(i))
+            d(i, term%n, 1) = coef(i, 1)*(motion%side(i)*motion%j(i)*motion%rate(i))
+         end do
+         if (motion%is_bent) d(:, term%n, 1) = d(:, term%n, 1) + coef(:, 1)*motion%side &
+            *motion%w_rate
+      end if
+      do m = 0, 1
+         do j = term%n, 2, -1
+            !$omp simd
+            do i = 1, lane_count
+               d(i, j, m) = d(i, j, m) - d(i, j - 1, m)
+            end do
+         end do
+      end do
+   end subroutine move_storeys
 
    !> Add the ground force on the excited mass that does not move with the roof (one mode).
    pure subroutine add_excited_mass(coef, motion)
