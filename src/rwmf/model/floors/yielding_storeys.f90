@@ -83,7 +83,7 @@ contains
             highest = i
          end if
       end do
-      call renew_storeys(model, state, highest)
+      if (highest > 0 .or. allocated(state%storey_signs)) call renew_storeys(model, state, highest)
    end subroutine settle_storeys
 
    !> Update the coefficients of the loops after branches of storeys have changed.

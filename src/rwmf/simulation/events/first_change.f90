@@ -14,8 +14,8 @@ module rwmf_simulation_events_first_change
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
-   use rwmf_math_sign_changes, only: change_at_begin, changes_of, is_positive, no_change, &
-      one_change, polygon_t, rate_polygon, root_of, roughness, value_polygon
+   use rwmf_math_sign_changes, only: change_at_begin, changes_of, is_positive, newton_root_of, &
+      no_change, one_change, polygon_t, rate_polygon, root_of, roughness, value_polygon
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, fastest_angle, &
       sample_state, shorten, step_view_t
    implicit none
@@ -315,7 +315,7 @@ contains
          changes = changes_in(span, watch)
       end select
       is_clear = changes == no_change .or. changes == one_change
-      if (changes == one_change) x = root_of(polygon_in(span, watch))
+      if (changes == one_change) x = newton_root_of(polygon_in(span, watch))
    end subroutine expect_change
 
    !> Values and derivatives of a watched function at both ends of a span, positive on its side of

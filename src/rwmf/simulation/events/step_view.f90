@@ -9,7 +9,7 @@ module rwmf_simulation_events_step_view
    private
 
    public :: step_view_t, view_step, until, from, shorten, rates_in
-   public :: count_parts, end_of_part, sample_state, accelerations
+   public :: count_parts, quarter_period, end_of_part, sample_state, accelerations
    public :: fastest_angle, is_short, turning_frequency
 
    !> Piece of the last step, from a to b. Its pointers refer to data of other owners.
@@ -119,9 +119,7 @@ contains
 
       associate (equation => step%equation, motion => step%equation%motion, &
          interval => interval_of(step%equation))
-         quarter = huge(quarter)
-         if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, &
-            equation%floors%max_frequency)
+         quarter = quarter_period(equation)
          first = turning_point(motion, interval, step%t_a)
          if (first < min(step%t_b, interval_end(motion, interval))) then
             second = turning_point(motion, interval, first)
@@ -130,6 +128,15 @@ contains
       end associate
       n = max(1, ceiling(min((step%t_b - step%t_a)/quarter, real(most, wp))))
    end function count_parts
+
+   !> Quarter of the shortest period of the frame; the largest number without a frame [s].
+   pure real(wp) function quarter_period(equation) result(quarter)
+      type(equation_t), intent(in) :: equation
+
+      quarter = huge(quarter)
+      if (equation%has_frame) quarter = pi/2/max(equation%p%omega_s, &
+         equation%floors%max_frequency)
+   end function quarter_period
 
    !> Time at the end of one of n equal parts [s].
    pure real(wp) function end_of_part(step, i, n) result(t)

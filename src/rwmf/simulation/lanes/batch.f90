@@ -91,6 +91,8 @@ module rwmf_simulation_lanes_batch
       !! (width, storeys, columns) limits of the branches, see `rwmf_integrator_lane_quiet`
       real(wp), allocatable :: frequency(:)
       !! (width) frequency of the fastest vibration [rad/s]
+      real(wp), allocatable :: longest(:)
+      !! (width) longest step that the loop may find to be without any change of a lane's limits [s]
       real(wp), allocatable :: d(:, :, :, :)
       !! (width, storeys, 0:1, 2) displacements [m] and rates [m/s] at both ends of the steps
       real(wp), allocatable :: is_quiet(:, :)
@@ -202,7 +204,7 @@ contains
          branches%is_screened = equation%floors%n > 0
          if (allocated(equation%floors%laws)) branches%smooth = equation%floors%laws(1)%place
          allocate (branches%limits(width, n, limit_count), source=0.0_wp)
-         allocate (branches%frequency(width), source=0.0_wp)
+         allocate (branches%frequency(width), branches%longest(width), source=0.0_wp)
          allocate (branches%d(width, n, 0:1, 2), source=0.0_wp)
          allocate (branches%is_quiet(width, 0:n), source=0.0_wp)
       end associate
@@ -267,6 +269,7 @@ contains
       if (batch%branches%n > 0) then
          alone%branches%limits = batch%branches%limits(i:i, :, :)
          alone%branches%frequency = batch%branches%frequency(i)
+         alone%branches%longest = batch%branches%longest(i)
       end if
       alone%mark = batch%mark(i)
       alone%table(1, :) = batch%table(i, :)

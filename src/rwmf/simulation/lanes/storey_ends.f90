@@ -15,7 +15,8 @@ module rwmf_simulation_lanes_storey_ends
       watch_t
    use rwmf_simulation_events_fuse_support, only: ends_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event
-   use rwmf_simulation_events_step_view, only: count_parts, fastest_angle, step_view_t
+   use rwmf_simulation_events_step_view, only: count_parts, fastest_angle, quarter_period, &
+      step_view_t
    use rwmf_simulation_events_storey_events, only: list_ends, zero_of
    use rwmf_simulation_events_watched_functions, only: keeps_limits
    use rwmf_simulation_lanes_batch, only: at_storey, batch_t, follow_interval, &
@@ -39,6 +40,9 @@ contains
       step%equation => lane%equation
       ! phase in a second
       batch%branches%frequency(i) = fastest_angle(step, 1.0_wp)
+      batch%branches%longest(i) = 0
+      if (.not. (batch%has_curves .or. has_other_limits(lane))) batch%branches%longest(i) = &
+         quarter_period(lane%equation)
       associate (equation => lane%equation, state => lane%equation%state, &
                  limits => batch%branches%limits)
          do j = 1, batch%branches%n
@@ -64,12 +68,36 @@ contains
       do i = 1, batch%width
          if (.not. (batch%is_busy(i) .and. lanes(i)%has_limits)) cycle
          batch%has_limits = .true.
-         ! an inaccurate step is rejected
-         if (batch%error(i) <= 1) call inspect_lane(lanes(i), i, batch)
+         if (is_without_change(lanes(i), i, batch)) then
+            lanes(i)%is_smooth = .true.
+            lanes(i)%storey%at = huge(1.0_wp)
+         else if (batch%error(i) <= 1) then
+            ! an inaccurate step is rejected
+            call inspect_lane(lanes(i), i, batch)
+         end if
          batch%table(i, of_inspection) = merge(0, 1, lanes(i)%is_smooth &
             .and. lanes(i)%target_event == no_event .and. lanes(i)%storey%at > 1)
       end do
    end subroutine inspect_limits
+
+   !> Return whether the loop over lanes shows that an attempted step has no change.
+   pure logical function is_without_change(lane, i, batch)
+      type(lane_state_t), intent(in) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(batch_t), intent(in) :: batch
+
+      is_without_change = batch%branches%is_screened .and. lane%target_event /= at_storey
+      if (is_without_change) is_without_change = batch%branches%is_quiet(i, 0) > 0 &
+         .and. batch%table(i, of_trial) < batch%branches%longest(i)
+   end function is_without_change
+
+   !> Return whether a lane has limits besides those of its rotation and of its storeys.
+   pure logical function has_other_limits(lane)
+      type(lane_state_t), intent(in) :: lane
+
+      has_other_limits = lane%is_held .or. lane%hybrid%drifts > 0 .or. lane%equation%has_fuses
+   end function has_other_limits
 
    !> Find the steps in which no storey ends its branch.
    subroutine screen_storeys(lanes, batch)
@@ -111,8 +139,7 @@ contains
          end if
       end if
       if (.not. lane%storey%at > 1) return
-      if (lane%is_held .or. lane%hybrid%drifts > 0 .or. lane%equation%has_fuses) call &
-         check_other_limits(lane, i, batch)
+      if (has_other_limits(lane)) call check_other_limits(lane, i, batch)
    end subroutine inspect_lane
 
    !> Find out whether drifts, a held wall or fuses may end an attempted step.
