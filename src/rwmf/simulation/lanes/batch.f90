@@ -23,7 +23,8 @@ module rwmf_simulation_lanes_batch
    private
 
    public :: at_storey
-   public :: lane_state_t, storey_end_t, batch_t, create_batch, leave_batch, tabulate_lines, line_row
+   public :: lane_state_t, storey_end_t, batch_t, create_batch, leave_batch, tabulate_lines
+   public :: line_row
    public :: longest_step, find_steps_to_inspect, follow_curves, follow_interval
    public :: first_acceleration, turns_in_step, may_shorten
 
@@ -42,8 +43,12 @@ module rwmf_simulation_lanes_batch
       !! end of a branch found in the step
       real(wp) :: at = huge(1.0_wp)
       !! its position in the step; the largest number without one [-]
+      logical :: is_clear = .false.
+      !! the ends of the step show all changes of the storeys
       type(watch_t) :: target
       !! end of a branch at the target of the step
+      logical :: is_proven = .false.
+      !! a longer step has shown that no change precedes the target
       real(wp) :: rest = 0
       !! time from the end of the step to the target, by one step of Newton's method [s]
       real(wp), allocatable :: y(:), rates(:)

@@ -78,6 +78,7 @@ contains
       if (is_clear .and. lane%storey%at <= merge(1.0_wp, x, lane%target_event == no_event)) then
          lane%target_event = at_storey
          lane%storey%target = lane%storey%first
+         lane%storey%is_proven = lane%storey%is_clear
          x = lane%storey%at
       end if
       associate (table => batch%table, y => batch%y)

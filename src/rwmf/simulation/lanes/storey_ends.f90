@@ -7,12 +7,13 @@ module rwmf_simulation_lanes_storey_ends
    use rwmf_integrator_lane_columns, only: of_inspection, of_time, of_trial
    use rwmf_integrator_lane_quiet, only: find_quiet_one => find_quiet_steps, of_direction, &
       of_high_end, of_low_end, of_side
+   use rwmf_model_equation, only: equation_t
    use rwmf_model_floor_motion, only: storey_accelerations, storey_motion
    use rwmf_model_floors_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, side_beyond_zero, stands_still
    use rwmf_model_system_assembly, only: rates_at
-   use rwmf_simulation_events_first_change, only: expect_change, measure_span, span_t, value_at, &
-      watch_t
+   use rwmf_simulation_events_first_change, only: expect_change, measure_span, moment_t, span_t, &
+      value_at, watch_t
    use rwmf_simulation_events_fuse_support, only: ends_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_events_step_view, only: count_parts, fastest_angle, quarter_period, &
@@ -21,6 +22,7 @@ module rwmf_simulation_lanes_storey_ends
    use rwmf_simulation_events_watched_functions, only: keeps_limits
    use rwmf_simulation_lanes_batch, only: at_storey, batch_t, follow_interval, &
       lane_state_t, storey_end_t
+   use rwmf_simulation_state_result, only: event_storey_zero
    implicit none
    private
 
@@ -168,7 +170,8 @@ contains
 
    !> Find the first end of a storey's branch in an attempted step, and the distance to the target.
    !>
-   !> Storeys without the end of a branch, by the loop over the lanes, need no further test.
+   !> Storeys without the end of a branch, by the loop over the lanes, need no further test. A step
+   !> to the first change of a longer one needs none of the storey that ends its branch.
    subroutine find_first_end(lane, i, step, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
@@ -177,97 +180,145 @@ contains
       type(batch_t), intent(inout) :: batch
       type(watch_t) :: watches(2)
       integer :: j, k, n
-      logical :: is_aim, has_aim
+      logical :: is_clear, has_target
 
-      call measure_storeys(lane, i, step, batch)
-      lane%is_smooth = .true.
-      has_aim = lane%target_event /= at_storey
+      has_target = lane%target_event == at_storey
       associate (equation => lane%equation, storey => lane%storey)
+         call measure_end(equation, i, step, batch, storey)
+         is_clear = .true.
+         if (has_target) call approach_target(storey, is_clear)
+         lane%is_smooth = is_clear
+         if (has_target .and. is_clear .and. storey%is_proven) then
+            if (count(batch%branches%is_quiet(i, 1:) <= 0) <= merge(0, 1, &
+                batch%branches%is_quiet(i, storey%target%which) > 0)) return
+         end if
+         call measure_begin(equation, i, step, batch, storey)
          do j = 1, batch%branches%n
-            is_aim = lane%target_event == at_storey .and. storey%target%which == j
-            if (batch%branches%is_quiet(i, j) > 0 .and. .not. is_aim) cycle
+            if (batch%branches%is_quiet(i, j) > 0) cycle
             call list_ends(equation, j, storey%span, watches, n)
             do k = 1, n
-               call compare_end(storey%span, watches(k), is_aim, lane, has_aim)
+               if (.not. (has_target .and. is_target(storey, watches(k)))) call compare_end( &
+                  storey%span, watches(k), storey, is_clear)
             end do
-            if (side_beyond_zero(equation%state, j) /= 0) call compare_end(storey%states, &
-               zero_of(equation, j), is_aim, lane, has_aim)
+            if (side_beyond_zero(equation%state, j) == 0) cycle
+            watches(1) = zero_of(equation, j)
+            if (.not. (has_target .and. is_target(storey, watches(1)))) call compare_end( &
+               storey%states, watches(1), storey, is_clear)
          end do
+         storey%is_clear = is_clear
          ! the step up to the first change decides on changes that are not clear
-         lane%is_smooth = (lane%is_smooth .and. has_aim) .or. storey%at <= 1
+         lane%is_smooth = is_clear .or. storey%at <= 1
       end associate
    end subroutine find_first_end
 
-   !> Compare the end of a branch with the first one so far, or find the distance to it if it is the
-   !> target.
-   pure subroutine compare_end(span, watch, may_be_aim, lane, has_aim)
+   !> Return whether a watch is the target.
+   pure logical function is_target(storey, watch)
+      type(storey_end_t), intent(in) :: storey
+      type(watch_t), intent(in) :: watch
+
+      associate (target => storey%target)
+         is_target = watch%which == target%which .and. watch%kind == target%kind &
+            .and. abs(watch%side - target%side) <= 0
+      end associate
+   end function is_target
+
+   !> Find the time to the target by one step of Newton's method.
+   pure subroutine approach_target(storey, is_clear)
+      type(storey_end_t), intent(inout) :: storey
+      logical, intent(out) :: is_clear
+      !! the function approaches its level
+      real(wp) :: value, rate
+
+      associate (watch => storey%target)
+         if (watch%kind == event_storey_zero) then
+            value = value_at(watch, storey%states%b)
+            rate = watch%side*storey%states%b%f(watch%which, watch%order + 1)
+         else
+            value = value_at(watch, storey%span%b)
+            rate = watch%side*storey%span%b%f(watch%which, watch%order + 1)
+         end if
+         is_clear = rate < 0
+         if (is_clear) storey%rest = -value/rate
+      end associate
+   end subroutine approach_target
+
+   !> Compare the end of a branch with the first one so far.
+   pure subroutine compare_end(span, watch, storey, is_clear)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watch
-      logical, intent(in) :: may_be_aim
-      !! the watch may be the target
-      type(lane_state_t), intent(inout) :: lane
-      logical, intent(inout) :: has_aim
-      !! the distance to the target is known
-      real(wp) :: x, rate
-      logical :: is_clear
+      type(storey_end_t), intent(inout) :: storey
+      logical, intent(inout) :: is_clear
+      !! the ends of the step show all changes so far
+      real(wp) :: x
+      logical :: is_clear_one
 
-      associate (storey => lane%storey)
-         if (may_be_aim .and. watch%kind == storey%target%kind &
-             .and. abs(watch%side - storey%target%side) <= 0) then
-            rate = watch%side*span%b%f(watch%which, watch%order + 1)
-            has_aim = rate < 0
-            if (has_aim) storey%rest = -value_at(watch, span%b)/rate
-            return
-         end if
-         call expect_change(span, watch, x, is_clear)
-         lane%is_smooth = lane%is_smooth .and. is_clear
-         if (.not. x < storey%at) return
-         storey%at = x
-         storey%first = watch
-      end associate
+      call expect_change(span, watch, x, is_clear_one)
+      is_clear = is_clear .and. is_clear_one
+      if (.not. x < storey%at) return
+      storey%at = x
+      storey%first = watch
    end subroutine compare_end
 
-   !> Evaluate the storeys at both ends of an attempted step, with exact rates.
-   subroutine measure_storeys(lane, i, step, batch)
-      type(lane_state_t), intent(inout) :: lane
+   !> Evaluate the storeys at the end of an attempted step, with exact rates.
+   subroutine measure_end(equation, i, step, batch, storey)
+      type(equation_t), intent(in) :: equation
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(step_view_t), intent(in) :: step
       type(batch_t), intent(inout) :: batch
-      integer :: m
+      type(storey_end_t), intent(inout) :: storey
 
-      associate (equation => lane%equation, side => lane%equation%state%side, &
-                 storey => lane%storey, a => lane%storey%span%a, b => lane%storey%span%b, &
-                 d => batch%branches%d)
-         call create_spans(equation%n, batch%branches%n, storey)
-         a%t = step%t_a
-         b%t = step%t_b
-         storey%states%a%t = a%t
-         storey%states%b%t = b%t
-         ! rates at the beginning
-         storey%y(:) = batch%y(i, :)
-         storey%rates(:) = batch%k(i, :, 1)
-         if (.not. batch%branches%is_screened) call storey_motion(equation, side, storey%y, &
-            d(i, :, 0, 1), d(i, :, 1, 1))
-         a%f(:, 2) = storey_accelerations(equation, side, storey%y, storey%rates)
-         storey%states%a%f(:, 0) = hysteretic_states(equation, storey%y)
-         storey%states%a%f(:, 1) = hysteretic_states(equation, storey%rates)
-         storey%y(:) = batch%y_new(i, :)
-         call rates_at(equation, step%t_b, storey%y, storey%rates)
-         if (.not. batch%branches%is_screened) call storey_motion(equation, side, storey%y, &
-            d(i, :, 0, 2), d(i, :, 1, 2))
-         b%f(:, 2) = storey_accelerations(equation, side, storey%y, storey%rates)
-         storey%states%b%f(:, 0) = hysteretic_states(equation, storey%y)
-         storey%states%b%f(:, 1) = hysteretic_states(equation, storey%rates)
-         do m = 0, 1
-            a%f(:, m) = d(i, :, m, 1)
-            b%f(:, m) = d(i, :, m, 2)
-         end do
-         call measure_span(fastest_angle(step, step%t_b - step%t_a), storey%span)
-         storey%states%rough = 0
-         storey%states%largest = 1
-      end associate
-   end subroutine measure_storeys
+      call create_spans(equation%n, batch%branches%n, storey)
+      storey%y(:) = batch%y_new(i, :)
+      call rates_at(equation, step%t_b, storey%y, storey%rates)
+      if (.not. batch%branches%is_screened) call storey_motion(equation, equation%state%side, &
+         storey%y, batch%branches%d(i, :, 0, 2), batch%branches%d(i, :, 1, 2))
+      storey%span%b%t = step%t_b
+      storey%states%b%t = step%t_b
+      call take_values(equation, storey%y, storey%rates, batch%branches%d(i, :, :, 2), &
+         storey%span%b, storey%states%b)
+   end subroutine measure_end
+
+   !> Evaluate the storeys at the beginning of an attempted step, and measure the step.
+   subroutine measure_begin(equation, i, step, batch, storey)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(step_view_t), intent(in) :: step
+      type(batch_t), intent(inout) :: batch
+      type(storey_end_t), intent(inout) :: storey
+      real(wp), dimension(size(storey%y)) :: y, rates
+
+      y = batch%y(i, :)
+      rates = batch%k(i, :, 1)
+      if (.not. batch%branches%is_screened) call storey_motion(equation, equation%state%side, y, &
+         batch%branches%d(i, :, 0, 1), batch%branches%d(i, :, 1, 1))
+      storey%span%a%t = step%t_a
+      storey%states%a%t = step%t_a
+      call take_values(equation, y, rates, batch%branches%d(i, :, :, 1), storey%span%a, &
+         storey%states%a)
+      call measure_span(fastest_angle(step, step%t_b - step%t_a), storey%span)
+      ! only the ends of the states matter
+      storey%states%rough = 0
+      storey%states%largest = 1
+   end subroutine measure_begin
+
+   !> Store displacements and hysteretic states of the storeys at one end of a step.
+   pure subroutine take_values(equation, y, rates, d, span_end, states_end)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:), rates(:)
+      !! (states) with their rates
+      real(wp), intent(in) :: d(:, 0:)
+      !! (storeys, 0:1) displacements [m] and rates [m/s]
+      type(moment_t), intent(inout) :: span_end
+      type(moment_t), intent(inout) :: states_end
+
+      span_end%f(:, :1) = d
+      span_end%f(:, 2) = storey_accelerations(equation, equation%state%side, y, rates)
+      if (.not. allocated(equation%floors%laws)) return
+      states_end%f(:, 0) = hysteretic_states(equation, y)
+      states_end%f(:, 1) = hysteretic_states(equation, rates)
+   end subroutine take_values
 
    !> Create the arrays of a lane, unless they exist.
    pure subroutine create_spans(n_states, n, storey)
@@ -282,7 +333,7 @@ contains
       end if
       allocate (storey%y(n_states), storey%rates(n_states))
       allocate (storey%span%a%f(n, 0:2), storey%span%b%f(n, 0:2))
-      allocate (storey%states%a%f(n, 0:1), storey%states%b%f(n, 0:1))
+      allocate (storey%states%a%f(n, 0:1), storey%states%b%f(n, 0:1), source=0.0_wp)
    end subroutine create_spans
 
 end module rwmf_simulation_lanes_storey_ends
