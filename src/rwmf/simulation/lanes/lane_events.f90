@@ -21,6 +21,7 @@ module rwmf_simulation_lanes_lane_events
    use rwmf_simulation_lanes_lane_loading, only: bound_work, catch_up, enter_batch, forget_target, &
       further_state, load_line
    use rwmf_simulation_lanes_lane_outputs, only: pass_step
+   use rwmf_simulation_lanes_storey_ends, only: reach_target
    use rwmf_simulation_state_hybrid_state, only: mode_rocking
    use rwmf_simulation_state_result, only: event_branch, event_impact, event_overturned, &
       event_passage, event_peak
@@ -302,11 +303,15 @@ contains
          short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-5_wp, &
             lane%equation%n == 2))
          if (abs(rest) <= max(short*h, 2*epsilon(t)*t)) then
-            ! interpolate the rates by the cubic through both ends
-            do j = 1, lane%equation%n
-               y(j) = y(j) + rest*(rates(j) + rest/h*(3*(batch%y(i, j) - y(j))/h &
-                  + batch%k(i, j, 1) + 2*rates(j)))
-            end do
+            if (lane%target_event == at_storey) then
+               call reach_target(lane, i, batch, rest, y)
+            else
+               ! interpolate the rates by the cubic through both ends
+               do j = 1, lane%equation%n
+                  y(j) = y(j) + rest*(rates(j) + rest/h*(3*(batch%y(i, j) - y(j))/h &
+                     + batch%k(i, j, 1) + 2*rates(j)))
+               end do
+            end if
             call happen(lane, i, t + rest, y, batch)
             return
          end if

@@ -26,7 +26,7 @@ module rwmf_simulation_lanes_storey_ends
    implicit none
    private
 
-   public :: load_limits, inspect_limits
+   public :: load_limits, inspect_limits, reach_target
 
 contains
 
@@ -241,6 +241,45 @@ contains
          if (is_clear) storey%rest = -value/rate
       end associate
    end subroutine approach_target
+
+   !> Move the state at the end of a step to the target, by the cubic through both ends.
+   !>
+   !> The branch ends at its limit or just beyond it: otherwise the next branch could begin on the
+   !> wrong side, and end at once.
+   subroutine reach_target(lane, i, batch, rest, y)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(batch_t), intent(in) :: batch
+      real(wp), intent(inout) :: rest
+      !! time from the end of the step to the target, on input by one step of Newton's method [s]
+      real(wp), intent(out) :: y(:)
+      !! (states) at the target
+      integer, parameter :: most = 8
+      integer, parameter :: spacings = 4
+      real(wp) :: value, rate, slack
+      !! slack: largest distance beyond the level, by round-off of the function and of the time
+      integer :: j, k
+
+      associate (storey => lane%storey, watch => lane%storey%target, b => lane%storey%span%b, &
+                 rates => lane%storey%rates, h => batch%table(i, of_trial))
+         rate = watch%side*b%f(watch%which, watch%order + 1)
+         do k = 1, most
+            do j = 1, size(y)
+               y(j) = storey%y(j) + rest*(rates(j) + rest/h*(3*(batch%y(i, j) - storey%y(j))/h &
+                  + batch%k(i, j, 1) + 2*rates(j)))
+            end do
+            ! the transition sets the state to zero
+            if (watch%kind == event_storey_zero) return
+            call storey_motion(lane%equation, lane%equation%state%side, y, b%f(:, 0), b%f(:, 1))
+            value = value_at(watch, b)
+            slack = max(spacings*epsilon(h)*maxval(abs(b%f(:, watch%order))), &
+               -rate*spacing(batch%table(i, of_time) + h))
+            if (value <= 0 .and. value >= -slack) return
+            rest = rest - (value + slack/2)/rate
+         end do
+      end associate
+   end subroutine reach_target
 
    !> Compare the end of a branch with the first one so far.
    pure subroutine compare_end(span, watch, storey, is_clear)
