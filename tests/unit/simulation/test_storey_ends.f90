@@ -175,8 +175,8 @@ contains
       is_quiet = is_quiet .and. value_at(zero_of(equation, j), b) >= 0
    end function is_quiet_storey
 
-   !> The position of a change from both ends of a span: a vibration through a level, one that turns,
-   !> and one that passes a level twice.
+   !> Check the position of a change from both ends of a span: a vibration through a level, one that
+   !> turns, and one that passes a level twice.
    subroutine check_position()
       type(span_t) :: span
       real(wp) :: x

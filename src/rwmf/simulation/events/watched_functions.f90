@@ -55,7 +55,7 @@ contains
       if (allocated(functions)) functions%n = n
    end subroutine choose_functions
 
-   !> Return whether the ends of a step suffice to show that neither a drift nor a held wall ends it.
+   !> Return whether the ends of a step show that neither a drift nor a held wall ends it.
    logical function keeps_limits(step, hybrid)
       type(step_view_t), intent(in) :: step
       !! step of one part, without an integrator
