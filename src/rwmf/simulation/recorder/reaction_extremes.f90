@@ -19,7 +19,8 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_model_equation, only: ground, has_further_effects, vertical_ground
    use rwmf_model_system_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, seeks
+   use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_short, &
       step_view_t, turning_frequency
    use rwmf_simulation_recorder_reaction_estimates, only: at_first, at_last, estimate_reactions, &
@@ -43,6 +44,8 @@ module rwmf_simulation_recorder_reaction_extremes
       !! [s]
       real(wp) :: smallest(n_quantities) = huge(1.0_wp)
       !! smallest values, for the range of each quantity [m/s2], [-], [m/s2]
+      logical :: is_sought(n_quantities) = .true.
+      !! a requested quantity needs this one
       real(wp), allocatable :: limit
       !! coefficient of friction, as a limit of the demand [-]
       real(wp), allocatable :: t_exceeded
@@ -69,6 +72,14 @@ contains
       if (.not. case%output%reactions) return
       allocate (forces)
       forces%frequency = frequency_with_springs(equation, y)
+      forces%is_sought(low_normal) = seeks(case%output, [id%pivot_normal_min_over_m_w_g, &
+         id%t_pivot_normal_min_s, id%pivot_lifts])
+      forces%is_sought(demand) = seeks(case%output, [id%friction_demand_max, &
+         id%t_friction_demand_max_s, id%shear_key_force_max_over_m_w_g, &
+         id%t_shear_key_force_max_s, id%friction_exceeded, id%t_friction_exceeded_s])
+      forces%is_sought(shear) = seeks(case%output, [id%base_shear_max_over_weight, &
+         id%t_base_shear_max_s])
+      if (.not. forces%is_sought(demand)) return
       if (allocated(case%output%friction_limit)) forces%limit = case%output%friction_limit
    end subroutine create_reaction_extremes
 
@@ -161,7 +172,7 @@ contains
       is_settled = all(forces%largest >= forces%smallest)
       if (.not. is_settled) return
       call estimate_reactions(piece, found)
-      is_steep = is_quotient(piece%equation)
+      is_steep = is_quotient(piece%equation) .and. forces%is_sought(demand)
       if (is_steep) is_steep = is_sharp(-found(low_normal, :))
       if (is_steep) then
          is_settled = bound(-found(low_normal, :), found(demand, :)) <= forces%largest(demand)
@@ -174,6 +185,7 @@ contains
             - forces%smallest(q)))
       end do
       if (is_steep) peak(demand) = nowhere
+      where (.not. forces%is_sought) peak = nowhere
       forces%smallest = min(forces%smallest, minval(found, 2))
       if (all(peak == nowhere)) return
       if (any(peak == inside .or. peak == at_first)) call observe_end(forces, piece, piece%t_a, &
@@ -229,7 +241,7 @@ contains
             if (largest(demand) >= cap) highest(demand) = -huge(1.0_wp)
          end if
       end associate
-      is_plain = all(highest < level)
+      is_plain = all(highest < level .or. .not. forces%is_sought)
    end function is_plain
 
    !> Compute the reactions at a state.
@@ -321,6 +333,7 @@ contains
          call keep_largest(forces, t(i), found(:, i))
       end do
       do q = 1, n_quantities
+         if (.not. forces%is_sought(q)) cycle
          if (q == demand .and. is_quotient(span%equation) .and. is_sharp(-found(low_normal, :))) &
             then
             call search_quotient(forces, span, t, found, t_peak, error)
@@ -404,7 +417,7 @@ contains
          do while (search%is_open)
             call sample(span, search%next, low, error)
             if (allocated(error)) return
-            call keep_largest(forces, search%next, low)
+            call keep_largest(forces, search%next, low, demand)
             value(i) = max(value(i), low(demand))
             call climb(search, low(demand))
          end do
@@ -427,7 +440,7 @@ contains
             .and. at < t(n_nodes))) return
          call sample(span, at, sampled, error)
          if (allocated(error)) return
-         call keep_largest(forces, at, sampled)
+         call keep_largest(forces, at, sampled, demand)
          place = count(point(:n) < at) + 1
          point(place + 1:n + 1) = point(place:n)
          value(place + 1:n + 1) = value(place:n)
@@ -462,7 +475,7 @@ contains
       do while (search%is_open)
          call sample(span, search%next, at_point, error)
          if (allocated(error)) return
-         call keep_largest(forces, search%next, at_point)
+         call keep_largest(forces, search%next, at_point, demand)
          if (at_point(low_normal) > low(low_normal)) then
             t_low = search%next
             low = at_point
@@ -506,7 +519,7 @@ contains
       do while (search%is_open)
          call sample(span, search%next, at_point, error)
          if (allocated(error)) return
-         call keep_largest(forces, search%next, at_point)
+         call keep_largest(forces, search%next, at_point, q)
          call climb(search, at_point(q))
       end do
       t_peak = search%x(1)
@@ -574,16 +587,27 @@ contains
       found(shear) = abs(reactions%base_shear)
    end function quantities
 
-   pure subroutine keep_largest(forces, t, found)
+   !> Update the extrema with quantities at one instant.
+   !>
+   !> The points of a search update its own quantity only. The bits of an extremum then do not depend
+   !> on the other quantities of the request.
+   pure subroutine keep_largest(forces, t, found, searched)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       real(wp), intent(in) :: t
       real(wp), intent(in) :: found(n_found)
+      integer, intent(in), optional :: searched
+      !! number of the quantity that is searched; absent: update all quantities
+      integer :: q
 
-      where (found(:n_quantities) > forces%largest)
-         forces%largest = found(:n_quantities)
-         forces%t_largest = t
-      end where
-      forces%smallest = min(forces%smallest, found(:n_quantities))
+      do q = 1, n_quantities
+         if (present(searched)) then
+            if (q /= searched) cycle
+         end if
+         forces%smallest(q) = min(forces%smallest(q), found(q))
+         if (.not. found(q) > forces%largest(q)) cycle
+         forces%largest(q) = found(q)
+         forces%t_largest(q) = t
+      end do
    end subroutine keep_largest
 
 end module rwmf_simulation_recorder_reaction_extremes
