@@ -74,7 +74,6 @@ module rwmf_integrator_lane_columns
 
    !> Requested outputs of the lanes of a batch.
    type :: screen_t
-      logical :: is_used = .false.
       logical :: has_reactions = .false.
       logical :: has_demands = .false.
       type(demand_list_t) :: demands
@@ -84,6 +83,8 @@ module rwmf_integrator_lane_columns
       !! number of values and of coefficients of section forces
       logical, allocatable :: has_search(:)
       !! (values) the value is requested, and not in a fixed proportion to another one
+      logical, allocatable :: is_used(:)
+      !! (columns) the column serves a value that has a search
    end type screen_t
 
    integer, parameter :: is_done = 0

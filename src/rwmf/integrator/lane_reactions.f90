@@ -78,9 +78,9 @@ contains
       if (any(table(:, of_known) < 1)) then
          at = ground(:, 1, :)
          call find_values(parts, screen, constants, coef, y, at, values(1, 1, at_middle))
-         call begin_anew(screen%columns, at, table, values)
+         call begin_anew(screen, at, table, values)
       end if
-      call begin_at_end(screen%columns, ground(:, [1, last], :), mark, table, values)
+      call begin_at_end(screen, ground(:, [1, last], :), mark, table, values)
       turning = 0
       ! forces of a wall contain sines and cosines of twice its rotation
       if (parts%through_link%has_wall) turning = 2*max(abs(y(:, 2)), abs(y_new(:, 2)))
@@ -153,16 +153,16 @@ contains
    end subroutine find_low_ends
 
    !> Begin with the values in `at_middle` where no step has ended at the start of this one.
-   pure subroutine begin_anew(n, ground, table, values)
-      integer, intent(in) :: n
-      !! number of values
+   pure subroutine begin_anew(screen, ground, table, values)
+      type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: ground(lane_count, 2)
       !! acceleration of the ground at the start [m/s2]
       real(wp), intent(inout) :: table(lane_count, column_count)
-      real(wp), intent(inout) :: values(lane_count, n, value_count)
+      real(wp), intent(inout) :: values(lane_count, screen%columns, value_count)
       integer :: i, q
 
-      do q = 1, n
+      do q = 1, screen%columns
+         if (.not. screen%is_used(q)) cycle
          !$omp simd
          do i = 1, lane_count
             values(i, q, at_begin) = merge(values(i, q, at_begin), values(i, q, at_middle), &
@@ -182,14 +182,13 @@ contains
    end subroutine begin_anew
 
    !> Copy the values at the ends of accepted steps to the beginnings of the next ones.
-   pure subroutine begin_at_end(n, ground, mark, table, values)
-      integer, intent(in) :: n
-      !! number of values
+   pure subroutine begin_at_end(screen, ground, mark, table, values)
+      type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: ground(lane_count, 2, 2)
       !! acceleration of the ground at both ends of the step [m/s2]
       integer, intent(in) :: mark(lane_count)
       real(wp), intent(inout) :: table(lane_count, column_count)
-      real(wp), intent(inout) :: values(lane_count, n, value_count)
+      real(wp), intent(inout) :: values(lane_count, screen%columns, value_count)
       real(wp), parameter :: slack = 1.0e-9_wp
       real(wp), dimension(lane_count) :: is_passed, jump
       integer :: i, m, q
@@ -207,7 +206,8 @@ contains
             table(i, of_ground_end + m - 1) = ground(i, 2, m)
          end do
       end do
-      do q = 1, n
+      do q = 1, screen%columns
+         if (.not. screen%is_used(q)) cycle
          !$omp simd
          do i = 1, lane_count
             values(i, q, at_begin) = merge(merge(unknown, values(i, q, at_end), jump(i) > 0), &

@@ -100,6 +100,8 @@ module rwmf_simulation_lanes_batch
       !! (width) true if the outputs need this step; the following arrays are then set
       real(wp), allocatable :: t_before(:), y_before(:, :)
       !! (width) time [s] and (width, states) states at the start of the step
+      logical :: is_screened = .false.
+      !! true if reactions or demands are requested
       logical :: seeks_demands = .false.
       !! true if demands are requested, even if loops over lanes cannot compute them
       type(screen_t) :: screen
@@ -196,6 +198,7 @@ contains
       alone%keeps_more = batch%keeps_more
       alone%has_limits = batch%has_limits
       if (allocated(batch%work)) alone%work = batch%work(i:i, :)
+      alone%is_screened = batch%is_screened
       alone%seeks_demands = batch%seeks_demands
       alone%screen = batch%screen
       alone%values = batch%values(i:i, :, :)

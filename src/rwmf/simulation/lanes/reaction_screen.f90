@@ -7,7 +7,7 @@ module rwmf_simulation_lanes_reaction_screen
       value_count
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_system_demands_loop, only: demand_constants, section_terms, sections
-   use rwmf_model_system_reactions_loop, only: reaction_count
+   use rwmf_model_system_reactions_loop, only: demand, low_normal, reaction_count
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_simulation_lanes_batch, only: lane_state_t, batch_t
    use rwmf_simulation_recorder_demand_extremes, only: lanes_find, put_constants
@@ -28,7 +28,7 @@ contains
 
       batch%table(i, of_plain) = 1
       batch%table(i, of_calm) = 1
-      if (.not. batch%screen%is_used) return
+      if (.not. batch%is_screened) return
       batch%table(i, of_known) = 0
       call note_extremes(lane, i, batch)
    end subroutine begin_reactions
@@ -66,9 +66,13 @@ contains
             screen%has_search = [screen%has_search, (has_search(recorder%demands, q), q=1, &
                size(recorder%demands%largest))]
          end if
-         screen%is_used = any(screen%has_search) .or. batch%seeks_demands
          screen%n = size(screen%has_search)
          screen%columns = screen%n + merge(sections*section_terms, 0, screen%has_demands)
+         screen%is_used = [screen%has_search, spread(screen%demands%has_sections, 1, &
+            screen%columns - screen%n)]
+         ! the quotient |H|/N is bounded by N and itself
+         screen%is_used(low_normal) = any(screen%has_search([low_normal, demand]))
+         batch%is_screened = any(screen%has_search) .or. batch%seeks_demands
          allocate (batch%values(batch%width, screen%columns, value_count), source=0.0_wp)
          allocate (batch%constants(batch%width, demand_constants(screen%demands)), &
             source=0.0_wp)
@@ -109,7 +113,7 @@ contains
       real(wp) :: t
       integer :: i
 
-      if (.not. batch%screen%is_used) return
+      if (.not. batch%is_screened) return
       batch%table(:, of_plain) = 0
       batch%table(:, of_calm) = 0
       associate (parts => lanes(1)%equation%parts, last => batch%pair%stages)

@@ -88,7 +88,8 @@ contains
       where (.not. is_requested .and. .not. serves) recorder%leader = 0
       call form_pools(recorder, output)
       associate (building => recorder%building, n => size(serves))
-         recorder%list = demand_list_t(building%floors, building%drifts, any(is_requested(n - 1:)))
+         building%has_sections = any(is_requested(n - 1:))
+         recorder%list = demand_list_t(building%floors, building%drifts, building%has_sections)
       end associate
    end subroutine drop_others
 
