@@ -8,7 +8,7 @@ module rwmf_integrator_lane_kernels
    use, intrinsic :: iso_c_binding, only: c_int
 #endif
    use rwmf_integrator_lane_control_l16, only: accept_or_reject, advance_intervals, plan_step
-   use rwmf_integrator_lane_reactions_l16, only: screen_steps
+   use rwmf_integrator_lane_screens_l16, only: screen_steps
    use rwmf_integrator_lane_step_l16, only: attempt_step
    use rwmf_model_lanes_l16, only: batch_width => lane_count
 #ifdef LANE_LEVELS
@@ -16,8 +16,8 @@ module rwmf_integrator_lane_kernels
       advance_intervals_v3 => advance_intervals, plan_step_v3 => plan_step
    use rwmf_integrator_lane_control_l16_v4, only: accept_or_reject_v4 => accept_or_reject, &
       advance_intervals_v4 => advance_intervals, plan_step_v4 => plan_step
-   use rwmf_integrator_lane_reactions_l16_v3, only: screen_steps_v3 => screen_steps
-   use rwmf_integrator_lane_reactions_l16_v4, only: screen_steps_v4 => screen_steps
+   use rwmf_integrator_lane_screens_l16_v3, only: screen_steps_v3 => screen_steps
+   use rwmf_integrator_lane_screens_l16_v4, only: screen_steps_v4 => screen_steps
    use rwmf_integrator_lane_step_l16_v3, only: attempt_step_v3 => attempt_step
    use rwmf_integrator_lane_step_l16_v4, only: attempt_step_v4 => attempt_step
 #endif

@@ -313,7 +313,7 @@ contains
 
       is_left = allocated(recorder%forces)
       if (present(has_plain_reactions)) is_left = is_left .and. .not. has_plain_reactions
-      if (recorder%seeks_velocity) call observe_fastest(recorder, piece, error)
+      call observe_fastest(recorder, piece, error)
       if (allocated(error)) return
       if (is_left) call observe_moving(recorder%forces, piece, error)
       if (allocated(error)) return
@@ -361,7 +361,9 @@ contains
       type(step_view_t) :: part
       integer :: i, n
 
+      ! impacts depend on this maximum, with any request
       recorder%theta_dot_ends = max(recorder%theta_dot_ends, abs(piece%y_b(2)))
+      if (.not. recorder%seeks_velocity) return
       recorder%theta_dot_max = max(recorder%theta_dot_max, recorder%theta_dot_ends)
       n = 1
       if (.not. is_short(piece, short, sqrt(piece%equation%p%g/piece%equation%p%R))) then

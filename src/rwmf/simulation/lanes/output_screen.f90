@@ -1,9 +1,9 @@
 !> Screen for steps of a batch of lanes that certainly contain no extremum of reactions and demands.
-module rwmf_simulation_lanes_reaction_screen
+module rwmf_simulation_lanes_output_screen
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: of_calm, of_fastest_demand, of_frequency, &
       of_interval, of_known, of_limit, of_middle, of_plain, of_time, of_trial
-   use rwmf_integrator_lane_reactions, only: least_so_far, screen_one => screen_steps, so_far, &
+   use rwmf_integrator_lane_screens, only: least_so_far, screen_one => screen_steps, so_far, &
       value_count
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_system_demands_loop, only: demand_constants, section_terms, sections
@@ -15,12 +15,12 @@ module rwmf_simulation_lanes_reaction_screen
    implicit none
    private
 
-   public :: begin_outputs, begin_reactions, note_extremes, screen_reactions
+   public :: begin_screen, restart_screen, note_extremes, screen_outputs
 
 contains
 
    !> Initialise the screen for a lane with a new piece; data of its last step are no longer valid.
-   subroutine begin_reactions(lane, i, batch)
+   subroutine restart_screen(lane, i, batch)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
       !! number of the lane in the batch
@@ -31,10 +31,10 @@ contains
       if (.not. batch%is_screened) return
       batch%table(i, of_known) = 0
       call note_extremes(lane, i, batch)
-   end subroutine begin_reactions
+   end subroutine restart_screen
 
    !> Initialise the screen for a new run of a lane.
-   subroutine begin_outputs(lane, i, batch)
+   subroutine begin_screen(lane, i, batch)
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
       !! number of the lane in the batch
@@ -45,7 +45,7 @@ contains
       if (.not. batch%screen%has_demands) return
       batch%table(i, of_fastest_demand) = lane%recorder%demands%frequency
       call put_constants(lane%recorder%demands, batch%constants(i, :))
-   end subroutine begin_outputs
+   end subroutine begin_screen
 
    !> Set up the screen for the requested outputs of the lanes, which share one scene.
    subroutine choose_screen(lane, batch)
@@ -107,7 +107,7 @@ contains
    end subroutine note_extremes
 
    !> Screen the trial steps of all lanes for extrema of reactions and demands.
-   subroutine screen_reactions(lanes, batch)
+   subroutine screen_outputs(lanes, batch)
       type(lane_state_t), intent(in) :: lanes(:)
       type(batch_t), intent(inout) :: batch
       real(wp) :: t
@@ -152,7 +152,7 @@ contains
             if (t < table(i, of_time) + table(i, of_trial)) table(i, [of_plain, of_calm]) = 0
          end associate
       end do
-   end subroutine screen_reactions
+   end subroutine screen_outputs
 
    !> Return whether the ground motion continues without a jump at the end of a lane's step.
    pure logical function continues(i, batch)
@@ -180,4 +180,4 @@ contains
       end associate
    end function continues
 
-end module rwmf_simulation_lanes_reaction_screen
+end module rwmf_simulation_lanes_output_screen

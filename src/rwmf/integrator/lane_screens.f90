@@ -1,5 +1,5 @@
 !> Detection of lane steps that cannot contain an extremum of reactions and demands.
-module rwmf_integrator_lane_reactions
+module rwmf_integrator_lane_screens
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, of_calm, &
       of_fastest_demand, of_frequency, of_ground_end, of_known, of_middle, of_plain, of_trial, &
@@ -91,7 +91,7 @@ contains
       call find_low_ends(screen, angle, values, 1, reaction_count, parts, table(1, of_plain))
       call find_low_ends(screen, demand_angle, values, reaction_count + 1, screen%n, parts, &
          table(1, of_calm))
-      if (all(table(:, [of_plain, of_calm]) > 0)) return
+      if (all(min(table(:, of_plain), table(:, of_calm)) > 0 .or. table(:, of_trial) <= 0)) return
       do m = 1, parts%through_link%n
          !$omp simd
          do i = 1, lane_count
@@ -138,7 +138,10 @@ contains
       end do
       do q = first, final
          if (.not. screen%has_search(q)) cycle
-         if (q == demand .and. is_quotient(parts)) is_flat = 0
+         if (q == demand .and. is_quotient(parts)) then
+            call check_quotient_at_ends(screen%columns, margin, values, is_flat)
+            cycle
+         end if
          is_magnitude = q /= low_normal
          !$omp simd private(a, c, level, range)
          do i = 1, lane_count
@@ -215,6 +218,36 @@ contains
          end do
       end do
    end subroutine begin_at_end
+
+   !> Check the ends of short steps for an extremum of the quotient |H|/N, by bounds of |H| and N.
+   pure subroutine check_quotient_at_ends(columns, margin, values, is_flat)
+      integer, intent(in) :: columns
+      !! number of values and coefficients
+      real(wp), intent(in) :: margin(lane_count)
+      !! possible rise above the ends over the range so far [-]
+      real(wp), intent(in) :: values(lane_count, columns, value_count)
+      real(wp), intent(inout) :: is_flat(lane_count)
+      !! as in `find_low_ends`
+      real(wp) :: a, c, top, low, level, range
+      integer :: i
+
+      !$omp simd private(a, c, top, low, level, range)
+      do i = 1, lane_count
+         a = -max(-cap, min(values(i, low_normal, at_begin), cap))
+         c = -max(-cap, min(values(i, low_normal, at_end), cap))
+         level = min(values(i, demand, so_far), cap)
+         range = values(i, low_normal, so_far) - values(i, low_normal, least_so_far)
+         low = min(a, c) - margin(i)*range
+         ! |H| departs from its ends by a part of its range, which is less than the largest quotient
+         ! times the largest N
+         top = max(abs(a*max(-cap, min(values(i, demand, at_begin), cap))), &
+            abs(c*max(-cap, min(values(i, demand, at_end), cap))))
+         top = top + margin(i)*level*min(-values(i, low_normal, least_so_far), cap)
+         ! a pivot that lifts has the largest possible demand
+         top = merge(-1.0_wp, merge(top, 2*cap*cap, low > 0 .and. range >= 0), level >= cap)
+         is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level*max(low, 0.0_wp))
+      end do
+   end subroutine check_quotient_at_ends
 
    !> Compute reactions, and demands if requested, of moving lanes; arguments and units are those of
    !> `lane_demands`.
@@ -394,4 +427,4 @@ contains
       is_quotient = parts%through_link%has_wall .and. .not. parts%has_shear_key
    end function is_quotient
 
-end module rwmf_integrator_lane_reactions
+end module rwmf_integrator_lane_screens
