@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -88,7 +89,7 @@ def paths(number: int) -> dict[str, Path_]:
     return ways
 
 
-def differences(number: int, folder: Path) -> Iterator[str]:
+def differences(number: int, folder: Path, every_storey: bool = True) -> Iterator[str]:
     """Find the quantities of a scene that depend on the other requested quantities.
 
     Parameters
@@ -97,6 +98,8 @@ def differences(number: int, folder: Path) -> Iterator[str]:
         Of the scene.
     folder : Path
         Folder for its files.
+    every_storey : bool, optional
+        Whether to request a quantity of each storey alone, rather than that of one storey.
 
     Yields
     ------
@@ -107,11 +110,19 @@ def differences(number: int, folder: Path) -> Iterator[str]:
     keys = case.kernel.applicable()
     for name, compute in paths(number).items():
         together = compute(case, keys, folder)
-        for key in keys:
+        for key in keys if every_storey else _of_one_storey(keys, number):
             alone = compute(case, [key], folder)[key]
             if not _is_same(alone, together[key], key if name in _WITHOUT_CHATTER else ""):
                 yield f"{number}, {name}, {key}: {alone} alone, {together[key]} among all"
     yield from _run_differences(number, case)
+
+
+def _of_one_storey(keys: Iterable[str], number: int) -> list[str]:
+    """Choose one of the quantities that differ by the number of a storey, floor or link only."""
+    alike: dict[str, list[str]] = {}
+    for key in keys:
+        alike.setdefault(re.sub(r"_\d+_", "_i_", key), []).append(key)
+    return [group[number % len(group)] for group in alike.values()]
 
 
 def _is_same(alone: Numbers, together: Numbers, key: str) -> bool:

@@ -1,5 +1,6 @@
 !> Columns of the table with the state and the limits of every lane.
 module rwmf_integrator_lane_columns
+   use rwmf_model_scene, only: demand_list_t
    implicit none
    private
 
@@ -8,7 +9,7 @@ module rwmf_integrator_lane_columns
       of_bottom, of_top, of_longest, of_fastest, of_rejected, of_inspection, of_target, of_least, &
       of_most
    public :: of_interval, of_steps, of_max_rate, of_frequency, of_ground_end, of_plain, of_calm, &
-      of_next, of_middle, of_fastest_demand, line_columns
+      of_middle, of_fastest_demand, of_known, line_columns
    public :: is_done, is_rejected, needs_inspection, at_limit
 
    integer, parameter :: of_time = 1
@@ -60,30 +61,30 @@ module rwmf_integrator_lane_columns
    !! 1 if the attempted step has no extremum of the requested reactions
    integer, parameter :: of_calm = 28
    !! 1 if the attempted step has no extremum of the requested demands
-   integer, parameter :: of_next = 29
-   !! 1 if the ground does not jump at the end of the attempted step
-   integer, parameter :: of_middle = 30
+   integer, parameter :: of_middle = 29
    !! first of two columns: ground acceleration in the middle of the attempted step, horizontal and
    !! vertical [m/s2]
-   integer, parameter :: of_fastest_demand = 32
+   integer, parameter :: of_fastest_demand = 31
    !! frequency of the fastest vibration, including that of the wall on springs and tendon [rad/s]
+   integer, parameter :: of_known = 32
+   !! 1 if the values of the outputs at the start of the step are known
    integer, parameter :: column_count = 32
    integer, parameter :: line_columns = 6
    !! number of columns that depend on the interval of the motion: `of_limit` and the lines
 
    !> Requested outputs of the lanes of a batch.
    type :: screen_t
-      logical :: is_used = .false.
       logical :: has_reactions = .false.
       logical :: has_demands = .false.
-      integer :: floors = 0, drifts = 0
-      !! numbers of floors and drifts among the demands
+      type(demand_list_t) :: demands
       integer :: n = 0
       !! number of values
       integer :: columns = 0
       !! number of values and of coefficients of section forces
-      logical, allocatable :: is_led(:)
-      !! (values) the value is in a fixed proportion to one before it
+      logical, allocatable :: has_search(:)
+      !! (values) the value is requested, and not in a fixed proportion to another one
+      logical, allocatable :: is_used(:)
+      !! (columns) the column serves a value that has a search
    end type screen_t
 
    integer, parameter :: is_done = 0

@@ -9,7 +9,7 @@ module rwmf_integrator_lane_kernels
 #endif
    use rwmf_integrator_lane_control_l16, only: accept_or_reject, advance_intervals, plan_step
    use rwmf_integrator_lane_quiet_l16, only: find_quiet_steps
-   use rwmf_integrator_lane_reactions_l16, only: screen_steps
+   use rwmf_integrator_lane_screens_l16, only: screen_steps
    use rwmf_integrator_lane_step_l16, only: attempt_step
    use rwmf_model_lanes_l16, only: batch_width => lane_count
 #ifdef LANE_LEVELS
@@ -19,8 +19,8 @@ module rwmf_integrator_lane_kernels
       advance_intervals_v4 => advance_intervals, plan_step_v4 => plan_step
    use rwmf_integrator_lane_quiet_l16_v3, only: find_quiet_steps_v3 => find_quiet_steps
    use rwmf_integrator_lane_quiet_l16_v4, only: find_quiet_steps_v4 => find_quiet_steps
-   use rwmf_integrator_lane_reactions_l16_v3, only: screen_steps_v3 => screen_steps
-   use rwmf_integrator_lane_reactions_l16_v4, only: screen_steps_v4 => screen_steps
+   use rwmf_integrator_lane_screens_l16_v3, only: screen_steps_v3 => screen_steps
+   use rwmf_integrator_lane_screens_l16_v4, only: screen_steps_v4 => screen_steps
    use rwmf_integrator_lane_step_l16_v3, only: attempt_step_v3 => attempt_step
    use rwmf_integrator_lane_step_l16_v4, only: attempt_step_v4 => attempt_step
 #endif

@@ -5,7 +5,7 @@ module rwmf_model_scene
    private
 
    public :: scene_t, term_t, add_term, is_same_scene
-   public :: force_parts_t, force_parts_of
+   public :: force_parts_t, force_parts_of, demand_list_t
    public :: frame_term, linear_cable_term, straight_cable_term, first_wall
    public :: elsewhere, under_corner, through_link, in_cable, on_weight
 
@@ -69,6 +69,16 @@ module rwmf_model_scene
       !! along the chord of the lifting corner
       type(scene_t) :: in_cable
    end type force_parts_t
+
+   !> Demands of a building that a loop over lanes computes.
+   type :: demand_list_t
+      integer :: floors = 0
+      !! number of floors
+      integer :: drifts = 0
+      !! number of storey drifts
+      logical :: has_sections = .false.
+      !! with the largest shear and moment along the wall
+   end type demand_list_t
 
 contains
 

@@ -17,7 +17,7 @@ module rwmf_problem_case
    public :: impact_t, motion_spec_t, inerter_t, vertical_t
    public :: initial_t, model_choice_t, solver_t, output_t, spectrum_spec_t, structure_t
    public :: keep_numbers, has_numbers, numbers_of, has_floors, has_all_modes
-   public :: copy_without_frame, list_links, upward_ratio
+   public :: copy_without_frame, list_links, upward_ratio, seeks
 
    !> Rocking wall, `&wall`.
    type :: wall_t
@@ -250,6 +250,9 @@ module rwmf_problem_case
       !! report the sensitivity of each peak to the motion; absent: single runs do
       character(key_length), allocatable :: limited(:)
       !! (demands) keys of the demands that `&limits` requests; absent without limits
+      integer, allocatable :: sought(:)
+      !! numbers (`id`) of the requested quantities of an ordinate; absent: all that the outputs above
+      !! include
    end type output_t
 
    !> Loop over frame periods, `&spectrum`.
@@ -438,5 +441,16 @@ contains
          if (case%numbers(i)%group == group) values = case%numbers(i)%values
       end do
    end function numbers_of
+
+   !> Return whether a request includes at least one of some quantities.
+   pure logical function seeks(output, numbers)
+      type(output_t), intent(in) :: output
+      integer, intent(in) :: numbers(:)
+      !! (quantities) their `id`
+      integer :: i
+
+      seeks = .not. allocated(output%sought)
+      if (.not. seeks) seeks = any([(any(output%sought == numbers(i)), i=1, size(numbers))])
+   end function seeks
 
 end module rwmf_problem_case

@@ -18,7 +18,8 @@ module rwmf_problem_quantity_table
    !! beginning of the key of a sensitivity
 
    ! The observer skips calculations that no requested quantity needs. A quantity whose row lists
-   ! too few needs is therefore wrong when it is requested without others.
+   ! too few needs is therefore wrong when it is requested without others. Demands and reactions are
+   ! requested one by one: their recorders list the rows that each search serves.
    character(*), parameter :: of_nothing = 'nothing'
    !! known before the run or independent of it
    character(*), parameter :: of_displacement = 'displacement'

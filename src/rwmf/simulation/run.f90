@@ -419,7 +419,8 @@ contains
 
       associate (height => case%frame%floors%height)
          if (equation%floors%yields) then
-            result%storey_ductility = recorder%drifts/storey_strengths(case)
+            if (allocated(recorder%drifts)) result%storey_ductility = recorder%drifts &
+               /storey_strengths(case)
             result%storey_residual_drift = storey_residuals(equation, hybrid%y)
             result%residual_displacement = sum(result%storey_residual_drift)
             result%storey_residual_drift = result%storey_residual_drift/height
@@ -429,7 +430,7 @@ contains
             result%storey_residual_drift = frame_residuals(equation, hybrid%y(1))/sum(height)
          end if
       end associate
-      result%ductility = maxval(result%storey_ductility)
+      if (allocated(result%storey_ductility)) result%ductility = maxval(result%storey_ductility)
    end subroutine fill_storeys
 
    !> Add the drifts in static equilibrium after the motion, if yielding can leave the frame

@@ -120,6 +120,10 @@ contains
          .or. (request%is_verified .and. any(request%keys == 'sensitivity'))
       if (.not. (output%reactions .or. output%demands .or. output%envelopes &
          .or. output%energy)) return
+      associate (rows => all_quantities([request%place, pack([place], request%has_peak)]))
+         ! a force in N is computed from its ratio to a weight
+         output%sought = merge(rows%ratio, rows%id, rows%ratio > 0)
+      end associate
       if (allocated(case%output)) then
          if (allocated(case%output%friction_limit)) output%friction_limit = &
             case%output%friction_limit

@@ -194,17 +194,17 @@ contains
       asking%structure_t = case%structure_t
       asking%output = output_t(energy=.false., demands=.true.)
       call create_demands(recorder, asking, equation, y)
-      associate (floors => recorder%building%floors, storeys => recorder%building%drifts)
+      associate (demands => recorder%list)
          if (.not. equation%parts%is_complete) return
-         if (storeys > 0 .and. equation%floors%n == 0) return
+         if (demands%drifts > 0 .and. equation%floors%n == 0) return
          call rates_at(equation, t, y, y_dot)
          call search_state(recorder, equation, t, y, y_dot)
          acceleration(1, :) = [ground(equation, t), 0.0_wp]
          if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
          allocate (found(1, reaction_count + size(recorder%largest) + sections*section_terms))
-         allocate (constants(1, demand_constants(floors, storeys)))
+         allocate (constants(1, demand_constants(demands)))
          call put_constants(recorder, constants(1, :))
-         call lane_demands(equation%parts, floors, storeys, constants, equation%state%coef, &
+         call lane_demands(equation%parts, demands, constants, equation%state%coef, &
             reshape(y, [1, size(y)]), acceleration, found)
       end associate
       associate (n => reaction_count + size(recorder%largest))

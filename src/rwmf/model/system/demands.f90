@@ -46,6 +46,8 @@ module rwmf_model_system_demands
       !! 2 xi_s/omega_s, damping over stiffness of storeys that follow the roof [s]
       logical :: is_linear = .true.
       !! storeys do not yield
+      logical :: has_sections = .true.
+      !! the largest shear and moment along the wall are requested
       real(wp), allocatable :: m(:)
       !! (floors) mass over m_w; without a wall in the mass unit of the case [-]
       real(wp), allocatable :: z(:)
@@ -174,30 +176,32 @@ contains
       real(wp), intent(in) :: y_dot(:)
       !! (states) rates of the states
       type(demands_t), intent(inout) :: demands
-      type(kinematics_t) :: kin
       real(wp) :: u_ddot(building%floors)
       !! accelerations of the floors relative to the ground [m/s2]
       real(wp) :: a
 
       a = ground(equation, t)
-      if (equation%has_wall) kin = kinematics_at(equation, y(1))
       call follow_floors(building, equation, y, y_dot, demands, u_ddot)
       demands%acceleration = u_ddot + a
       demands%overturning = 0
       if (allocated(building%z)) demands%overturning = sum(building%m*building%z &
          *demands%acceleration)
       if (equation%has_wall) then
-         call links_of(building, equation, kin, t, y, y_dot, demands%links)
          if (equation%beam%n > 0) then
             demands%overturning = demands%overturning + bent_overturning(equation, a, y, y_dot)
-            call find_bent_extremes(building%sections, equation, t, y, y_dot, demands%links, &
-               demands%wall)
          else
             demands%overturning = demands%overturning + wall_overturning(equation, a, y, y_dot(2))
-            call find_section_extremes(equation, t, y, y_dot(2), demands%links, demands%wall)
          end if
       end if
       demands%overturning = demands%overturning/building%weight
+      if (.not. (equation%has_wall .and. building%has_sections)) return
+      call links_of(building, equation, kinematics_at(equation, y(1)), t, y, y_dot, demands%links)
+      if (equation%beam%n > 0) then
+         call find_bent_extremes(building%sections, equation, t, y, y_dot, demands%links, &
+            demands%wall)
+      else
+         call find_section_extremes(equation, t, y, y_dot(2), demands%links, demands%wall)
+      end if
    end subroutine demands_at
 
    !> Compute the relative accelerations of the floors, and the drifts and shears of the storeys.

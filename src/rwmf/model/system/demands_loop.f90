@@ -5,7 +5,7 @@ module rwmf_model_system_demands_loop
    use rwmf_model_effects_loops, only: follow_storeys
    use rwmf_model_effects_numbers, only: storeys_effect
    use rwmf_model_lanes, only: lane_count
-   use rwmf_model_scene, only: first_wall, force_parts_t, term_t
+   use rwmf_model_scene, only: demand_list_t, first_wall, force_parts_t, term_t
    use rwmf_model_system_reactions_loop, only: lane_forces, lane_forces_t, reaction_count
    implicit none
    private
@@ -29,24 +29,24 @@ module rwmf_model_system_demands_loop
 contains
 
    !> Number of constants of one building.
-   pure integer function demand_constants(floors, drifts) result(n)
-      integer, intent(in) :: floors, drifts
-      !! numbers of floors and of storey drifts
+   pure integer function demand_constants(demands) result(n)
+      type(demand_list_t), intent(in) :: demands
 
-      n = of_floors + floors + drifts
+      n = of_floors + demands%floors + demands%drifts
    end function demand_constants
 
    !> Compute the reactions, followed by the demands with their signs.
    !>
    !> The demands are storey drifts [-], storey shears [m/s2], floor accelerations [m/s2] and
    !> overturning moment [m]. The magnitudes of the largest shear [m/s2] and moment [m2/s2] of the
-   !> wall follow, each -1 without a wall. The last columns are the coefficients of `find_sections`.
-   subroutine lane_demands(parts, floors, drifts, building, coef, y, ground, found)
+   !> wall follow, each -1 without `has_sections`. The last columns are the coefficients of
+   !> `find_sections`.
+   subroutine lane_demands(parts, demands, building, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       !! complete
-      integer, intent(in) :: floors, drifts
-      !! numbers of floors and of storey drifts; the storeys have states
-      real(wp), intent(in) :: building(lane_count, demand_constants(floors, drifts))
+      type(demand_list_t), intent(in) :: demands
+      !! its storeys have states
+      real(wp), intent(in) :: building(lane_count, demand_constants(demands))
       !! constants of the buildings
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
       !! coefficients of the loops, on the current side and the active branches
@@ -54,17 +54,20 @@ contains
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
       !! horizontal and vertical ground acceleration [m/s2]
-      real(wp), intent(out) :: found(lane_count, reaction_count + 2*drifts + floors + 1 &
-         + sections*(1 + section_terms))
+      real(wp), intent(out) :: found(lane_count, reaction_count + 2*demands%drifts &
+         + demands%floors + 1 + sections*(1 + section_terms))
       !! reactions as in `lane_reactions`, then demands and coefficients, each in its unit
       type(lane_forces_t) :: forces
       real(wp) :: rates(lane_count, parts%through_link%n)
       real(wp), dimension(lane_count) :: roof, length
       !! displacement of the roof, and length that converts a rotation to a displacement [m]
       real(wp) :: R
+      integer :: floors, drifts
       integer :: i, j, last
       type(term_t) :: term
 
+      floors = demands%floors
+      drifts = demands%drifts
       call lane_forces(parts, coef, y, ground, found, forces, rates)
       last = reaction_count + 2*drifts + floors
       found(:, last + 1) = 0
@@ -98,7 +101,7 @@ contains
          size(y, 2))), roof, found(1, reaction_count + 1))
       if (parts%through_link%has_wall) then
          call overturn_wall(coef, ground, forces, building(1, of_weight), found(1, last + 1))
-         call find_sections(coef, ground, forces, found(1, last + 2))
+         if (demands%has_sections) call find_sections(coef, ground, forces, found(1, last + 2))
       end if
    end subroutine lane_demands
 

@@ -5,7 +5,7 @@ module rwmf_simulation_lanes_batch
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: column_count, line_columns, of_calm, of_fastest, &
-      of_high, of_interval, of_low, of_plain, of_time, of_trial, screen_t
+      of_high, of_interval, of_known, of_low, of_plain, of_time, of_trial, screen_t
    use rwmf_integrator_lane_kernels, only: lane_kernels_t
    use rwmf_integrator_lane_quiet, only: limit_count
    use rwmf_integrator_pairs, only: most_stages, pair_t
@@ -150,6 +150,10 @@ module rwmf_simulation_lanes_batch
       !! (width) true if the outputs need this step; the following arrays are then set
       real(wp), allocatable :: t_before(:), y_before(:, :)
       !! (width) time [s] and (width, states) states at the start of the step
+      logical :: is_screened = .false.
+      !! true if reactions or demands are requested
+      logical :: seeks_demands = .false.
+      !! true if demands are requested, even if loops over lanes cannot compute them
       type(screen_t) :: screen
       !! requested outputs inside the steps; the following arrays belong to it
       real(wp), allocatable :: values(:, :, :)
@@ -157,8 +161,6 @@ module rwmf_simulation_lanes_batch
       !! of `lane_demands`
       real(wp), allocatable :: constants(:, :)
       !! (width, constants) constants of the buildings
-      logical, allocatable :: is_known(:)
-      !! (width) true if the values at the start of the step are known
       type(branches_t) :: branches
    end type batch_t
 
@@ -188,8 +190,7 @@ contains
          allocate (batch%mark(width), source=0)
          allocate (batch%is_busy(width), batch%is_watched(width), source=.false.)
          allocate (batch%t_before(width), batch%y_before(width, n))
-         batch%table(:, [of_plain, of_calm]) = 1
-         allocate (batch%is_known(width), source=.false.)
+         batch%table(:, [of_plain, of_calm, of_known]) = 1
          if (equation%floors%yields) call create_storeys(equation, width, batch%branches)
          batch%max_steps = real(max_steps, wp)
          batch%has_curves = .not. is_piecewise_linear(equation%motion)
@@ -267,10 +268,11 @@ contains
       alone%keeps_more = batch%keeps_more
       alone%has_limits = batch%has_limits
       if (allocated(batch%work)) alone%work = batch%work(i:i, :)
+      alone%is_screened = batch%is_screened
+      alone%seeks_demands = batch%seeks_demands
       alone%screen = batch%screen
       alone%values = batch%values(i:i, :, :)
       alone%constants = batch%constants(i:i, :)
-      alone%is_known = batch%is_known(i)
       if (batch%branches%n > 0) then
          alone%branches%limits = batch%branches%limits(i:i, :, :)
          alone%branches%frequency = batch%branches%frequency(i)
@@ -354,9 +356,11 @@ contains
       do i = 1, batch%width
          is_watched = batch%is_busy(i) .and. lanes(i)%is_smooth
          if (is_watched .and. min(batch%table(i, of_plain), batch%table(i, of_calm)) > 0) then
-            is_watched = needs_all_steps(lanes(i)%recorder)
-            if (.not. is_watched) is_watched = may_be_fastest(batch, i, &
-               lanes(i)%recorder%theta_dot_max)
+            associate (recorder => lanes(i)%recorder)
+               is_watched = needs_all_steps(recorder)
+               if (recorder%seeks_velocity .and. .not. is_watched) is_watched = may_be_fastest( &
+                  batch, i, recorder%theta_dot_max)
+            end associate
          end if
          batch%is_watched(i) = is_watched
          if (.not. is_watched) cycle

@@ -17,7 +17,7 @@ module rwmf_simulation_lanes_lane_loading
    use rwmf_simulation_hybrid_hybrid_loop, only: begin_step, check_steps, stay_at_rest
    use rwmf_simulation_lanes_batch, only: batch_t, follow_interval, lane_state_t, line_row, &
       longest_step
-   use rwmf_simulation_lanes_reaction_screen, only: begin_reactions
+   use rwmf_simulation_lanes_output_screen, only: begin_screen, restart_screen
    use rwmf_simulation_lanes_storey_ends, only: load_limits
    use rwmf_simulation_state_hybrid_state, only: check_creep, check_progress, has_ended, &
       mode_held, mode_rest, mode_rocking, most_creeping, progress_t
@@ -48,6 +48,7 @@ contains
             batch%work(batch%width, power_count))
          batch%table(i, of_longest) = longest_step(lane%equation)
          batch%table(i, of_interval) = -1
+         call begin_screen(lane, i, batch)
       end if
       call enter_batch(lane, i, batch)
    end subroutine join_batch
@@ -131,7 +132,7 @@ contains
       call load_window(lane, i, batch)
       if (lane%equation%floors%yields) call load_limits(lane, i, batch)
       call load_line(lane, i, t_limit, batch)
-      call begin_reactions(lane, i, batch)
+      call restart_screen(lane, i, batch)
       ! under an extremely strong motion, no first step is short enough
       if (.not. batch%table(i, of_length) > 0) call check_length(lane, i, batch)
    end subroutine load_lane

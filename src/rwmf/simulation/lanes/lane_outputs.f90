@@ -9,7 +9,7 @@ module rwmf_simulation_lanes_lane_outputs
    use rwmf_simulation_hybrid_step_events, only: list_turns
    use rwmf_simulation_lanes_batch, only: batch_t, find_steps_to_inspect, follow_interval, &
       lane_state_t
-   use rwmf_simulation_lanes_reaction_screen, only: note_extremes, screen_reactions
+   use rwmf_simulation_lanes_output_screen, only: note_extremes, screen_outputs
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_piece
    implicit none
@@ -24,7 +24,7 @@ contains
       type(lane_state_t), intent(in) :: lanes(:)
       type(batch_t), intent(inout) :: batch
 
-      call screen_reactions(lanes, batch)
+      call screen_outputs(lanes, batch)
       call find_steps_to_inspect(lanes, batch)
    end subroutine choose_steps
 

@@ -3,10 +3,11 @@ module rwmf_simulation_recorder_demand_extremes
    use rwmf_core_kinds, only: wp
    use rwmf_model_floor_motion, only: follows_roof
    use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_model_scene, only: demand_list_t
    use rwmf_model_system_assembly, only: equation_t, interval_of
    use rwmf_model_system_demands, only: building_of, building_t, demands_at, demands_t
    use rwmf_motion_ground_motion, only: turning_point
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, output_t, seeks
    use rwmf_problem_frame_strength, only: has_strength, storeys_have_strengths
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_state
@@ -16,7 +17,7 @@ module rwmf_simulation_recorder_demand_extremes
 
    public :: demand_recorder_t, create_demands
    public :: observe_demands_at_rest, put_storeys, put_demands, demand_extremes
-   public :: put_constants, count_demands
+   public :: put_constants, lanes_find
 
    !> Running maxima of the magnitudes of the demands.
    !>
@@ -24,13 +25,15 @@ module rwmf_simulation_recorder_demand_extremes
    !> moment [m]. Shear [m/s2] and moment [m2/s2] in the wall follow.
    type, extends(peak_search_t) :: demand_recorder_t
       type(building_t) :: building
+      type(demand_list_t) :: list
+      !! demands that loops over lanes compute
       type(demands_t) :: present
       !! demands at the last evaluated instant
       real(wp) :: z_shear = 0, z_moment = 0
       !! heights above the base of the largest shear and moment in the wall [m]
    contains
       procedure :: find => find_demands
-      procedure :: note_places => note_heights
+      procedure :: note_place => note_height
    end type demand_recorder_t
 
 contains
@@ -51,28 +54,67 @@ contains
       associate (building => recorder%building, drifts => recorder%building%drifts)
          n = 2*drifts + building%floors + 3
          call begin_search(recorder, equation, y, spread(-1.0_wp, 1, n))
-         if (building%is_linear) recorder%is_led(drifts + 1:2*drifts) = .true.
          if (follows_roof(equation)) then
-            recorder%is_led(2:drifts) = .true.
-            if (has_strength(case)) recorder%is_led(drifts + 2:2*drifts) &
-               = .not. storeys_have_strengths(case)
+            recorder%leader(2:drifts) = 1
+            if (has_strength(case) .and. .not. storeys_have_strengths(case)) &
+               recorder%leader(drifts + 2:2*drifts) = drifts + 1
          end if
+         if (building%is_linear) recorder%leader(drifts + 1:2*drifts) = recorder%leader(:drifts)
       end associate
+      call drop_others(recorder, case%output)
    end subroutine create_demands
 
-   !> Count floors and storeys of the building for loops over lanes.
-   pure subroutine count_demands(recorder, equation, floors, drifts, are_known)
+   !> Drop the searches that serve no requested quantity.
+   pure subroutine drop_others(recorder, output)
+      type(demand_recorder_t), intent(inout) :: recorder
+      type(output_t), intent(in) :: output
+      logical :: is_requested(size(recorder%leader)), serves(size(recorder%leader))
+      integer :: q
+
+      associate (n => size(is_requested), s => recorder%building%drifts)
+         is_requested(:s) = seeks(output, [id%storey_i_drift_max, id%storey_drift_max, &
+            id%t_storey_drift_max_s])
+         is_requested(s + 1:2*s) = seeks(output, [id%storey_i_shear_max_over_m_w_g])
+         is_requested(2*s + 1:n - 3) = seeks(output, [id%floor_i_acceleration_max_g, &
+            id%floor_acceleration_max_g, id%t_floor_acceleration_max_s])
+         is_requested(n - 2) = seeks(output, [id%overturning_moment_max_over_weight_m, &
+            id%t_overturning_moment_max_s])
+         is_requested(n - 1) = seeks(output, [id%wall_shear_max_over_m_w_g, &
+            id%wall_shear_max_height_m])
+         is_requested(n) = seeks(output, [id%wall_moment_max_over_m_w_g_m, &
+            id%wall_moment_max_height_m])
+         serves = [(any(is_requested .and. recorder%leader == q), q=1, n)]
+      end associate
+      where (.not. is_requested .and. .not. serves) recorder%leader = 0
+      call form_pools(recorder, output)
+      associate (building => recorder%building, n => size(serves))
+         building%has_sections = any(is_requested(n - 1:))
+         recorder%list = demand_list_t(building%floors, building%drifts, building%has_sections)
+      end associate
+   end subroutine drop_others
+
+   !> Form pools of drifts and of accelerations if only the largest of all is requested.
+   pure subroutine form_pools(recorder, output)
+      type(demand_recorder_t), intent(inout) :: recorder
+      type(output_t), intent(in) :: output
+
+      associate (pool => recorder%pool, s => recorder%building%drifts, n => size(recorder%pool))
+         ! the drifts of a linear building also serve the shears of its storeys
+         if (.not. seeks(output, [id%storey_i_drift_max, id%storey_i_shear_max_over_m_w_g])) &
+            pool(:s) = 1
+         if (.not. seeks(output, [id%floor_i_acceleration_max_g])) pool(2*s + 1:n - 3) = 2*s + 1
+      end associate
+   end subroutine form_pools
+
+   !> Return whether loops over lanes can compute the demands: storeys that follow one mode have no
+   !> states.
+   pure logical function lanes_find(recorder, equation)
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
-      integer, intent(out) :: floors, drifts
-      !! numbers of floors and of storey drifts
-      logical, intent(out) :: are_known
-      !! the loops can compute its demands, except for storeys that follow one mode
 
-      floors = recorder%building%floors
-      drifts = recorder%building%drifts
-      are_known = drifts == 0 .or. equation%floors%n > 0
-   end subroutine count_demands
+      lanes_find = equation%parts%is_complete .and. (recorder%building%drifts == 0 &
+         .or. equation%floors%n > 0)
+   end function lanes_find
 
    !> Fill in the constants of the building for loops over lanes.
    pure subroutine put_constants(recorder, constants)
@@ -108,17 +150,17 @@ contains
       end associate
    end subroutine find_demands
 
-   !> Note the heights of shear and moment in the wall that exceed the largest so far.
-   subroutine note_heights(self, found)
+   !> Note the height of a new largest shear or moment in the wall.
+   subroutine note_height(self, q)
       class(demand_recorder_t), intent(inout) :: self
-      real(wp), intent(in) :: found(:)
-      !! (demands) their magnitudes
+      integer, intent(in) :: q
+      !! number of the demand
 
-      associate (wall => self%present%wall, n => size(found))
-         if (found(n - 1) > self%largest(n - 1)) self%z_shear = wall%z_shear
-         if (found(n) > self%largest(n)) self%z_moment = wall%z_moment
+      associate (wall => self%present%wall, n => size(self%largest))
+         if (q == n - 1) self%z_shear = wall%z_shear
+         if (q == n) self%z_moment = wall%z_moment
       end associate
-   end subroutine note_heights
+   end subroutine note_height
 
    !> Update the demands over the current interval of the motion, with the wall at rest.
    !>
@@ -135,6 +177,7 @@ contains
       !! [s]
       real(wp) :: t, still(size(y))
 
+      if (all(recorder%leader == 0)) return
       still = 0
       t = t_a
       call search_state(recorder, equation, t, y, still)

@@ -175,7 +175,7 @@ contains
          do i = 1, n
             if (i < n .and. equation%floors%are_linked) cycle
             associate (first => n + of_sections + per_floor*(i - 1))
-               recorder%is_led([first + 2, first + 4]) = .true.
+               recorder%leader([first + 2, first + 4]) = first + [1, 3]
             end associate
          end do
       end associate

@@ -20,7 +20,7 @@ module rwmf_simulation_recorder_peak_search
    implicit none
    private
 
-   public :: peak_search_t, begin_search, search_piece, search_state
+   public :: peak_search_t, begin_search, has_search, search_piece, search_state
 
    !> Running maxima of quantities, each in its unit.
    type, abstract :: peak_search_t
@@ -30,8 +30,14 @@ module rwmf_simulation_recorder_peak_search
       !! (quantities) [s]
       real(wp), allocatable :: smallest(:)
       !! (quantities) lower end of the range so far [unit of each]
-      logical, allocatable :: is_led(:)
-      !! (quantities) the quantity is in a fixed proportion to an earlier one
+      integer, allocatable :: leader(:)
+      !! (quantities) number of the quantity whose search also serves this one: its own number, or
+      !! that of a quantity in a fixed proportion to it; 0 if nobody requests it
+      integer, allocatable :: pool(:)
+      !! (quantities) number of the first quantity of those whose common maximum alone is requested,
+      !! as of the drifts of all storeys; its own number otherwise
+      real(wp), allocatable :: level(:)
+      !! (quantities) largest value of the pool, which a new maximum has to exceed [unit of each]
       logical :: has_middle = .false.
       !! a sample in the middle of a step may exclude a larger value in it
       real(wp) :: frequency = 0
@@ -46,7 +52,7 @@ module rwmf_simulation_recorder_peak_search
       !! (quantities, 2) values at both ends of the last piece [unit of each]
    contains
       procedure(find_i), deferred :: find
-      procedure :: note_places
+      procedure :: note_place
    end type peak_search_t
 
    abstract interface
@@ -77,27 +83,39 @@ contains
       !! (states)
       real(wp), intent(in) :: least(:)
       !! (quantities) lower bound of all values [unit of each]
+      integer :: q
 
       self%frequency = frequency_with_springs(equation, y)
       self%largest = least
+      self%level = least
       associate (n => size(least))
          allocate (self%t_largest(n), source=0.0_wp)
          allocate (self%smallest(n), source=huge(1.0_wp))
-         allocate (self%is_led(n), source=.false.)
+         allocate (self%leader(n), source=[(q, q=1, n)])
+         self%pool = self%leader
          allocate (self%y_end(equation%n), self%rates(equation%n, 2))
          allocate (self%at_ends(n, 2))
       end associate
    end subroutine begin_search
 
-   !> Note the places along the wall of new largest values. By default there is nothing to note.
-   subroutine note_places(self, found)
+   !> Note the place along the wall of a new largest value. By default there is nothing to note.
+   subroutine note_place(self, q)
       class(peak_search_t), intent(inout) :: self
-      real(wp), intent(in) :: found(:)
-      !! (quantities)
+      integer, intent(in) :: q
+      !! number of the quantity
 
-      associate (unused => self, also => found)
+      associate (unused => self, also => q)
       end associate
-   end subroutine note_places
+   end subroutine note_place
+
+   !> Return whether a quantity has its own search: it is requested and follows no other one.
+   pure logical function has_search(self, q)
+      class(peak_search_t), intent(in) :: self
+      integer, intent(in) :: q
+      !! number of the quantity
+
+      has_search = self%leader(q) == q
+   end function has_search
 
    !> Update the maxima with one state. A wall at rest has zero rates.
    subroutine search_state(self, equation, t, y, y_dot)
@@ -116,19 +134,28 @@ contains
    end subroutine search_state
 
    !> Update the maxima with quantities at one instant.
-   subroutine keep_largest(self, t, found)
+   !>
+   !> The points of a search update only the quantities that it serves. The bits of a maximum then
+   !> do not depend on the other quantities of the request.
+   subroutine keep_largest(self, t, found, leader)
       class(peak_search_t), intent(inout) :: self
       real(wp), intent(in) :: t
       real(wp), intent(in) :: found(:)
       !! (quantities)
+      integer, intent(in), optional :: leader
+      !! number of the quantity that is searched; absent: update all quantities
       integer :: q
 
-      call self%note_places(found)
       do q = 1, size(found)
+         if (present(leader)) then
+            if (self%leader(q) /= leader) cycle
+         end if
          self%smallest(q) = min(self%smallest(q), found(q))
          if (.not. found(q) > self%largest(q)) cycle
          self%largest(q) = found(q)
          self%t_largest(q) = t
+         where (self%pool == self%pool(q)) self%level = max(self%level, found(q))
+         call self%note_place(q)
       end do
    end subroutine keep_largest
 
@@ -144,6 +171,7 @@ contains
       real(wp) :: t(2), angle
       integer :: i, n
 
+      if (all(self%leader == 0)) return
       call sample_ends(self, piece)
       n = 1
       angle = (piece%t_b - piece%t_a)*max(self%frequency, turning_frequency(piece))
@@ -215,8 +243,7 @@ contains
       margin = max(min(least_rise, stiff_rise*angle**2), rise*angle**2)
       is_plain = .false.
       do q = 1, size(self%largest)
-         if (.not. highest(q) + margin*(self%largest(q) - self%smallest(q)) &
-             <= self%largest(q) .and. .not. self%is_led(q)) return
+         if (.not. highest(q) + margin*(self%level(q) - self%smallest(q)) <= self%level(q) .and. has_search(self, q)) return
       end do
       is_plain = .true.
    end function is_plain
@@ -225,7 +252,7 @@ contains
    !>
    !> A peak rises above the samples by a quarter of their range at most. A demand that falls or
    !> grows along the parabola through them has no peak inside. Unlike the screens of lanes
-   !> (`rwmf_integrator_lane_reactions`), the samples are magnitudes without their signs.
+   !> (`rwmf_integrator_lane_screens`), the samples are magnitudes without their signs.
    logical function is_flat(self, piece)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
@@ -244,13 +271,13 @@ contains
       end associate
       is_flat = .false.
       do q = 1, size(middle)
-         if (self%is_led(q)) cycle
+         if (.not. has_search(self, q)) cycle
          associate (a => self%at_ends(q, 1), b => middle(q), c => self%at_ends(q, 2))
             ! most values are magnitudes, whose sign may change between the samples
             low = min(a, b, c)
             low = rise*max(max(a, b, c) - low, a + b + c - low)
-            if (max(a, b, c) + low + slack*(self%largest(q) - self%smallest(q)) &
-                <= self%largest(q)) cycle
+            if (max(a, b, c) + low + slack*(self%level(q) - self%smallest(q)) &
+                <= self%level(q)) cycle
             if (min(4*b - 3*a - c, 3*c - 4*b - abs(a)) > low) cycle
             if (.not. max(4*b - 3*a + abs(c), 3*c - 4*b + abs(a)) < -low) return
          end associate
@@ -277,13 +304,13 @@ contains
          if (times(i) >= piece%t_b) then
             found(:, i) = self%at_ends(:, 2)
          else
-            call sample(self, piece, times(i), found(:, i), error, states)
+            call sample(self, piece, states, times(i), found(:, i), error)
          end if
          if (allocated(error)) return
       end do
       do q = 1, size(found, 1)
-         if (self%is_led(q)) cycle
-         if (place_of_peak(found(q, :), self%largest(q)) /= inside) cycle
+         if (.not. has_search(self, q)) cycle
+         if (place_of_peak(found(q, :), self%level(q)) /= inside) cycle
          call close_in(self, piece, states, q, times, found(q, :), error)
          if (allocated(error)) return
       end do
@@ -304,6 +331,7 @@ contains
       real(wp), parameter :: miss = 0.1_wp
       !! possible distance of the first point from the maximum, over the range in the part [-]
       type(maximum_t) :: search
+      type(step_states_t), allocatable :: no_states
       real(wp) :: at_point(size(self%largest))
       real(wp) :: vertex
       integer :: k
@@ -313,28 +341,30 @@ contains
       if (.not. (vertex > times(k - 1) .and. vertex < times(k + 1))) vertex = times(k)
       search = maximum_between(times(k - 1), times(k + 1), vertex, is_near=.true.)
       do while (search%is_open)
-         call sample(self, piece, search%next, at_point, error, states)
+         call sample(self, piece, states, search%next, at_point, error, q)
          if (allocated(error)) return
-         if (at_point(q) + miss*(maxval(found) - minval(found)) < self%largest(q)) return
+         if (at_point(q) + miss*(maxval(found) - minval(found)) < self%level(q)) return
          call climb(search, at_point(q))
       end do
-      if (allocated(states)) call sample(self, piece, search%x(1), at_point, error)
+      if (allocated(states)) call sample(self, piece, no_states, search%x(1), at_point, error, q)
    end subroutine close_in
 
    !> Compute the quantities inside a piece.
    !>
    !> They update the maxima only if the state comes from the integrator.
-   subroutine sample(self, piece, t, found, error, states)
+   subroutine sample(self, piece, states, t, found, error, leader)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
+      type(step_states_t), intent(in), allocatable :: states
+      !! polynomials for an approximate state; not allocated for the state of the integrator
       real(wp), intent(in) :: t
       real(wp), intent(out) :: found(:)
       type(error_t), allocatable, intent(out) :: error
-      type(step_states_t), intent(in), optional :: states
-      !! polynomials for an approximate state
+      integer, intent(in), optional :: leader
+      !! as in `keep_largest`
       real(wp), dimension(size(piece%y_b)) :: y, y_dot
 
-      if (present(states)) then
+      if (allocated(states)) then
          call state_inside(states, t, y)
       else
          call sample_state(piece, t, y, error)
@@ -342,7 +372,7 @@ contains
       end if
       call rates_at(piece%equation, t, y, y_dot)
       call self%find(piece%equation, t, y, y_dot, found)
-      if (.not. present(states)) call keep_largest(self, t, found)
+      if (.not. allocated(states)) call keep_largest(self, t, found, leader)
    end subroutine sample
 
 end module rwmf_simulation_recorder_peak_search

@@ -19,7 +19,8 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_model_equation, only: ground, has_further_effects, vertical_ground
    use rwmf_model_system_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, seeks
+   use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_short, &
       step_view_t, turning_frequency
    use rwmf_simulation_recorder_reaction_estimates, only: at_first, at_last, estimate_reactions, &
@@ -34,6 +35,10 @@ module rwmf_simulation_recorder_reaction_extremes
    integer, parameter :: thrust = n_quantities + 1
    !! H with its sign, in addition to the maximised quantities [m/s2]
    integer, parameter :: n_found = n_quantities + 1
+   integer :: row
+   logical, parameter :: only(n_quantities, n_quantities) = reshape([(modulo(row, n_quantities &
+      + 1) == 0, row=0, n_quantities**2 - 1)], [n_quantities, n_quantities])
+   !! columns with one quantity each
 
    !> Running maxima.
    type :: reaction_extremes_recorder_t
@@ -43,6 +48,8 @@ module rwmf_simulation_recorder_reaction_extremes
       !! [s]
       real(wp) :: smallest(n_quantities) = huge(1.0_wp)
       !! smallest values, for the range of each quantity [m/s2], [-], [m/s2]
+      logical :: is_sought(n_quantities) = .true.
+      !! a requested quantity needs this one
       real(wp), allocatable :: limit
       !! coefficient of friction, as a limit of the demand [-]
       real(wp), allocatable :: t_exceeded
@@ -69,6 +76,14 @@ contains
       if (.not. case%output%reactions) return
       allocate (forces)
       forces%frequency = frequency_with_springs(equation, y)
+      forces%is_sought(low_normal) = seeks(case%output, [id%pivot_normal_min_over_m_w_g, &
+         id%t_pivot_normal_min_s, id%pivot_lifts])
+      forces%is_sought(demand) = seeks(case%output, [id%friction_demand_max, &
+         id%t_friction_demand_max_s, id%shear_key_force_max_over_m_w_g, &
+         id%t_shear_key_force_max_s, id%friction_exceeded, id%t_friction_exceeded_s])
+      forces%is_sought(shear) = seeks(case%output, [id%base_shear_max_over_weight, &
+         id%t_base_shear_max_s])
+      if (.not. forces%is_sought(demand)) return
       if (allocated(case%output%friction_limit)) forces%limit = case%output%friction_limit
    end subroutine create_reaction_extremes
 
@@ -108,22 +123,24 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       type(step_view_t) :: span
-      logical :: is_settled
+      logical :: is_left(n_quantities)
+      !! the quantity is requested and not settled yet
       integer :: i, n
 
+      is_left = forces%is_sought
       if (has_estimate(piece)) then
-         call search_estimate(forces, piece, is_settled, error)
+         call search_estimate(forces, piece, is_left, error)
       else
-         is_settled = is_plain(forces, piece)
+         call drop_plain(forces, piece, is_left)
       end if
-      if (is_settled .or. allocated(error)) return
+      if (allocated(error) .or. .not. any(is_left)) return
       n = count_parts(piece)
       span = piece
       do i = 1, n
          span%t_b = end_of_part(piece, i, n)
          nullify (span%y_b)
          if (i == n) span%y_b => piece%y_b
-         call search_span(forces, span, error)
+         call search_span(forces, span, is_left, error)
          if (allocated(error)) return
          span%t_a = span%t_b
          nullify (span%y_a)
@@ -143,12 +160,12 @@ contains
    end subroutine observe_end
 
    !> Update the extrema over a short piece, located with estimated reactions.
-   subroutine search_estimate(forces, piece, is_settled, error)
+   subroutine search_estimate(forces, piece, is_left, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: piece
       !! piece for which `has_estimate` is true
-      logical, intent(out) :: is_settled
-      !! the piece needs no further search
+      logical, intent(inout) :: is_left(n_quantities)
+      !! on input the requested quantities; on return those that need a complete search
       type(error_t), allocatable, intent(out) :: error
       real(wp), parameter :: slack = 0.01_wp
       !! part of the range so far, to allow for the error of the estimate [-]
@@ -158,22 +175,22 @@ contains
       logical :: is_steep
       integer :: q
 
-      is_settled = all(forces%largest >= forces%smallest)
-      if (.not. is_settled) return
+      if (.not. all(forces%largest >= forces%smallest)) return
       call estimate_reactions(piece, found)
-      is_steep = is_quotient(piece%equation)
+      is_steep = is_quotient(piece%equation) .and. is_left(demand)
       if (is_steep) is_steep = is_sharp(-found(low_normal, :))
+      is_left = .false.
       if (is_steep) then
-         is_settled = bound(-found(low_normal, :), found(demand, :)) <= forces%largest(demand)
+         is_left(demand) = bound(-found(low_normal, :), found(demand, :)) > forces%largest(demand)
       else if (allocated(forces%limit) .and. .not. allocated(forces%t_exceeded)) then
-         is_settled = maxval(found(demand, :)) < 0.9_wp*forces%limit
+         is_left(demand) = .not. maxval(found(demand, :)) < 0.9_wp*forces%limit
       end if
-      if (.not. is_settled) return
       do q = 1, n_quantities
          peak(q) = place_of_peak(found(q, :), forces%largest(q) - slack*(forces%largest(q) &
             - forces%smallest(q)))
       end do
-      if (is_steep) peak(demand) = nowhere
+      if (is_steep .or. is_left(demand)) peak(demand) = nowhere
+      where (.not. forces%is_sought) peak = nowhere
       forces%smallest = min(forces%smallest, minval(found, 2))
       if (all(peak == nowhere)) return
       if (any(peak == inside .or. peak == at_first)) call observe_end(forces, piece, piece%t_a, &
@@ -188,13 +205,15 @@ contains
       end do
    end subroutine search_estimate
 
-   !> True if the values at both ends of a short step exclude an extremum inside.
+   !> Drop the quantities whose values at both ends of a short step exclude an extremum inside.
    !>
    !> Most steps are short and far below the extrema so far, so they need no state inside. A
    !> quotient |H|/N is bounded by its parts, because it has a sharp peak wherever N is small.
-   logical function is_plain(forces, piece)
+   subroutine drop_plain(forces, piece, is_left)
       type(reaction_extremes_recorder_t), intent(in) :: forces
       type(step_view_t), intent(in) :: piece
+      logical, intent(inout) :: is_left(n_quantities)
+      !! the quantity still needs a search
       real(wp), parameter :: short_angle = 0.4_wp
       !! largest phase angle of a plain step: the second harmonic departs from a chord by
       !! (2*0.4)**2/8 of its amplitude [rad]
@@ -206,11 +225,9 @@ contains
       real(wp), dimension(n_quantities) :: range, highest, level
 
       associate (equation => piece%equation, largest => forces%largest)
-         is_plain = is_short(piece, short_angle, fastest_of(equation))
-         if (.not. is_plain) return
+         if (.not. is_short(piece, short_angle, fastest_of(equation))) return
          angle = (piece%t_b - piece%t_a)*max(fastest_of(equation), turning_frequency(piece))
-         is_plain = angle < short_angle .and. all(largest >= forces%smallest)
-         if (.not. is_plain) return
+         if (.not. (angle < short_angle .and. all(largest >= forces%smallest))) return
          at_ends(:, 1) = quantities_at(equation, piece%t_a, piece%y_a)
          at_ends(:, 2) = quantities_at(equation, piece%t_b, piece%y_b)
          margin = max(least_margin, largest_margin*(angle/short_angle)**2)
@@ -229,8 +246,8 @@ contains
             if (largest(demand) >= cap) highest(demand) = -huge(1.0_wp)
          end if
       end associate
-      is_plain = all(highest < level)
-   end function is_plain
+      is_left = is_left .and. .not. highest < level
+   end subroutine drop_plain
 
    !> Compute the reactions at a state.
    function quantities_at(equation, t, y) result(found)
@@ -281,7 +298,7 @@ contains
          ! linear, |H|, |V| and |H|/N are largest at an end.
          if ((has_further_effects(equation) .and. .not. equation%state%line%is_straight) &
              .or. any(max(at_begin(:n_quantities), at_end(:n_quantities)) > forces%largest)) then
-            call search_span(forces, span, error)
+            call search_span(forces, span, forces%is_sought, error)
          end if
          span%t_a = span%t_b
          forces%t_rest = span%t_b
@@ -302,9 +319,11 @@ contains
    end function shaking
 
    !> Update the extrema over a span of at most a quarter of a period of motion and reactions.
-   subroutine search_span(forces, span, error)
+   subroutine search_span(forces, span, is_left, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: span
+      logical, intent(in) :: is_left(n_quantities)
+      !! the quantities to search
       type(error_t), allocatable, intent(out) :: error
       real(wp) :: t(n_nodes)
       real(wp) :: found(n_found, n_nodes)
@@ -318,9 +337,10 @@ contains
          if (allocated(error)) return
       end do
       do i = 1, n_nodes
-         call keep_largest(forces, t(i), found(:, i))
+         call keep_largest(forces, t(i), found(:, i), is_left)
       end do
       do q = 1, n_quantities
+         if (.not. is_left(q)) cycle
          if (q == demand .and. is_quotient(span%equation) .and. is_sharp(-found(low_normal, :))) &
             then
             call search_quotient(forces, span, t, found, t_peak, error)
@@ -404,7 +424,7 @@ contains
          do while (search%is_open)
             call sample(span, search%next, low, error)
             if (allocated(error)) return
-            call keep_largest(forces, search%next, low)
+            call keep_largest(forces, search%next, low, only(:, demand))
             value(i) = max(value(i), low(demand))
             call climb(search, low(demand))
          end do
@@ -427,7 +447,7 @@ contains
             .and. at < t(n_nodes))) return
          call sample(span, at, sampled, error)
          if (allocated(error)) return
-         call keep_largest(forces, at, sampled)
+         call keep_largest(forces, at, sampled, only(:, demand))
          place = count(point(:n) < at) + 1
          point(place + 1:n + 1) = point(place:n)
          value(place + 1:n + 1) = value(place:n)
@@ -462,7 +482,7 @@ contains
       do while (search%is_open)
          call sample(span, search%next, at_point, error)
          if (allocated(error)) return
-         call keep_largest(forces, search%next, at_point)
+         call keep_largest(forces, search%next, at_point, only(:, demand))
          if (at_point(low_normal) > low(low_normal)) then
             t_low = search%next
             low = at_point
@@ -506,7 +526,7 @@ contains
       do while (search%is_open)
          call sample(span, search%next, at_point, error)
          if (allocated(error)) return
-         call keep_largest(forces, search%next, at_point)
+         call keep_largest(forces, search%next, at_point, only(:, q))
          call climb(search, at_point(q))
       end do
       t_peak = search%x(1)
@@ -574,16 +594,28 @@ contains
       found(shear) = abs(reactions%base_shear)
    end function quantities
 
-   pure subroutine keep_largest(forces, t, found)
+   !> Update the extrema with quantities at one instant.
+   !>
+   !> The points of a search update its own quantities only, and those that nobody requests: N also
+   !> bounds the quotient |H|/N. The bits of an extremum then do not depend on the other quantities
+   !> of the request.
+   pure subroutine keep_largest(forces, t, found, mask)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       real(wp), intent(in) :: t
       real(wp), intent(in) :: found(n_found)
+      logical, intent(in), optional :: mask(n_quantities)
+      !! the quantities to update; absent: all
+      integer :: q
 
-      where (found(:n_quantities) > forces%largest)
-         forces%largest = found(:n_quantities)
-         forces%t_largest = t
-      end where
-      forces%smallest = min(forces%smallest, found(:n_quantities))
+      do q = 1, n_quantities
+         forces%smallest(q) = min(forces%smallest(q), found(q))
+         if (present(mask)) then
+            if (forces%is_sought(q) .and. .not. mask(q)) cycle
+         end if
+         if (.not. found(q) > forces%largest(q)) cycle
+         forces%largest(q) = found(q)
+         forces%t_largest(q) = t
+      end do
    end subroutine keep_largest
 
 end module rwmf_simulation_recorder_reaction_extremes

@@ -17,7 +17,7 @@ module rwmf_simulation_recorder_recorder
       rates_at, second_derivative
    use rwmf_model_system_energy, only: impact_loss, mechanical_energy, yielding_loss
    use rwmf_motion_ground_motion, only: acceleration, interval_end, vertical_acceleration
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: all_quantities, id
    use rwmf_simulation_events_first_change, only: changes_in, moment_t, span_between, span_t, &
       stop_at_change, watch_t
@@ -75,6 +75,8 @@ module rwmf_simulation_recorder_recorder
    type, extends(peaks_t) :: recorder_t
       real(wp) :: cable_max
       !! largest P/(m_w g) of a tendon that can yield or fracture [-]
+      logical :: seeks_velocity = .true.
+      !! the largest |theta'| is requested
       logical :: keeps_energy
       type(energy_t) :: energy
       real(wp), allocatable :: drifts(:)
@@ -146,6 +148,10 @@ contains
       if (equation%beam%n > 0) allocate (recorder%top(top_count), source=0.0_wp)
       call observe_state(recorder, equation, 0.0_wp, y)
       if (.not. allocated(case%output)) return
+      recorder%seeks_velocity = seeks(case%output, [id%theta_dot_max_rad_s])
+      ! only ductilities need these drifts
+      if (allocated(recorder%drifts) .and. .not. seeks(case%output, [id%ductility, &
+         id%storey_i_ductility])) deallocate (recorder%drifts, recorder%t_drifts)
       recorder%keeps_energy = case%output%energy
       recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
       call create_reaction_extremes(recorder%forces, case, equation, y)
@@ -358,7 +364,9 @@ contains
       type(step_view_t) :: part
       integer :: i, n
 
+      ! impacts depend on this maximum, with any request
       recorder%theta_dot_ends = max(recorder%theta_dot_ends, abs(piece%y_b(2)))
+      if (.not. recorder%seeks_velocity) return
       recorder%theta_dot_max = max(recorder%theta_dot_max, recorder%theta_dot_ends)
       n = 1
       if (.not. is_short(piece, short, sqrt(piece%equation%p%g/piece%equation%p%R))) then

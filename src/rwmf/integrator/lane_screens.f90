@@ -1,8 +1,8 @@
 !> Detection of lane steps that cannot contain an extremum of reactions and demands.
-module rwmf_integrator_lane_reactions
+module rwmf_integrator_lane_screens
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: at_limit, column_count, is_done, of_calm, &
-      of_fastest_demand, of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, &
+      of_fastest_demand, of_frequency, of_ground_end, of_known, of_middle, of_plain, of_trial, &
       screen_t
    use rwmf_integrator_pairs, only: most_stages
    use rwmf_model_system_demands_loop, only: demand_constants, lane_demands, section_terms, sections
@@ -12,8 +12,8 @@ module rwmf_integrator_lane_reactions
    implicit none
    private
 
-   public :: screen_steps, find_values
-   public :: at_begin, at_middle, at_end, so_far, least_so_far, value_count
+   public :: screen_steps
+   public :: so_far, least_so_far, value_count
 
    integer, parameter :: at_begin = 1
    integer, parameter :: at_middle = 2
@@ -51,7 +51,7 @@ contains
       type(screen_t), intent(in) :: screen
       integer, intent(in) :: last
       !! stage at the end of the step
-      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%drifts))
+      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%demands))
       !! constants of the buildings from `put_constants`, each in its unit
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
       !! coefficients of the loops, for the current side and branches
@@ -67,21 +67,31 @@ contains
       !! results of the steps before
       real(wp), intent(inout) :: table(lane_count, column_count)
       !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
-      !! `of_ground_end`, `of_plain` and `of_calm`
+      !! `of_ground_end`, `of_known`, `of_plain` and `of_calm` (0.5 if values grow up to the end)
       real(wp), intent(inout) :: values(lane_count, screen%columns, value_count)
       !! reactions and demands, in the units of `lane_demands`, at both ends and in the middle;
       !! their extremes so far are kept
-      real(wp) :: angle(lane_count), at(lane_count, 2), turning(lane_count)
-      real(wp) :: y_middle(lane_count, parts%through_link%n)
+      real(wp), dimension(lane_count) :: angle, demand_angle, turning
+      real(wp) :: at(lane_count, 2), y_middle(lane_count, parts%through_link%n)
       integer :: i, m
 
-      call begin_at_end(screen%columns, ground(:, [1, last], :), mark, table, values)
+      if (any(table(:, of_known) < 1)) then
+         at = ground(:, 1, :)
+         call find_values(parts, screen, constants, coef, y, at, values(1, 1, at_middle))
+         call begin_anew(screen, at, table, values)
+      end if
+      call begin_at_end(screen, ground(:, [1, last], :), mark, table, values)
       turning = 0
       ! forces of a wall contain sines and cosines of twice its rotation
       if (parts%through_link%has_wall) turning = 2*max(abs(y(:, 2)), abs(y_new(:, 2)))
       angle = table(:, of_trial)*max(table(:, of_frequency), turning)
+      demand_angle = table(:, of_trial)*max(table(:, of_fastest_demand), turning)
       at = ground(:, last, :)
       call find_values(parts, screen, constants, coef, y_new, at, values(1, 1, at_end))
+      call find_low_ends(screen, angle, values, 1, reaction_count, parts, table(1, of_plain))
+      call find_low_ends(screen, demand_angle, values, reaction_count + 1, screen%n, parts, &
+         table(1, of_calm))
+      if (all(min(table(:, of_plain), table(:, of_calm)) > 0 .or. table(:, of_trial) <= 0)) return
       do m = 1, parts%through_link%n
          !$omp simd
          do i = 1, lane_count
@@ -91,33 +101,97 @@ contains
       end do
       at = table(:, of_middle:of_middle + 1)
       call find_values(parts, screen, constants, coef, y_middle, at, values(1, 1, at_middle))
-      table(:, of_plain) = 1
-      table(:, of_calm) = 1
-      if (screen%has_reactions) then
-         call find_flat_steps(screen, angle, values, 1, reaction_count, parts, table(1, of_plain))
-         table(:, of_plain) = aint(table(:, of_plain))
-      end if
-      if (.not. screen%has_demands) return
-      angle = table(:, of_trial)*max(table(:, of_fastest_demand), turning)
-      call find_flat_steps(screen, angle, values, reaction_count + 1, screen%n, parts, &
-         table(1, of_calm))
-      !$omp simd
-      do i = 1, lane_count
-         ! the next step covers a value that grows up to the end, if it continues from there
-         table(i, of_calm) = merge(table(i, of_calm), 0.0_wp, table(i, of_calm) > 0.75_wp &
-            .or. table(i, of_next) > 0)
-      end do
+      call find_flat_steps(screen, angle, values, 1, reaction_count, parts, turning)
+      table(:, of_plain) = max(table(:, of_plain), aint(turning))
+      call find_flat_steps(screen, demand_angle, values, reaction_count + 1, screen%n, parts, &
+         turning)
+      table(:, of_calm) = max(table(:, of_calm), turning)
    end subroutine screen_steps
 
+   !> Find the short steps whose ends alone exclude an extremum of some values.
+   !>
+   !> A vibration through a small angle rises above both ends by a part of its amplitude that is less
+   !> than the square of the angle.
+   pure subroutine find_low_ends(screen, angle, values, first, final, parts, is_flat)
+      type(screen_t), intent(in) :: screen
+      real(wp), intent(in) :: angle(lane_count)
+      !! phase angle of the fastest vibration of the scene over the step [rad]
+      real(wp), intent(in) :: values(lane_count, screen%columns, value_count)
+      !! those in the middle may be undefined
+      integer, intent(in) :: first, final
+      !! range of the values to check
+      type(force_parts_t), intent(in) :: parts
+      real(wp), intent(out) :: is_flat(lane_count)
+      !! 1 if the step has no extremum, 0 if it may have one
+      real(wp), parameter :: short_angle = 0.4_wp
+      !! longest phase angle of a short step [rad]
+      real(wp), parameter :: least_rise = 0.02_wp, rise_by_angle = 1.6_wp
+      !! possible rise above the ends over the range so far: at least, and over the angle squared [-]
+      real(wp) :: margin(lane_count), a, c, level, range
+      logical :: is_magnitude
+      integer :: i, q
+
+      !$omp simd
+      do i = 1, lane_count
+         is_flat(i) = merge(1.0_wp, 0.0_wp, angle(i) < short_angle)
+         margin(i) = max(least_rise, rise_by_angle*angle(i)*angle(i))
+      end do
+      do q = first, final
+         if (.not. screen%has_search(q)) cycle
+         if (q == demand .and. is_quotient(parts)) then
+            call check_quotient_at_ends(screen%columns, margin, values, is_flat)
+            cycle
+         end if
+         is_magnitude = q /= low_normal
+         !$omp simd private(a, c, level, range)
+         do i = 1, lane_count
+            a = merge(abs(values(i, q, at_begin)), values(i, q, at_begin), is_magnitude)
+            c = merge(abs(values(i, q, at_end)), values(i, q, at_end), is_magnitude)
+            level = values(i, q, so_far)
+            range = level - values(i, q, least_so_far)
+            is_flat(i) = min(is_flat(i), merge(merge(1.0_wp, 0.0_wp, max(a, c) + margin(i)*range &
+               <= level), 0.0_wp, range >= 0))
+         end do
+      end do
+   end subroutine find_low_ends
+
+   !> Begin with the values in `at_middle` where no step has ended at the start of this one.
+   pure subroutine begin_anew(screen, ground, table, values)
+      type(screen_t), intent(in) :: screen
+      real(wp), intent(in) :: ground(lane_count, 2)
+      !! acceleration of the ground at the start [m/s2]
+      real(wp), intent(inout) :: table(lane_count, column_count)
+      real(wp), intent(inout) :: values(lane_count, screen%columns, value_count)
+      integer :: i, q
+
+      do q = 1, screen%columns
+         if (.not. screen%is_used(q)) cycle
+         !$omp simd
+         do i = 1, lane_count
+            values(i, q, at_begin) = merge(values(i, q, at_begin), values(i, q, at_middle), &
+               table(i, of_known) > 0)
+            values(i, q, at_end) = merge(values(i, q, at_end), values(i, q, at_middle), &
+               table(i, of_known) > 0)
+         end do
+      end do
+      !$omp simd
+      do i = 1, lane_count
+         table(i, of_ground_end) = merge(table(i, of_ground_end), ground(i, 1), &
+            table(i, of_known) > 0)
+         table(i, of_ground_end + 1) = merge(table(i, of_ground_end + 1), ground(i, 2), &
+            table(i, of_known) > 0)
+         table(i, of_known) = 1
+      end do
+   end subroutine begin_anew
+
    !> Copy the values at the ends of accepted steps to the beginnings of the next ones.
-   pure subroutine begin_at_end(n, ground, mark, table, values)
-      integer, intent(in) :: n
-      !! number of values
+   pure subroutine begin_at_end(screen, ground, mark, table, values)
+      type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: ground(lane_count, 2, 2)
       !! acceleration of the ground at both ends of the step [m/s2]
       integer, intent(in) :: mark(lane_count)
       real(wp), intent(inout) :: table(lane_count, column_count)
-      real(wp), intent(inout) :: values(lane_count, n, value_count)
+      real(wp), intent(inout) :: values(lane_count, screen%columns, value_count)
       real(wp), parameter :: slack = 1.0e-9_wp
       real(wp), dimension(lane_count) :: is_passed, jump
       integer :: i, m, q
@@ -135,7 +209,8 @@ contains
             table(i, of_ground_end + m - 1) = ground(i, 2, m)
          end do
       end do
-      do q = 1, n
+      do q = 1, screen%columns
+         if (.not. screen%is_used(q)) cycle
          !$omp simd
          do i = 1, lane_count
             values(i, q, at_begin) = merge(merge(unknown, values(i, q, at_end), jump(i) > 0), &
@@ -144,12 +219,42 @@ contains
       end do
    end subroutine begin_at_end
 
+   !> Check the ends of short steps for an extremum of the quotient |H|/N, by bounds of |H| and N.
+   pure subroutine check_quotient_at_ends(columns, margin, values, is_flat)
+      integer, intent(in) :: columns
+      !! number of values and coefficients
+      real(wp), intent(in) :: margin(lane_count)
+      !! possible rise above the ends over the range so far [-]
+      real(wp), intent(in) :: values(lane_count, columns, value_count)
+      real(wp), intent(inout) :: is_flat(lane_count)
+      !! as in `find_low_ends`
+      real(wp) :: a, c, top, low, level, range
+      integer :: i
+
+      !$omp simd private(a, c, top, low, level, range)
+      do i = 1, lane_count
+         a = -max(-cap, min(values(i, low_normal, at_begin), cap))
+         c = -max(-cap, min(values(i, low_normal, at_end), cap))
+         level = min(values(i, demand, so_far), cap)
+         range = values(i, low_normal, so_far) - values(i, low_normal, least_so_far)
+         low = min(a, c) - margin(i)*range
+         ! |H| departs from its ends by a part of its range, which is less than the largest quotient
+         ! times the largest N
+         top = max(abs(a*max(-cap, min(values(i, demand, at_begin), cap))), &
+            abs(c*max(-cap, min(values(i, demand, at_end), cap))))
+         top = top + margin(i)*level*min(-values(i, low_normal, least_so_far), cap)
+         ! a pivot that lifts has the largest possible demand
+         top = merge(-1.0_wp, merge(top, 2*cap*cap, low > 0 .and. range >= 0), level >= cap)
+         is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level*max(low, 0.0_wp))
+      end do
+   end subroutine check_quotient_at_ends
+
    !> Compute reactions, and demands if requested, of moving lanes; arguments and units are those of
    !> `lane_demands`.
    subroutine find_values(parts, screen, constants, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       type(screen_t), intent(in) :: screen
-      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%floors, screen%drifts))
+      real(wp), intent(in) :: constants(lane_count, demand_constants(screen%demands))
       !! each in its unit
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
       !! coefficients of the loops, each in its unit
@@ -161,7 +266,7 @@ contains
       !! each in its unit
 
       if (screen%has_demands) then
-         call lane_demands(parts, screen%floors, screen%drifts, constants, coef, y, ground, found)
+         call lane_demands(parts, screen%demands, constants, coef, y, ground, found)
       else
          call lane_reactions(parts, coef, y, ground, found)
       end if
@@ -189,7 +294,7 @@ contains
          is_flat(i) = merge(1.0_wp, 0.0_wp, angle(i) < longest_angle)
       end do
       do q = first, final
-         if (screen%is_led(q)) cycle
+         if (.not. screen%has_search(q)) cycle
          if (q == demand .and. is_quotient(parts)) then
             call check_quotient(screen%columns, values, is_flat)
          else if (q > screen%n - sections .and. first > demand) then
@@ -322,4 +427,4 @@ contains
       is_quotient = parts%through_link%has_wall .and. .not. parts%has_shear_key
    end function is_quotient
 
-end module rwmf_integrator_lane_reactions
+end module rwmf_integrator_lane_screens
