@@ -48,15 +48,15 @@ contains
       real(wp), intent(in) :: y(lane_count, scene%n), y_new(lane_count, scene%n)
       !! states at both ends of the attempted steps
       real(wp), intent(in) :: limits(lane_count, n, limit_count)
-      !! limits of the branches, in the columns above
+      !! limits of the branches, in the columns above [m], [-]
       real(wp), intent(in) :: frequency(lane_count)
       !! frequency of the fastest vibration [rad/s]
       real(wp), intent(in) :: table(lane_count, column_count)
       !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`
       real(wp), intent(inout) :: d(lane_count, n, 0:1, 2)
-      !! buffer: displacements [m] and rates [m/s] of the storeys at both ends
+      !! work array of the displacements [m] and rates [m/s] of the storeys at both ends
       real(wp), intent(out) :: is_quiet(lane_count, 0:n)
-      !! 1 if a storey does not end its branch, 0 if it may; the first column is for all storeys
+      !! 1 if a storey does not end its branch, 0 if it may; the first column is for all storeys [-]
       real(wp) :: h(lane_count), scales(lane_count, of_rate_noise)
       integer :: i, j
 

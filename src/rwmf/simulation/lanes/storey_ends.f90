@@ -1,5 +1,5 @@
-!> Limits of the lanes of a batch in addition to those of the rotation: ends of the branches of
-!> yielding storeys, drifts, a held wall and fuses.
+!> Limits of lanes besides those of the rotation: branches of yielding storeys, drifts, a held wall
+!> and fuses.
 !>
 !> The ends of a step show the first end of a branch in it. A trial step then leads to its time.
 module rwmf_simulation_lanes_storey_ends
@@ -258,7 +258,7 @@ contains
       integer, parameter :: most = 8
       integer, parameter :: spacings = 4
       real(wp) :: value, rate, slack
-      !! slack: largest distance beyond the level, by round-off of the function and of the time
+      !! distance to the level, its rate, and round-off of function and time together
       integer :: j, k
 
       associate (storey => lane%storey, watch => lane%storey%target, b => lane%storey%span%b, &
