@@ -110,8 +110,8 @@ contains
 
    !> Find the short steps whose ends alone exclude an extremum of some values.
    !>
-   !> A vibration through a small angle rises above both ends by a part of its amplitude that is less
-   !> than the square of the angle.
+   !> A vibration through a small angle rises above both ends by a part of its amplitude, less than
+   !> the square of the angle.
    pure subroutine find_low_ends(screen, angle, values, first, final, parts, is_flat)
       type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: angle(lane_count)
@@ -126,7 +126,7 @@ contains
       real(wp), parameter :: short_angle = 0.4_wp
       !! longest phase angle of a short step [rad]
       real(wp), parameter :: least_rise = 0.02_wp, rise_by_angle = 1.6_wp
-      !! possible rise above the ends over the range so far: at least, and over the angle squared [-]
+      !! possible rise above the ends over the range so far: least, and over the angle squared [-]
       real(wp) :: margin(lane_count), a, c, level, range
       logical :: is_magnitude
       integer :: i, q

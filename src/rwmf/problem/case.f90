@@ -251,8 +251,7 @@ module rwmf_problem_case
       character(key_length), allocatable :: limited(:)
       !! (demands) keys of the demands that `&limits` requests; absent without limits
       integer, allocatable :: sought(:)
-      !! numbers (`id`) of the requested quantities of an ordinate; absent: all that the outputs above
-      !! include
+      !! numbers (`id`) of the requested quantities of an ordinate; absent: all of these outputs
    end type output_t
 
    !> Loop over frame periods, `&spectrum`.

@@ -56,8 +56,9 @@ contains
          call begin_search(recorder, equation, y, spread(-1.0_wp, 1, n))
          if (follows_roof(equation)) then
             recorder%leader(2:drifts) = 1
-            if (has_strength(case) .and. .not. storeys_have_strengths(case)) &
+            if (has_strength(case) .and. .not. storeys_have_strengths(case)) then
                recorder%leader(drifts + 2:2*drifts) = drifts + 1
+            end if
          end if
          if (building%is_linear) recorder%leader(drifts + 1:2*drifts) = recorder%leader(:drifts)
       end associate
@@ -100,8 +101,9 @@ contains
 
       associate (pool => recorder%pool, s => recorder%building%drifts, n => size(recorder%pool))
          ! the drifts of a linear building also serve the shears of its storeys
-         if (.not. seeks(output, [id%storey_i_drift_max, id%storey_i_shear_max_over_m_w_g])) &
+         if (.not. seeks(output, [id%storey_i_drift_max, id%storey_i_shear_max_over_m_w_g])) then
             pool(:s) = 1
+         end if
          if (.not. seeks(output, [id%floor_i_acceleration_max_g])) pool(2*s + 1:n - 3) = 2*s + 1
       end associate
    end subroutine form_pools

@@ -31,11 +31,11 @@ module rwmf_simulation_recorder_peak_search
       real(wp), allocatable :: smallest(:)
       !! (quantities) lower end of the range so far [unit of each]
       integer, allocatable :: leader(:)
-      !! (quantities) number of the quantity whose search also serves this one: its own number, or
-      !! that of a quantity in a fixed proportion to it; 0 if nobody requests it
+      !! (quantities) number of the quantity whose search serves this one; 0 if not requested. A
+      !! quantity in a fixed proportion to another one has that one's number
       integer, allocatable :: pool(:)
-      !! (quantities) number of the first quantity of those whose common maximum alone is requested,
-      !! as of the drifts of all storeys; its own number otherwise
+      !! (quantities) common number of those whose largest maximum alone is requested, such as the
+      !! drifts of all storeys; its own number otherwise
       real(wp), allocatable :: level(:)
       !! (quantities) largest value of the pool, which a new maximum has to exceed [unit of each]
       logical :: has_middle = .false.
@@ -243,7 +243,8 @@ contains
       margin = max(min(least_rise, stiff_rise*angle**2), rise*angle**2)
       is_plain = .false.
       do q = 1, size(self%largest)
-         if (.not. highest(q) + margin*(self%level(q) - self%smallest(q)) <= self%level(q) .and. has_search(self, q)) return
+         if (.not. has_search(self, q)) cycle
+         if (.not. highest(q) + margin*(self%level(q) - self%smallest(q)) <= self%level(q)) return
       end do
       is_plain = .true.
    end function is_plain

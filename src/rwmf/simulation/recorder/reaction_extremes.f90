@@ -35,10 +35,6 @@ module rwmf_simulation_recorder_reaction_extremes
    integer, parameter :: thrust = n_quantities + 1
    !! H with its sign, in addition to the maximised quantities [m/s2]
    integer, parameter :: n_found = n_quantities + 1
-   integer :: row
-   logical, parameter :: only(n_quantities, n_quantities) = reshape([(modulo(row, n_quantities &
-      + 1) == 0, row=0, n_quantities**2 - 1)], [n_quantities, n_quantities])
-   !! columns with one quantity each
 
    !> Running maxima.
    type :: reaction_extremes_recorder_t
@@ -424,7 +420,7 @@ contains
          do while (search%is_open)
             call sample(span, search%next, low, error)
             if (allocated(error)) return
-            call keep_largest(forces, search%next, low, only(:, demand))
+            call keep_largest(forces, search%next, low, only(demand))
             value(i) = max(value(i), low(demand))
             call climb(search, low(demand))
          end do
@@ -447,7 +443,7 @@ contains
             .and. at < t(n_nodes))) return
          call sample(span, at, sampled, error)
          if (allocated(error)) return
-         call keep_largest(forces, at, sampled, only(:, demand))
+         call keep_largest(forces, at, sampled, only(demand))
          place = count(point(:n) < at) + 1
          point(place + 1:n + 1) = point(place:n)
          value(place + 1:n + 1) = value(place:n)
@@ -482,7 +478,7 @@ contains
       do while (search%is_open)
          call sample(span, search%next, at_point, error)
          if (allocated(error)) return
-         call keep_largest(forces, search%next, at_point, only(:, demand))
+         call keep_largest(forces, search%next, at_point, only(demand))
          if (at_point(low_normal) > low(low_normal)) then
             t_low = search%next
             low = at_point
@@ -526,7 +522,7 @@ contains
       do while (search%is_open)
          call sample(span, search%next, at_point, error)
          if (allocated(error)) return
-         call keep_largest(forces, search%next, at_point, only(:, q))
+         call keep_largest(forces, search%next, at_point, only(q))
          call climb(search, at_point(q))
       end do
       t_peak = search%x(1)
@@ -579,6 +575,16 @@ contains
       found = quantities(span%equation, reactions_at(span%equation, t, y, y_dot))
    end subroutine sample
 
+   !> Mask with one quantity.
+   pure function only(q) result(mask)
+      integer, intent(in) :: q
+      !! number of the quantity
+      logical :: mask(n_quantities)
+
+      mask = .false.
+      mask(q) = .true.
+   end function only
+
    pure function quantities(equation, reactions) result(found)
       type(equation_t), intent(in) :: equation
       type(reactions_t), intent(in) :: reactions
@@ -596,9 +602,9 @@ contains
 
    !> Update the extrema with quantities at one instant.
    !>
-   !> The points of a search update its own quantities only, and those that nobody requests: N also
-   !> bounds the quotient |H|/N. The bits of an extremum then do not depend on the other quantities
-   !> of the request.
+   !> The points of a search update its own quantities only. The bits of an extremum then do not
+   !> depend on the other quantities of the request. Quantities without a request are updated too,
+   !> because N bounds the quotient |H|/N.
    pure subroutine keep_largest(forces, t, found, mask)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       real(wp), intent(in) :: t
