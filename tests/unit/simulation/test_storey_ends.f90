@@ -1,5 +1,5 @@
-!> Ends of the branches of storeys in steps of lanes. The loop over lanes agrees with the rule for one
-!> step, and both ends of a step give the position.
+!> Ends of the branches of storeys in steps of lanes. The loop over lanes agrees with the rule for
+!> one step, and both ends of a step give the position.
 program test_storey_ends
    use check, only: checks_t
    use rwmf_core_error, only: error_t
@@ -175,8 +175,8 @@ contains
       is_quiet = is_quiet .and. value_at(zero_of(equation, j), b) >= 0
    end function is_quiet_storey
 
-   !> Check the position of a change from both ends of a span. Vibrations pass a level, turn, or pass
-   !> a level twice.
+   !> Check the position of a change from both ends of a span. Vibrations pass a level, turn, or
+   !> pass a level twice.
    subroutine check_position()
       type(span_t) :: span
       real(wp) :: x
