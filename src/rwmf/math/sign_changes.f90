@@ -11,11 +11,13 @@
 !> All numbers are in the caller's units.
 module rwmf_math_sign_changes
    use rwmf_core_kinds, only: wp
-   use rwmf_math_roots, only: close_in, secant_between, secant_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, close_in, keep_inside, narrow, &
+      secant_between, secant_t
    implicit none
    private
 
-   public :: polygon_t, value_polygon, rate_polygon, roughness, changes_of, root_of
+   public :: polygon_t, value_polygon, rate_polygon, roughness, changes_of
+   public :: root_of, newton_root_of
    public :: no_change, one_change, change_at_begin, unclear
 
    integer, parameter :: no_change = 0
@@ -192,27 +194,59 @@ contains
       type(polygon_t), intent(in) :: polygon
       real(wp), parameter :: resolution = 1.0e-9_wp
       type(secant_t) :: secant
+      real(wp) :: value, slope
 
       secant = secant_between([0.0_wp, 1.0_wp], [polygon%c(0), polygon%c(polygon%n)], resolution)
       do while (secant%is_open)
-         call close_in(secant, polynomial_at(polygon, secant%next))
+         call evaluate_polygon(polygon, secant%next, value, slope)
+         call close_in(secant, value)
       end do
       x = secant%x(1) + (secant%x(2) - secant%x(1))/2
    end function root_of
 
-   !> Value of a polynomial by de Casteljau's scheme.
-   pure real(wp) function polynomial_at(polygon, x) result(value)
+   !> Approximate position of the last root of a polygon that ends below zero, from 0 to 1, in fewer
+   !> points than `root_of`. The polygon may begin at zero.
+   pure real(wp) function newton_root_of(polygon) result(x)
+      type(polygon_t), intent(in) :: polygon
+      real(wp), parameter :: resolution = 1.0e-10_wp
+      integer, parameter :: most = 60
+      type(bracket_t) :: bracket
+      real(wp) :: value, slope, step
+      integer :: i
+
+      bracket = bracket_between(0.0_wp, 1.0_wp)
+      x = keep_inside(bracket, polygon%c(0)/(polygon%c(0) - polygon%c(polygon%n)))
+      do i = 1, most
+         call evaluate_polygon(polygon, x, value, slope)
+         call narrow(bracket, value <= 0, x)
+         if (.not. bracket%is_open) return
+         step = bracket%high
+         if (slope < 0) step = -value/slope
+         x = x + step
+         if (abs(step) <= resolution) return
+         x = keep_inside(bracket, x)
+      end do
+   end function newton_root_of
+
+   !> Evaluate a polynomial by de Casteljau's scheme.
+   pure subroutine evaluate_polygon(polygon, x, value, slope)
       type(polygon_t), intent(in) :: polygon
       real(wp), intent(in) :: x
       !! position in the span, from 0 to 1
+      real(wp), intent(out) :: value
+      real(wp), intent(out) :: slope
+      !! derivative by the position
       real(wp) :: c(0:highest)
-      integer :: k
+      integer :: i, k
 
       c = polygon%c
-      do k = polygon%n, 1, -1
-         c(:k - 1) = c(:k - 1) + x*(c(1:k) - c(:k - 1))
+      do k = polygon%n, 2, -1
+         do i = 0, k - 1
+            c(i) = c(i) + x*(c(i + 1) - c(i))
+         end do
       end do
-      value = c(0)
-   end function polynomial_at
+      value = c(0) + x*(c(1) - c(0))
+      slope = polygon%n*(c(1) - c(0))
+   end subroutine evaluate_polygon
 
 end module rwmf_math_sign_changes

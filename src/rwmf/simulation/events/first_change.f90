@@ -14,17 +14,18 @@ module rwmf_simulation_events_first_change
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
-   use rwmf_math_sign_changes, only: change_at_begin, changes_of, no_change, one_change, &
-      polygon_t, rate_polygon, root_of, roughness, value_polygon
+   use rwmf_math_sign_changes, only: change_at_begin, changes_of, newton_root_of, &
+      no_change, one_change, polygon_t, rate_polygon, root_of, roughness, value_polygon
+   use rwmf_model_assembly, only: rates_at
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, fastest_angle, &
       sample_state, shorten, step_view_t
    implicit none
    private
 
    public :: ending_t, functions_t, moment_t, kept_samples_t, span_t, watch_t
-   public :: any_course, monotone, changed_at_begin
-   public :: changes_in, sample_functions, shows_no_event, span_between, stop_at_change, &
-      stop_at_event, value_at
+   public :: any_course, monotone, changed_at_begin, changed_at_end
+   public :: changes_in, find_event, sample_functions, shows_no_event, span_between, &
+      stop_at_change, stop_at_event, value_at
 
    integer, parameter :: any_course = 0
    !! the function may change and return
@@ -32,6 +33,8 @@ module rwmf_simulation_events_first_change
    !! the function cannot return, so the end of a span shows its change
    integer, parameter :: changed_at_begin = 2
    !! the function changes at the beginning of the span
+   integer, parameter :: changed_at_end = 3
+   !! the function is zero at the end of the span
 
    !> Event that ends a step.
    type :: ending_t
@@ -43,6 +46,8 @@ module rwmf_simulation_events_first_change
       !! [s]
       logical :: is_rising = .false.
       !! the rotation or the watched function increases through its level
+      real(wp), allocatable :: y(:)
+      !! (states) at the event, if the functions know them
    end type ending_t
 
    !> Values of the functions at one time.
@@ -51,6 +56,8 @@ module rwmf_simulation_events_first_change
       !! [s]
       real(wp), allocatable :: f(:, :)
       !! (functions, 0:derivatives)
+      real(wp), allocatable :: y(:)
+      !! (states) if the functions are states
    end type moment_t
 
    !> Functions in a span between two times.
@@ -77,6 +84,9 @@ module rwmf_simulation_events_first_change
       !! number of functions with events
       integer :: derivatives = 2
       !! 1 if derivatives that cost an evaluation of the right-hand side are not required
+      integer :: states(0:1) = 0
+      !! numbers of the states that are the function and its rate. An event is then the root itself;
+      !! without them it is the first moment beyond the root
    contains
       procedure(evaluate_i), deferred :: evaluate
       procedure :: watches => no_watches
@@ -167,40 +177,44 @@ contains
       if (count_parts(step) == 1) then
          if (shows_no_event(functions, step)) return
       end if
-      functions%step = step
       allocate (functions%samples)
-      call search_parts(functions, ending, is_found, error)
+      call find_event(functions, step, ending, is_found, error)
       deallocate (functions%samples)
       if (is_found .and. .not. allocated(error)) call shorten(step, ending%t, error)
    end subroutine stop_at_event
 
-   !> Search the parts of a step for the first event of the functions.
-   subroutine search_parts(functions, ending, is_found, error)
-      class(functions_t), intent(in) :: functions
+   !> Find the first event of the functions in a step, part by part.
+   subroutine find_event(functions, step, ending, is_found, error)
+      class(functions_t), intent(inout) :: functions
+      type(step_view_t), intent(in) :: step
       type(ending_t), intent(inout) :: ending
+      !! on return the event of the functions, if it precedes the given one
       logical, intent(out) :: is_found
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      type(moment_t) :: a, b
       type(span_t) :: span
       integer :: parts, i, k
 
       is_found = .false.
-      parts = count_parts(functions%step)
-      call sample_functions(functions, functions%step%t_a, b, error)
+      functions%step = step
+      parts = count_parts(step)
+      call take_moment(functions, step%t_a, step%y_a, span%a)
       do i = 1, parts
-         a = b
-         if (.not. allocated(error)) call sample_functions(functions, end_of_part(functions%step, &
-            i, parts), b, error)
-         if (allocated(error)) return
-         span = span_between(functions, a, b)
+         if (i < parts) then
+            call sample_functions(functions, end_of_part(step, i, parts), span%b, error)
+            if (allocated(error)) return
+         else
+            call take_moment(functions, step%t_b, step%y_b, span%b)
+         end if
+         call measure_span(functions, span)
          do k = 1, functions%n
             call stop_at_first(functions, functions%watches(k, span), span, ending, is_found, error)
             if (allocated(error)) return
          end do
          if (is_found) return
+         if (i < parts) span%a = span%b
       end do
-   end subroutine search_parts
+   end subroutine find_event
 
    !> Sample the functions at a time of the step.
    subroutine sample_functions(functions, t, moment, error)
@@ -222,10 +236,23 @@ contains
       end if
       call sample_state(functions%step, t, y, error)
       if (allocated(error)) return
-      moment%t = t
-      call functions%evaluate(t, y, moment%f)
+      call take_moment(functions, t, y, moment)
       if (associated(functions%samples)) call keep_moment(functions%samples, moment)
    end subroutine sample_functions
+
+   !> Evaluate the functions at a state.
+   subroutine take_moment(functions, t, y, moment)
+      class(functions_t), intent(in) :: functions
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(moment_t), intent(out) :: moment
+
+      moment%t = t
+      call functions%evaluate(t, y, moment%f)
+      if (functions%states(0) > 0) moment%y = y
+   end subroutine take_moment
 
    !> Store a sample while there is space.
    pure subroutine keep_moment(samples, moment)
@@ -240,27 +267,37 @@ contains
    end subroutine keep_moment
 
    !> Span between two samples.
-   !>
-   !> The functions of a kind drive each other. A vibration that cancels in one of them at both ends
-   !> appears in another, so the roughness of the least smooth one applies to all.
    function span_between(functions, a, b) result(span)
       class(functions_t), intent(in) :: functions
       type(moment_t), intent(in) :: a, b
       type(span_t) :: span
-      real(wp) :: angle
-      integer :: i
 
       span%a = a
       span%b = b
-      do i = 0, 1
-         span%largest(i) = max(maxval(abs(a%f(:, i))), maxval(abs(b%f(:, i))))
-      end do
-      angle = fastest_angle(functions%step, b%t - a%t)
-      span%rough = 0
-      do i = 1, size(a%f, 1)
-         span%rough = max(span%rough, roughness(angle, b%t - a%t, a%f(i, :), b%f(i, :)))
-      end do
+      call measure_span(functions, span)
    end function span_between
+
+   !> Compute roughness and largest values of the functions in a span.
+   !>
+   !> The functions of a kind drive each other. A vibration that cancels in one of them at both ends
+   !> appears in another, so the roughness of the least smooth one applies to all.
+   subroutine measure_span(functions, span)
+      class(functions_t), intent(in) :: functions
+      type(span_t), intent(inout) :: span
+      real(wp) :: angle
+      integer :: i
+
+      associate (a => span%a, b => span%b)
+         do i = 0, 1
+            span%largest(i) = max(maxval(abs(a%f(:, i))), maxval(abs(b%f(:, i))))
+         end do
+         angle = fastest_angle(functions%step, b%t - a%t)
+         span%rough = 0
+         do i = 1, size(a%f, 1)
+            span%rough = max(span%rough, roughness(angle, b%t - a%t, a%f(i, :), b%f(i, :)))
+         end do
+      end associate
+   end subroutine measure_span
 
    !> Distance of a watched function from its level; negative on the unexpected side.
    pure real(wp) function value_at(watch, moment) result(value)
@@ -287,7 +324,7 @@ contains
       are_quiet = .true.
       do i = 1, size(watches)
          select case (watches(i)%course)
-         case (changed_at_begin)
+         case (changed_at_begin, changed_at_end)
             are_quiet = .false.
          case (monotone)
             are_quiet = value_at(watches(i), span%b) >= 0
@@ -352,6 +389,8 @@ contains
             case (changed_at_begin)
                changes = .true.
                span%b = span%a
+            case (changed_at_end)
+               changes = .true.
             case (monotone)
                changes = value_at(watch, span%b) < 0
                if (changes) call stop_at_root(functions, watch, span, error)
@@ -361,6 +400,7 @@ contains
             if (allocated(error)) return
             if (.not. (changes .and. span%b%t < ending%t)) cycle
             ending = ending_t(watch%kind, watch%which, span%b%t, watch%side < 0)
+            if (allocated(span%b%y)) ending%y = span%b%y
             is_found = .true.
          end associate
       end do
@@ -384,10 +424,14 @@ contains
       type(span_t) :: part
       real(wp) :: smallest
       logical :: is_short
-      integer :: depth, samples
+      integer :: changes, depth, samples
 
       is_found = .false.
       if (.not. span%b%t > span%a%t) return
+      changes = changes_in(span, watch)
+      is_found = changes == one_change
+      if (is_found) call stop_at_root(functions, watch, span, error)
+      if (is_found .or. changes == no_change) return
       smallest = max((span%b%t - span%a%t)*0.5_wp**most_halvings, 4*spacing(span%b%t))
       part = span
       ahead(0) = span%b
@@ -436,25 +480,118 @@ contains
       !! the integrator fails
       type(secant_t) :: secant
       type(moment_t) :: now
-      real(wp) :: first
+      real(wp) :: first, length
 
-      if (.not. value_at(watch, span%a) > 0) then
-         span = span_between(functions, span%a, span%a)
-         return
-      end if
-      associate (a => span%a, b => span%b)
-         secant = secant_between([a%t, b%t], [value_at(watch, a), value_at(watch, b)])
-         first = a%t + root_of(polygon_in(span, watch))*(b%t - a%t)
-         if (first > a%t .and. first < b%t) secant%next = first
-         do while (secant%is_open)
-            call sample_functions(functions, secant%next, now, error)
-            if (allocated(error)) return
-            if (value_at(watch, now) <= 0) b = now
-            if (abs(value_at(watch, now)) <= 0) exit
-            call close_in(secant, value_at(watch, now))
-         end do
+      length = span%b%t - span%a%t
+      associate (a => span%a, b => span%b, state => functions%states(watch%order))
+         if (begins_beyond(watch, a)) then
+            b = a
+         else
+            ! a function that starts on its level has positive values before the root
+            secant = secant_between([a%t, b%t], [abs(value_at(watch, a)), value_at(watch, b)])
+            if (state > 0) then
+               first = a%t + newton_root_of(polygon_in(span, watch))*(b%t - a%t)
+            else
+               first = a%t + root_of(polygon_in(span, watch))*(b%t - a%t)
+            end if
+            if (first > a%t .and. first < b%t) secant%next = first
+            do while (secant%is_open)
+               call sample_functions(functions, secant%next, now, error)
+               if (allocated(error)) return
+               if (value_at(watch, now) <= 0) b = now
+               if (abs(value_at(watch, now)) <= 0) exit
+               call close_in(secant, value_at(watch, now))
+               if (state > 0) call approach_root(functions, watch, length, span, now, &
+                  secant)
+            end do
+         end if
+         if (state > 0) then
+            b%f(watch%which, watch%order) = watch%level
+            b%y(state) = watch%level
+         end if
       end associate
-      span = span_between(functions, span%a, span%b)
+      call measure_span(functions, span)
    end subroutine stop_at_root
+
+   !> Return whether a function starts beyond its level, or at its level and goes beyond it.
+   pure logical function begins_beyond(watch, moment)
+      type(watch_t), intent(in) :: watch
+      type(moment_t), intent(in) :: moment
+      integer :: k
+
+      begins_beyond = .not. value_at(watch, moment) > 0
+      if (.not. begins_beyond) return
+      do k = watch%order + 1, ubound(moment%f, 2)
+         associate (rate => watch%side*moment%f(watch%which, k))
+            begins_beyond = .not. rate > 0
+            if (abs(rate) > 0) return
+         end associate
+      end do
+   end function begins_beyond
+
+   !> Take the next point of a search from the parabola at the last one. End the span at that point,
+   !> with its state, if a second-order Taylor series reaches it.
+   !>
+   !> A few spacings of the time matter to a flight of a hundred spacings. Without the correction of
+   !> the state, its impact would be faster than its start, and lightly damped chatter would never
+   !> end.
+   subroutine approach_root(functions, watch, length, span, now, secant)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watch
+      real(wp), intent(in) :: length
+      !! of the span before the search [s]
+      type(span_t), intent(inout) :: span
+      type(moment_t), intent(in) :: now
+      !! last point of the search
+      type(secant_t), intent(inout) :: secant
+      real(wp), parameter :: short = 2.0e-7_wp
+      !! fraction of the span whose third power times a rate is round-off [-]
+      real(wp), dimension(size(now%y)) :: rates, rates_a
+      real(wp) :: bend, correction, t
+      integer :: k
+
+      k = watch%order + 1
+      if (k < ubound(now%f, 2)) then
+         bend = now%f(watch%which, k + 1)
+      else
+         ! of the cubic through values and rates at both times
+         associate (h => max(now%t - span%a%t, tiny(t)), f => now%f(watch%which, :), &
+                    f_a => span%a%f(watch%which, :))
+            bend = (4*f(k + 1) + 2*f_a(k + 1) - 6*((f(k) - f_a(k))/h))/h
+         end associate
+      end if
+      correction = correction_of(value_at(watch, now), watch%side*now%f(watch%which, k), &
+         watch%side*bend)
+      t = now%t + correction
+      if (t < secant%x(1) .or. t > secant%x(2)) return
+      if (abs(correction) <= max(short*length, 2*spacing(t))) then
+         secant%is_open = .false.
+         call rates_at(functions%step%equation, now%t, now%y, rates)
+         call rates_at(functions%step%equation, span%a%t, span%a%y, rates_a)
+         span%b%t = t
+         span%b%y = now%y + correction*(rates + correction/2*(rates - rates_a)/max(now%t &
+            - span%a%t, tiny(t)))
+         span%b%f = now%f
+         span%b%f(:, :k - 1) = now%f(:, :k - 1) + correction*now%f(:, 1:k)
+      else if (t > secant%x(1) .and. t < secant%x(2)) then
+         secant%next = t
+      end if
+   end subroutine approach_root
+
+   !> Distance to the near root of the parabola with a value, rate and second derivative; `huge`
+   !> without a root.
+   pure real(wp) function correction_of(g, rate, bend) result(correction)
+      real(wp), intent(in) :: g, rate
+      real(wp), intent(in) :: bend
+      !! second derivative
+      real(wp) :: slope
+
+      correction = huge(g)
+      slope = rate**2 - 2*g*bend
+      if (slope < 0) return
+      ! slope of the chord up to the root
+      slope = (rate + sign(sqrt(slope), rate))/2
+      if (abs(g) < abs(slope)*sqrt(huge(g))) correction = -g/slope
+   end function correction_of
 
 end module rwmf_simulation_events_first_change

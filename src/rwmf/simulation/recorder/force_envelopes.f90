@@ -22,7 +22,7 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_simulation_events_first_change, only: moment_t, span_between, span_t, &
       stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: step_view_t
-   use rwmf_simulation_events_turns, only: keeps_direction, rotation_t
+   use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece, &
       search_state
    use rwmf_simulation_state_result, only: envelope_extremes_t

@@ -24,7 +24,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
       sample_state, step_view_t, until
    use rwmf_simulation_events_storey_events, only: displacements_t
-   use rwmf_simulation_events_turns, only: fastest_in, velocity_t
+   use rwmf_simulation_events_rotation_events, only: fastest_in, velocity_t
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
       observe_demands_at_rest, put_demands, put_storeys
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
