@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,6 +24,27 @@ matplotlib.use("Agg")
 # a shell gives its background jobs a SIGINT that is ignored, and they give it on: tests of
 # interrupts would wait in vain
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# cases of a test function whose lines are counted: counting takes a third of the time again
+COUNTED = 5
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Count the lines of few cases of a function; begin with the files that take long."""
+    cases: Counter[str] = Counter()
+    slow: dict[Path, set[str]] = {}
+    for item in items:
+        name = item.nodeid.partition("[")[0]
+        cases[name] += 1
+        if cases[name] > COUNTED and config.getoption("cov_source", None):
+            item.add_marker("no_cover")
+        if item.get_closest_marker("slow"):
+            slow.setdefault(item.path, set()).add(name)
+        if "browser" in getattr(item, "fixturenames", ()):
+            slow.setdefault(item.path, set()).add("browser")
+    # a process of pytest-xdist: otherwise the last one works alone on a long file
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: -len(slow.get(item.path, ())))
 
 
 @pytest.fixture(scope="session")

@@ -195,8 +195,8 @@ def _over_ratchet(found: Mapping[str, list[str]], allowed: Mapping[str, int]) ->
     ]
 
 
-def both_ways(tree: Tree, order: list[str], allowed: Iterable[tuple[str, str]]) -> list[str]:
-    """Find folders inside one top folder that use each other, and permissions no longer needed.
+def both_ways(tree: Tree, order: list[str]) -> list[str]:
+    """Find folders inside one top folder that use each other.
 
     The files beside a sub-folder count as a folder too.
     """
@@ -210,12 +210,11 @@ def both_ways(tree: Tree, order: list[str], allowed: Iterable[tuple[str, str]]) 
             folder = target.path.parent.as_posix()
             if folder != own:
                 arrows.setdefault((own, folder), f"{source.path}:{line} uses {name}")
-    circles = {
-        (a, b): f"{a} and {b}: {text}; {arrows[b, a]}"
+    return [
+        f"{a} and {b}: {text}; {arrows[b, a]}"
         for (a, b), text in sorted(arrows.items())
         if a < b and (b, a) in arrows
-    }
-    return _not_allowed(circles, dict.fromkeys(allowed, ""))
+    ]
 
 
 def naming_modules(tree: Tree, effect: str) -> list[str]:

@@ -65,7 +65,7 @@ def _all_rules(tree: Tree, order: list[str]) -> dict[str, list[str]]:
         "effects": rules.between_effects(tree, {}),
         "base name": rules.shared_base_names(tree, {}),
         "type name": rules.shared_type_names(tree, {}),
-        "both ways": rules.both_ways(tree, order, ()),
+        "both ways": rules.both_ways(tree, order),
         "circle": tree.cycle,
         "sundials": rules.foreign_sundials(tree),
         "noise": rules.noise(tree, ["app"]),
@@ -361,14 +361,11 @@ _BOTH_WAYS = _ONE_WAY | _wall("use rwmf_model_laws_spring")
 
 def test_folders_that_use_each_other_are_found(tmp_path: Path) -> None:
     tree, order = _write(tmp_path / "one", _ONE_WAY)
-    assert rules.both_ways(tree, order, ()) == []
+    assert rules.both_ways(tree, order) == []
     tree, order = _write(tmp_path / "both", _BOTH_WAYS)
     assert tree.cycle == []
-    (found,) = rules.both_ways(tree, order, ())
+    (found,) = rules.both_ways(tree, order)
     assert found.startswith("rwmf/model and rwmf/model/laws: rwmf/model/wall.F90:2 uses")
-    pair = ("rwmf/model", "rwmf/model/laws")
-    assert rules.both_ways(tree, order, [pair]) == []
-    assert rules.both_ways(tree, order, [pair, ("a", "b")]) == ["a -> b: is allowed, but not used"]
 
 
 def test_modules_that_name_an_effect_are_counted(tmp_path: Path) -> None:

@@ -45,6 +45,7 @@ CHANGE = 1e-9  # of the motion, to measure amplification
 UNDECIDED = 0.01  # above this error a comparison is inconclusive
 DECIDED = 0.6  # least part of the scenes that a check can decide on
 ENDLESS = 0.99  # velocity factor of an impact
+PATIENCE = 100_000  # steps of dop853 after which such flights have no end: others take 7,000
 LIMIT = 1e-9  # difference between the steps of two runs at rtol 1e-13
 PROMISE = 1e-5  # asked by `&solver accuracy`
 ROUND_OFF = 1e-11  # difference between a located maximum and a row beside it
@@ -91,7 +92,10 @@ def _velocity_factor(made: Combination, folder: Path) -> float:
 def _run(
     made: Combination, folder: Path, method: str = "dop853", **changes: Changes
 ) -> rwmf.Response:
-    changes["solver"] = {"method": method, "rtol": RTOL} | changes.get("solver", {})
+    solver: Changes = {"method": method, "rtol": RTOL}
+    if method == "dop853" and (made.groups.get("impact", {}).get("e") or 0.0) > ENDLESS:
+        solver["max_steps"] = PATIENCE
+    changes["solver"] = solver | changes.get("solver", {})
     return rwmf.simulate(made.build(folder, **changes))
 
 

@@ -149,9 +149,9 @@ def _size(case: rwmf.Case) -> tuple[str, float]:
     return key, getattr(case.motion, key)
 
 
-def _table(case: rwmf.Case, keys: Sequence[str]) -> Found:
+def _table(case: rwmf.Case, keys: Sequence[str], factors: Sequence[float]) -> Found:
     name, size = _size(case)
-    numbers = np.array([[size], [0.7 * size], [1.3 * size]])
+    numbers = size * np.array(factors)[:, None]
     sizes = [f"motion.{name}"]
     with _library.start_rows(case.kernel, "", sizes, numbers, keys, 1) as found:
         return {key: np.ravel(values) for key, values in found.values().items() if key in keys}
@@ -159,12 +159,12 @@ def _table(case: rwmf.Case, keys: Sequence[str]) -> Found:
 
 def _rows(case: rwmf.Case, keys: Sequence[str], _: Path) -> Found:
     """Rows of a table, in lanes."""
-    return _table(case, keys)
+    return _table(case, keys, [1.0, 0.7, 1.3])
 
 
 def _rows_of_runs(case: rwmf.Case, keys: Sequence[str], _: Path) -> Found:
-    """Rows by a method without lanes."""
-    return _table(case.replace(solver={"method": "erk54", "rtol": 1e-5}), keys)
+    """Rows by a method without lanes, which do not see each other."""
+    return _table(case.replace(solver={"method": "erk54", "rtol": 1e-5}), keys, [1.0, 1.3])
 
 
 def _spectrum(case: rwmf.Case, keys: Sequence[str], _: Path) -> Found:

@@ -446,8 +446,11 @@ class Building:
             largest = max(largest, *stroke)
         return largest, float(way.max())
 
-    def demands(self, t: float, piece: Piece) -> Array:
-        """Return all demands as magnitudes, the normal force of the pivot with its sign turned."""
+    def demands(self, t: float, piece: Piece, only: int | None = None) -> Array:
+        """Return all demands as magnitudes, the normal force of the pivot with its sign turned.
+
+        With the number of one, those behind it may be missing and those before it zero.
+        """
         y, side = piece.at(t), piece.side
         now = self.instant(t, y, side, piece.springs, rests=piece.rests)
         found = [*now.absolute / G]
@@ -469,8 +472,15 @@ class Building:
         found += [y[0] / math.atan2(self.b, self.h), 0.0]
         top = turned(y[0]) @ [-side * self.b, 2 * self.h] + [side * self.b, 0.0]
         found += [now.pivot[0] / now.pivot[1], top[0] / (2 * self.h)]
-        found = [*np.abs(found), *(x / G for x in self.inside(t, y, side, now))]
-        found[-5] = -now.pivot[1] / G
+        found = [*np.abs(found)]
+        found[-3] = -now.pivot[1] / G
+        ends = len(found), len(found) + 2
+        if only is not None and only < ends[0]:
+            return np.array(found)
+        is_inside = only is None or only < ends[1]
+        found += [x / G for x in self.inside(t, y, side, now)] if is_inside else [0.0, 0.0]
+        if only is not None and is_inside:
+            return np.array(found)
         return np.array([*found, *self.forces(t, y, side, now)])
 
     def _own_inertia(self, t: float, y: Array, side: int, ddot: float) -> tuple[float, float]:
@@ -529,9 +539,7 @@ class Building:
         for i in range(len(ends) - 1):
             for q in range(2):
                 line = _CUBIC @ values[q, 4 * i : 4 * i + 4]
-                turns = np.roots(line[:-1] * [3, 2, 1])
-                turns = turns[np.abs(turns.imag) < 1e-9].real
-                at = [0.0, 1.0, *turns[(turns > 0) & (turns < 1)]]
+                at = [0.0, 1.0, *(x for x in _turns(line) if 0 < x < 1)]
                 found[q] = max(found[q], *np.abs(np.polyval(line, at)))
         return found[0], found[1]
 
@@ -712,7 +720,7 @@ class Building:
                 for i in _summits(values[:, q], rough[q] - 0.015 * abs(rough[q])):
                     bounds = times[max(i - 1, 0)], times[min(i + 1, times.size - 1)]
                     best = minimize_scalar(
-                        lambda t, p=piece, q=q: -self.demands(t, p)[q],
+                        lambda t, p=piece, q=q: -self.demands(t, p, q)[q],
                         bounds=bounds, method="bounded", options={"xatol": 1e-10},
                     )  # fmt: skip
                     found[q] = max(found[q], -best.fun)
@@ -750,6 +758,17 @@ def _summits(values: Array, least: float) -> list[int]:
     high = (values > beside[:-2]) & (values >= beside[2:]) & (values > least)
     places = np.flatnonzero(high)
     return [int(i) for i in places[np.argsort(-values[places])][:6]]
+
+
+def _turns(line: Array) -> list[float]:
+    """Return where a cubic has its largest and its smallest value."""
+    a, b, c = 3 * line[0], line[1], line[2]
+    inner = b * b - a * c
+    if inner < 0:
+        return []
+    # the larger root first: no difference of equal numbers
+    larger = -b - math.copysign(math.sqrt(inner), b)
+    return [x / y for x, y in ((larger, a), (c, larger)) if y]
 
 
 def turned(theta: float) -> Array:

@@ -59,6 +59,20 @@ link_batch_program() {
    ln -sfn "$program" "$venv/bin/rwmf-batch"
 }
 
+# meson takes the ninja of the PATH. An older one of the system does not read the log of the build
+# and compiles everything again.
+pin_ninja() {
+   cat >"$venv/bin/meson" <<PY
+#!$python
+import os
+
+from mesonbuild.mesonmain import main
+
+os.environ.setdefault("NINJA", "$venv/bin/ninja")
+raise SystemExit(main())
+PY
+}
+
 # Of other projects, for the page of `rwmf explore`: copies, since it serves nothing outside its folder.
 copy_vendor() {
    local vendor="$root/driver/rwmf/_explore/page/vendor" file
@@ -71,6 +85,7 @@ copy_vendor() {
 
 build_all() {
    build_in "$root/build"
+   pin_ninja
    link_extensions
    copy_vendor
    ln -sfn ../../../build/src/bindings/fmi/fmu.zip "$root/driver/rwmf/export/fmu.zip"

@@ -85,8 +85,8 @@ def _wrapped(raw: _Stream, usual: io.TextIOWrapper) -> io.TextIOWrapper:
         io.BufferedWriter(raw),
         usual.encoding,
         _ANYWAY,
-        line_buffering=usual.line_buffering,
-        write_through=usual.write_through,
+        # write_through, of PYTHONUNBUFFERED, would end in the buffer of bytes
+        line_buffering=usual.line_buffering or usual.write_through,
     )
 
 

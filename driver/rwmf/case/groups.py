@@ -170,7 +170,7 @@ class Fuse(Group):
     k : float
         Or the stiffness until then: stroke_y = F_y/k [N/m].
     hardening : float
-        Stiffness of the yielding fuse over its elastic one.
+        Stiffness of the fuse after yield over its elastic one.
     law : str
         Bilinear, slipping, or self-centring.
     breakaway : float
@@ -270,7 +270,7 @@ class PDelta(Group):
     m_g_over_m_s : float
         Mass whose weight leans on the frame, over the mass of the frame or of each floor.
     m_g : float
-        Or that mass, with &storeys that of all floors [kg].
+        Or that mass; of a frame with floors, the sum of all [kg].
     h_f : float
         Height of the frame; required without &wall, refused with &storeys [m].
     drift_limit : float
@@ -351,7 +351,7 @@ class Cable(Group):
     eta_y : float
         P/(m_w g) at which the tendon yields; absent: it stays elastic.
     hardening : float
-        Stiffness of the yielding tendon over its elastic one.
+        Stiffness of the tendon after yield over its elastic one.
     rupture_strain : float
         Strain at which it breaks, that of the prestress included; absent: never.
     length : float
@@ -898,7 +898,7 @@ class Spectrum(Group):
     spacing : str
         Spacing of the periods.
     gamma : tuple[float, ...]
-        Mass ratios; absent: that of &frame or of &storeys.
+        Mass ratios; absent: that of the case.
     b : tuple[float, ...]
         Half widths; absent: that of &wall [m].
     quantities : tuple[str, ...]

@@ -8,6 +8,7 @@ module rwmf_bindings_c_case
    use rwmf_input_reader, only: read_case_file, read_case_text
    use rwmf_input_record_samples, only: samples_from_array, samples_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_record, only: horizontal_group, upward_group
    implicit none
    private
 
@@ -44,19 +45,20 @@ contains
    end function c_read_case
 
    !> `rwmf_read_case_with`.
-   integer(c_int) function c_read_case_with(namelist, folder, motion, vertical, handle, message, &
+   integer(c_int) function c_read_case_with(namelist, folder, motion, upward, handle, message, &
       size) bind(c, name='rwmf_read_case_with')
       type(c_ptr), value :: namelist
       type(c_ptr), value :: folder
       type(c_ptr), value :: motion
-      type(c_ptr), value :: vertical
+      type(c_ptr), value :: upward
       type(c_ptr), intent(inout), optional :: handle
       type(c_ptr), value :: message
       integer(c_size_t), value :: size
       character(:), allocatable :: text
       character(:), allocatable :: place
+      type(case_t), allocatable :: no_case
       type(samples_t), allocatable :: samples
-      type(samples_t), allocatable :: vertical_samples
+      type(samples_t), allocatable :: upward_samples
       type(kept_case_t), pointer :: kept
       type(error_t), allocatable :: error
 
@@ -66,14 +68,13 @@ contains
       if (.not. allocated(error) .and. c_associated(folder)) then
          call get_text(folder, 'folder', place, error)
       end if
-      call get_samples(motion, 'motion', samples, error)
-      call get_samples(vertical, 'vertical', vertical_samples, error)
+      call get_samples(motion, horizontal_group, samples, error)
+      call get_samples(upward, upward_group, upward_samples, error)
       if (.not. allocated(error)) then
          allocate (kept)
          kept%path = ''
-         ! missing samples are passed as absent arguments
-         call read_case_text(text, place, kept%case, error, motion=samples, &
-            vertical=vertical_samples)
+         ! the missing case, and missing samples, are passed as absent arguments
+         call read_case_text(text, place, kept%case, error, no_case, samples, upward_samples)
          call hand_over(kept, handle, error)
       end if
       c_read_case_with = put_message(error, message, size)

@@ -104,9 +104,9 @@ contains
          changed%record%t = case%record%t
          changed%record%a = case%record%a
       end if
-      if (allocated(changed%vertical_record)) then
-         changed%vertical_record%t = case%vertical_record%t
-         changed%vertical_record%a = case%vertical_record%a
+      if (allocated(changed%upward_record)) then
+         changed%upward_record%t = case%upward_record%t
+         changed%upward_record%a = case%upward_record%a
       end if
    end subroutine change
 

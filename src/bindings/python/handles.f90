@@ -175,7 +175,7 @@ contains
 
       if (kept%is_motion_of_origin) return
       if (associated(kept%origin)) then
-         if (allocated(kept%case%record) .or. allocated(kept%case%vertical_record)) return
+         if (allocated(kept%case%record) .or. allocated(kept%case%upward_record)) return
       end if
       kept%motion = motion_from_case(kept%case)
    end subroutine keep_motion
@@ -209,9 +209,9 @@ contains
          case%record%t = kept%origin%case%record%t
          case%record%a = kept%origin%case%record%a
       end if
-      if (.not. allocated(case%vertical_record)) return
-      case%vertical_record%t = kept%origin%case%vertical_record%t
-      case%vertical_record%a = kept%origin%case%vertical_record%a
+      if (.not. allocated(case%upward_record)) return
+      case%upward_record%t = kept%origin%case%upward_record%t
+      case%upward_record%a = kept%origin%case%upward_record%a
    end subroutine complete_case
 
    !> Create a control with progress counter and cancel flag in the caller's memory.

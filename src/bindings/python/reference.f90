@@ -63,7 +63,7 @@ contains
       end if
       if (.not. allocated(error)) then
          if (allocated(case%record)) call halve_intervals(case%record)
-         if (allocated(case%vertical_record)) call halve_intervals(case%vertical_record)
+         if (allocated(case%upward_record)) call halve_intervals(case%upward_record)
          call measure_method(case, method, real(rtol, wp), once, &
             make_control(control), tight, error)
          control(1) = control(1) + 1_c_int64_t

@@ -59,8 +59,8 @@ contains
       call system_clock(started, rate)
       call create_problem(case, motion, scene)
       if (scene%equation%n > 2 .or. scene%equation%has_bilinear_springs) then
-         call fail(error, err_numerical, 'today''s procedures know theta and its rate only: not ' &
-            //'&storeys with all modes, &yielding, &fuse, or a cable that yields', 'not_practised')
+         call fail(error, err_numerical, 'today''s procedures know theta and its rate only: no ' &
+            //'floors with all modes, and no springs that yield', 'not_practised')
          return
       end if
       select case (name)

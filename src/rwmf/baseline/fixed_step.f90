@@ -7,7 +7,7 @@ module rwmf_baseline_fixed_step
    use rwmf_baseline_problem, only: apply_impact, evaluate, observe, problem_t, try_lift_off
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_jacobian, only: jacobian
+   use rwmf_model_system_jacobian, only: jacobian
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

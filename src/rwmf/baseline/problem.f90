@@ -6,10 +6,10 @@
 !> are those of the recorded points.
 module rwmf_baseline_problem
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
-      frame_displacement, uplift_demand, rhs
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_model_restitution, only: factor_at, restitution_t
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      frame_displacement, uplift_demand, rhs
    use rwmf_motion_ground_motion, only: interval_at, motion_t
    use rwmf_problem_case, only: case_t
    implicit none

@@ -18,7 +18,6 @@ module rwmf_embedding_element
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_link_rotation, only: find_rotation, slope_of_phi_ddot
    use rwmf_embedding_ranges, only: require_numbers
-   use rwmf_model_assembly, only: build_equation
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_list, only: all_effects
    use rwmf_model_effects_loops, only: lane_rates
@@ -28,6 +27,7 @@ module rwmf_embedding_element
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: lane_motion_t, wall_coefficients
    use rwmf_model_scene, only: first_wall, scene_t
+   use rwmf_model_system_assembly, only: build_equation
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
@@ -92,9 +92,9 @@ contains
       if (allocated(error)) return
       wall_alone = case
       if (allocated(wall_alone%frame)) deallocate (wall_alone%frame)
-      if (allocated(wall_alone%vertical)) then
-         if (allocated(case%vertical%ratio)) element%vertical_ratio = case%vertical%ratio
-         deallocate (wall_alone%vertical)
+      if (allocated(wall_alone%upward)) then
+         if (allocated(case%upward%ratio)) element%vertical_ratio = case%upward%ratio
+         deallocate (wall_alone%upward)
       end if
       none = piecewise_linear_motion([real(wp) ::], [real(wp) ::])
       call build_equation(wall_alone, none, element%equation)
@@ -112,6 +112,7 @@ contains
       type(case_t), intent(in) :: case
       type(error_t), allocatable, intent(out) :: error
       type(case_group_t), allocatable :: effects(:)
+      logical :: is_beyond
       integer :: i
 
       if (.not. allocated(case%wall)) then
@@ -120,9 +121,13 @@ contains
       end if
       effects = all_effects()
       do i = 1, size(effects)
-         if (.not. associated(effects(i)%refuse_element)) cycle
-         if (effects(i)%is_present(case)) call effects(i)%refuse_element(case, error)
-         if (allocated(error)) return
+         if (effects(i)%no_element == '') cycle
+         is_beyond = effects(i)%is_present(case)
+         if (is_beyond .and. associated(effects(i)%is_beyond_element)) is_beyond &
+            = effects(i)%is_beyond_element(case)
+         if (.not. is_beyond) cycle
+         call fail(error, err_input, 'an element has no '//trim(effects(i)%no_element))
+         return
       end do
    end subroutine check_element
 
@@ -246,13 +251,13 @@ contains
    !> Add vertical motion and further effects to force and tangents.
    !>
    !> The derivatives of further effects by phi and phi' are central differences.
-   subroutine add_effects(element, side, kin, motion, vertical, response)
+   subroutine add_effects(element, side, kin, motion, upward, response)
       type(wall_element_t), intent(in) :: element
       integer, intent(in) :: side
       type(kinematics_t), intent(in) :: kin
       real(wp), intent(in) :: motion(3)
       !! phi [rad], phi' [rad/s], phi'' [rad/s2]
-      real(wp), intent(in) :: vertical
+      real(wp), intent(in) :: upward
       !! v_g'' [m/s2]
       type(element_response_t), intent(inout) :: response
       real(wp), parameter :: step = 1.0e-5_wp
@@ -268,8 +273,8 @@ contains
       associate (p => element%equation%p, phi => motion(1), phi_dot => motion(2), &
                  phi_ddot => motion(3))
          unit = element%m_w*p%R/kin%lever
-         moment = vertical*kin%s/p%R
-         moment_1 = -vertical*kin%c/p%R
+         moment = upward*kin%s/p%R
+         moment_1 = -upward*kin%c/p%R
          if (has_further_effects(element%equation)) then
             here = moment_of_effects(element, side, phi, phi_dot)
             by_phi = (moment_of_effects(element, side, phi + step, phi_dot) &
@@ -310,7 +315,7 @@ contains
       state%coef(1, first_wall + wall_coefficients - 2:first_wall + wall_coefficients - 1) &
          = [1.0_wp, 0.0_wp]
       motion%ground = 0
-      motion%vertical = 0
+      motion%upward = 0
       call lane_rates(element%effects, state%coef, side*[phi, phi_dot], motion, rates)
       sums = [motion%moment(1), motion%inertia(1) - 1]
    end function moment_of_effects

@@ -13,12 +13,12 @@ module rwmf_embedding_member
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_math_cantilever, only: deflection
-   use rwmf_model_assembly, only: build_equation, enter_side
+   use rwmf_model_bilinear, only: is_broken
    use rwmf_model_equation, only: discrete_state_t, equation_t
-   use rwmf_model_hysteresis_bilinear, only: is_broken
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, turn_back
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_model_restitution, only: restitution_t
+   use rwmf_model_system_assembly, only: build_equation, enter_side
    use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
    use rwmf_problem_case, only: case_t, copy_without_frame, list_links, upward_ratio
    use rwmf_text_strings, only: integer_to_text, real_to_text

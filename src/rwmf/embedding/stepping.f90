@@ -17,18 +17,19 @@ module rwmf_embedding_stepping
    use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
       restore_state, save_state, snapshot_t, start_instance, use_host_motion, wall_instance_t
    use rwmf_integrator_factory, only: new_integrator
-   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, rates_at
-   use rwmf_model_bent_wall, only: forces_of_linked_floors
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_contributions, only: effects_frame_force
-   use rwmf_model_effects_storeys_shear_building, only: column_shears, link_pulls, resistance
    use rwmf_model_equation, only: frame_acceleration, frame_motion
    use rwmf_model_floor_motion, only: storey_motion
+   use rwmf_model_floors_floor_forces, only: column_shears, forces_of_linked_floors, link_pulls, &
+      resistance
    use rwmf_model_hysteresis_spring_set, only: uneven_plastic_part
-   use rwmf_model_reactions, only: plastic_part
+   use rwmf_model_system_assembly, only: build_equation, cable_at, enter_interval, rates_at
+   use rwmf_model_system_contributions, only: effects_frame_force
+   use rwmf_model_system_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       interval_end, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_record, only: upward_group
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_state_hybrid_state, only: is_at_rest, mode_collapsed, mode_overturned
    use rwmf_simulation_state_result, only: event_t
@@ -120,7 +121,7 @@ contains
          instance%case = case
          instance%own_motion = motion_from_case(case)
          if (allocated(instance%case%record)) deallocate (instance%case%record)
-         if (allocated(instance%case%vertical_record)) deallocate (instance%case%vertical_record)
+         if (allocated(instance%case%upward_record)) deallocate (instance%case%upward_record)
          if (allocated(instance%case%output)) then
             if (allocated(instance%case%output%dt)) deallocate (instance%case%output%dt)
          end if
@@ -301,10 +302,10 @@ contains
       type(stepping_t), intent(in) :: stepping
       type(error_t), allocatable, intent(out) :: error
 
-      if (.not. allocated(stepping%instance%case%vertical)) return
-      if (allocated(stepping%instance%case%vertical%ratio)) return
+      if (.not. allocated(stepping%instance%case%upward)) return
+      if (allocated(stepping%instance%case%upward%ratio)) return
       call fail(error, err_input, 'a host hands over the horizontal motion: a case with ' &
-         //'&vertical takes a ratio to it, or advances under its own motion')
+         //'&'//upward_group//' takes a ratio to it, or advances under its own motion')
    end subroutine refuse_vertical
 
    subroutine check_samples(stepping, t, a, error)

@@ -8,12 +8,12 @@ module rwmf_embedding_wall_instance
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_integrator_one_step, only: one_step_t
-   use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_model_equation, only: discrete_state_t
    use rwmf_model_impact_rule, only: impact_law
+   use rwmf_model_system_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_motion_ground_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
       piecewise_linear_motion
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_floors
    use rwmf_simulation_advance, only: advance
    use rwmf_simulation_finite_check, only: check_numbers
    use rwmf_simulation_hybrid_hybrid_loop, only: start_hybrid
@@ -103,7 +103,7 @@ contains
          instance%mass = 1
          if (allocated(case%wall)) then
             if (allocated(case%wall%m_w)) instance%mass = case%wall%m_w
-         else if (.not. allocated(case%storeys) .and. case%unit_mass > 0) then
+         else if (.not. has_floors(case) .and. case%unit_mass > 0) then
             instance%mass = case%unit_mass
          end if
          instance%hybrid%restitution = impact_law(case, equation%p%alpha)
@@ -132,8 +132,8 @@ contains
       if (.not. a > 0) a = instance%case%model%g/10
       if (present(peak)) a = peak
       ratio = 0
-      if (allocated(instance%case%vertical)) then
-         if (allocated(instance%case%vertical%ratio)) ratio = instance%case%vertical%ratio
+      if (allocated(instance%case%upward)) then
+         if (allocated(instance%case%upward%ratio)) ratio = instance%case%upward%ratio
       end if
       instance%given_motion = piecewise_linear_motion([0.0_wp], [a], ratio)
       instance%equation%motion => instance%given_motion

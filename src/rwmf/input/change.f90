@@ -19,7 +19,7 @@ module rwmf_input_change
    use rwmf_problem_group_values, only: as_given, group_place, group_values_t, key_values_t, &
       value_text
    use rwmf_problem_key, only: key_t
-   use rwmf_problem_record, only: record_source_t, record_t, set_factor
+   use rwmf_problem_record, only: record_source_t, record_t, set_factor, sets_motion
    use rwmf_problem_rules, only: fail_key
    use rwmf_text_strings, only: shown, to_lower
    implicit none
@@ -110,12 +110,9 @@ contains
       if (place == 0) then
          call suggest(name(dot + 1:), '', pack(keys%key, keys%group == group), known)
          call fail(error, err_input, shown(name)//': unknown key'//known)
-      else if (keys(place)%key == 'dt' .and. group /= 'output') then
+      else if (keys(place)%is_fixed_by /= '') then
          call fail(error, err_input, name//': must be given where the case is made, because ' &
-            //'its record is read there')
-      else if (keys(place)%key == 'n' .and. group == 'storeys') then
-         call fail(error, err_input, name//': must be given where the case is made, because ' &
-            //'it sets the degrees of freedom')
+            //trim(keys(place)%is_fixed_by))
       else if (.not. (values%groups(at)%is_given .or. is_of_method(group))) then
          call fail(error, err_input, name//': the case has no group &'//group)
       end if
@@ -261,7 +258,7 @@ contains
    pure logical function is_motion_changed(changes)
       type(changes_t), intent(in) :: changes
 
-      is_motion_changed = any(changes%keys%group == 'motion' .or. changes%keys%group == 'vertical' &
+      is_motion_changed = any(sets_motion(changes%keys%group) &
          .or. (changes%keys%group == 'model' .and. changes%keys%key == 'g'))
    end function is_motion_changed
 
@@ -274,8 +271,8 @@ contains
       if (allocated(case%record)) call keep_record(case%motion%path, case%record, &
          changed%model%g, changed%motion, changed%record, error)
       if (allocated(error)) return
-      if (allocated(case%vertical_record)) call keep_record(case%vertical%path, &
-         case%vertical_record, changed%model%g, changed%vertical, changed%vertical_record, error)
+      if (allocated(case%upward_record)) call keep_record(case%upward%path, &
+         case%upward_record, changed%model%g, changed%upward, changed%upward_record, error)
       if (.not. allocated(error)) call end_with_records(changed, error)
    end subroutine keep_records
 

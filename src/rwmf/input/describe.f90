@@ -72,26 +72,19 @@ contains
    pure logical function is_in_scene(values, key)
       type(group_values_t), intent(in) :: values
       type(key_t), intent(in) :: key
+      integer :: dot
 
       is_in_scene = has_group(values, trim(key%group)) &
          .or. key%group == 'model' .or. key%group == 'solver'
       if (.not. is_in_scene) return
-      select case (key%group)
-      case ('motion')
-         is_in_scene = belongs_to(key, text_of(values, 'motion', 'kind'))
-      case ('vertical')
-         is_in_scene = key%key /= 'scale' .or. has_key(values, 'vertical', 'file')
-      case ('solver')
-         ! the run then chooses the tolerance
-         is_in_scene = key%key /= 'rtol' .or. .not. has_key(values, 'solver', 'accuracy')
-      case ('p_delta')
-         ! storeys have their own heights
-         is_in_scene = key%key /= 'h_f' .or. .not. has_group(values, 'storeys')
-      case ('spectrum')
-         is_in_scene = key%key /= 'spacing' .or. .not. has_key(values, 'spectrum', 'T_s')
-      case default
-         is_in_scene = .true.
-      end select
+      if (key%kinds /= '') is_in_scene = belongs_to(key, text_of(values, 'motion', 'kind'))
+      if (key%unless == '') return
+      dot = index(key%unless, '.')
+      if (dot == 0) then
+         is_in_scene = .not. has_group(values, trim(key%unless))
+      else
+         is_in_scene = .not. has_key(values, key%unless(:dot - 1), trim(key%unless(dot + 1:)))
+      end if
    end function is_in_scene
 
    !> Write the values of a key in canonical form, so that equal values give equal texts; '' for

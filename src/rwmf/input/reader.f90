@@ -200,11 +200,11 @@ contains
          call fail(error, err_input, '&vertical: samples are given, but no key file that names ' &
             //'them')
       else if (present(vertical)) then
-         call add_samples('vertical', vertical, case%values, case%model%g, case%vertical, &
-            case%vertical_record, error)
+         call add_samples('vertical', vertical, case%values, case%model%g, case%upward, &
+            case%upward_record, error)
       else if (has_key(case%values, 'vertical', 'file')) then
-         call add_record('vertical', folder, case%values, case%model%g, case%vertical, &
-            case%vertical_record, error, known)
+         call add_record('vertical', folder, case%values, case%model%g, case%upward, &
+            case%upward_record, error, known)
       end if
    end subroutine read_records
 
@@ -273,8 +273,8 @@ contains
       if (allocated(known%record)) then
          if (is_same_source(known%motion, source)) record = known%record
       end if
-      if (allocated(known%vertical_record)) then
-         if (is_same_source(known%vertical, source)) record = known%vertical_record
+      if (allocated(known%upward_record)) then
+         if (is_same_source(known%upward, source)) record = known%upward_record
       end if
       if (.not. allocated(record)) return
       ! a changed case has no samples; they stay in the original case
@@ -309,9 +309,9 @@ contains
          t_last = case%record%t_last
          group = 'motion'
       end if
-      if (allocated(case%vertical_record)) then
-         if (case%vertical_record%t_last > t_last) group = 'vertical'
-         t_last = max(t_last, case%vertical_record%t_last)
+      if (allocated(case%upward_record)) then
+         if (case%upward_record%t_last > t_last) group = 'vertical'
+         t_last = max(t_last, case%upward_record%t_last)
       end if
       if (.not. allocated(group)) return
       case%solver%t_end = t_last

@@ -4,9 +4,9 @@ module rwmf_integrator_explicit_pair
    use rwmf_integrator_lane_step, only: attempt_step
    use rwmf_integrator_one_step, only: one_step_t
    use rwmf_integrator_pairs, only: most_stages, pair_t
-   use rwmf_model_energy, only: powers_at
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_model_lanes, only: power_count
+   use rwmf_model_system_energy, only: powers_at
    implicit none
    private
 

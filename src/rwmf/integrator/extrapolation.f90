@@ -6,7 +6,7 @@
 module rwmf_integrator_extrapolation
    use rwmf_core_kinds, only: dp, wp
    use rwmf_integrator_one_step, only: error_norm, one_step_t
-   use rwmf_model_assembly, only: rhs
+   use rwmf_model_system_assembly, only: rhs
    implicit none
    private
 

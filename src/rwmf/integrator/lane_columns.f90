@@ -76,14 +76,12 @@ module rwmf_integrator_lane_columns
       logical :: is_used = .false.
       logical :: has_reactions = .false.
       logical :: has_demands = .false.
-      logical :: has_sampled_reactions = .false.
-      !! the ends of a step are not sufficient, because floors move independently
-      logical :: has_middle = .false.
-      !! values are sampled in the middle of each step
       integer :: floors = 0, drifts = 0
       !! numbers of floors and drifts among the demands
       integer :: n = 0
       !! number of values
+      integer :: columns = 0
+      !! number of values and of coefficients of section forces
       logical, allocatable :: is_led(:)
       !! (values) the value is in a fixed proportion to one before it
    end type screen_t

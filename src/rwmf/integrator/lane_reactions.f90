@@ -5,15 +5,15 @@ module rwmf_integrator_lane_reactions
       of_fastest_demand, of_frequency, of_ground_end, of_middle, of_next, of_plain, of_trial, &
       screen_t
    use rwmf_integrator_pairs, only: most_stages
-   use rwmf_model_demands_loop, only: demand_constants, lane_demands
-   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
+   use rwmf_model_system_demands_loop, only: demand_constants, lane_demands, section_terms, sections
+   use rwmf_model_system_reactions_loop, only: demand, lane_reactions, low_normal, reaction_count
    use rwmf_model_lanes, only: lane_count
    use rwmf_model_scene, only: force_parts_t
    implicit none
    private
 
-   public :: screen_steps, find_plain_steps, find_values
-   public :: at_begin, at_middle, at_end, so_far, least_so_far, value_count, short_angle
+   public :: screen_steps, find_values
+   public :: at_begin, at_middle, at_end, so_far, least_so_far, value_count
 
    integer, parameter :: at_begin = 1
    integer, parameter :: at_middle = 2
@@ -28,9 +28,14 @@ module rwmf_integrator_lane_reactions
    real(wp), parameter :: unknown = sqrt(huge(1.0_wp))
    !! value at the beginning of a step after a jump of the ground
 
-   real(wp), parameter :: short_angle = 0.4_wp
-   !! largest phase angle of a plain step: the second harmonic departs from a chord by (2*0.4)**2/8
-   !! of its amplitude [rad]
+   real(wp), parameter :: rise = 0.25_wp
+   !! largest rise of a peak above three samples, over their range [-]
+   real(wp), parameter :: slack = 0.01_wp
+   !! margin over the range so far [-]
+   real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
+   !! bound of the factors of a product
+   real(wp), parameter :: same = 1.0e-8_wp
+   !! relative difference between two procedures that compute the same value [-]
 
 contains
 
@@ -38,8 +43,7 @@ contains
    !> an extremum.
    !>
    !> The values at the end of a step are those at the beginning of the next one, unless the ground
-   !> jumps in between. If the ends are not sufficient, the middle is found from the cubic through
-   !> states and rates.
+   !> jumps in between. The state in the middle is found from the cubic through states and rates.
    subroutine screen_steps(parts, screen, last, constants, coef, y, k, y_new, ground, mark, table, &
       values)
       type(force_parts_t), intent(in) :: parts
@@ -64,41 +68,34 @@ contains
       real(wp), intent(inout) :: table(lane_count, column_count)
       !! one row per lane, with the columns and units of `rwmf_integrator_lane_columns`; sets
       !! `of_ground_end`, `of_plain` and `of_calm`
-      real(wp), intent(inout) :: values(lane_count, screen%n, value_count)
+      real(wp), intent(inout) :: values(lane_count, screen%columns, value_count)
       !! reactions and demands, in the units of `lane_demands`, at both ends and in the middle;
       !! their extremes so far are kept
       real(wp) :: angle(lane_count), at(lane_count, 2), turning(lane_count)
       real(wp) :: y_middle(lane_count, parts%through_link%n)
       integer :: i, m
 
-      call begin_at_end(screen%n, ground(:, [1, last], :), mark, table, values)
+      call begin_at_end(screen%columns, ground(:, [1, last], :), mark, table, values)
       turning = 0
       ! forces of a wall contain sines and cosines of twice its rotation
       if (parts%through_link%has_wall) turning = 2*max(abs(y(:, 2)), abs(y_new(:, 2)))
       angle = table(:, of_trial)*max(table(:, of_frequency), turning)
       at = ground(:, last, :)
       call find_values(parts, screen, constants, coef, y_new, at, values(1, 1, at_end))
-      if (screen%has_middle) then
-         do m = 1, parts%through_link%n
-            !$omp simd
-            do i = 1, lane_count
-               y_middle(i, m) = (y(i, m) + y_new(i, m))/2 + table(i, of_trial)/8*(k(i, m, 1) &
-                  - k(i, m, last))
-            end do
+      do m = 1, parts%through_link%n
+         !$omp simd
+         do i = 1, lane_count
+            y_middle(i, m) = (y(i, m) + y_new(i, m))/2 + table(i, of_trial)/8*(k(i, m, 1) &
+               - k(i, m, last))
          end do
-         at = table(:, of_middle:of_middle + 1)
-         call find_values(parts, screen, constants, coef, y_middle, at, values(1, 1, at_middle))
-      end if
+      end do
+      at = table(:, of_middle:of_middle + 1)
+      call find_values(parts, screen, constants, coef, y_middle, at, values(1, 1, at_middle))
       table(:, of_plain) = 1
       table(:, of_calm) = 1
       if (screen%has_reactions) then
-         if (screen%has_sampled_reactions) then
-            call find_flat_steps(screen, angle, values, 1, reaction_count, parts, &
-               table(1, of_plain))
-            table(:, of_plain) = aint(table(:, of_plain))
-         else
-            call find_plain_steps(parts, screen%n, angle, values, table(1, of_plain))
-         end if
+         call find_flat_steps(screen, angle, values, 1, reaction_count, parts, table(1, of_plain))
+         table(:, of_plain) = aint(table(:, of_plain))
       end if
       if (.not. screen%has_demands) return
       angle = table(:, of_trial)*max(table(:, of_fastest_demand), turning)
@@ -160,7 +157,7 @@ contains
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
       !! [m/s2]
-      real(wp), intent(out) :: found(lane_count, screen%n)
+      real(wp), intent(out) :: found(lane_count, screen%columns)
       !! each in its unit
 
       if (screen%has_demands) then
@@ -171,15 +168,13 @@ contains
    end subroutine find_values
 
    !> Find the steps that cannot contain an extremum of some values. Their three samples are below
-   !> the largest value so far by more than a peak can exceed them. This excess is an eighth of the
-   !> range for a parabola, or for a vibration through up to `longest_angle`. A value that falls
-   !> from the largest so far, by the parabola through the samples, has no other peak either. Most
-   !> values are magnitudes, so the bounds hold for any sign of the samples.
+   !> the largest magnitude so far by more than a peak can exceed them. This excess is an eighth of
+   !> the range for a parabola, or for a vibration through up to `longest_angle`.
    pure subroutine find_flat_steps(screen, angle, values, first, final, parts, is_flat)
       type(screen_t), intent(in) :: screen
       real(wp), intent(in) :: angle(lane_count)
       !! phase angle of the fastest vibration of the scene over the step [rad]
-      real(wp), intent(in) :: values(lane_count, screen%n, value_count)
+      real(wp), intent(in) :: values(lane_count, screen%columns, value_count)
       integer, intent(in) :: first, final
       !! range of the values to check
       type(force_parts_t), intent(in) :: parts
@@ -187,44 +182,118 @@ contains
       !! 1 if the step has no extremum, 0 if it may have one; 0.5 if values grow up to the end
       real(wp), parameter :: longest_angle = 1.5_wp
       !! longest phase angle of a step [rad]
-      real(wp), parameter :: rise = 0.25_wp
-      !! rise of a peak above the samples, over their range [-]
-      real(wp), parameter :: slack = 0.01_wp
-      !! margin over the range so far [-]
-      real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
-      !! bound of the factors of a product
-      real(wp), parameter :: same = 1.0e-8_wp
-      !! relative difference between two procedures that compute the same value [-]
-      real(wp) :: top, low, level, range, a, b, c, grows, falls
-      !! a, b, c: samples; of the quotient the samples of N, then of |H|
-      integer :: i, q
+      integer :: i, m, q
 
       !$omp simd
       do i = 1, lane_count
          is_flat(i) = merge(1.0_wp, 0.0_wp, angle(i) < longest_angle)
       end do
       do q = first, final
-         if (screen%is_led(q) .or. (q == demand .and. is_quotient(parts))) cycle
-         !$omp simd private(top, low, level, range, a, b, c, grows, falls)
+         if (screen%is_led(q)) cycle
+         if (q == demand .and. is_quotient(parts)) then
+            call check_quotient(screen%columns, values, is_flat)
+         else if (q > screen%n - sections .and. first > demand) then
+            m = q - (screen%n - sections)
+            call check_section(screen%columns, values, q, screen%n + section_terms*(m - 1) + 1, &
+               is_flat)
+         else
+            call check_value(screen%columns, values, q, is_flat)
+         end if
+      end do
+   end subroutine find_flat_steps
+
+   !> Check the steps for an extremum of one value, of its magnitude except for -N. A magnitude that
+   !> falls from the largest so far, by the parabola through the samples, has no other peak either.
+   pure subroutine check_value(columns, values, q, is_flat)
+      integer, intent(in) :: columns
+      !! number of values and coefficients
+      real(wp), intent(in) :: values(lane_count, columns, value_count)
+      integer, intent(in) :: q
+      !! number of the value
+      real(wp), intent(inout) :: is_flat(lane_count)
+      !! as in `find_flat_steps`
+      real(wp) :: a, b, c, begin, end, top, low, level, range, grows, falls
+      logical :: is_magnitude
+      integer :: i
+
+      is_magnitude = q /= low_normal
+      !$omp simd private(a, b, c, begin, end, top, low, level, range, grows, falls)
+      do i = 1, lane_count
+         a = values(i, q, at_begin)
+         b = values(i, q, at_middle)
+         c = values(i, q, at_end)
+         level = values(i, q, so_far)
+         range = level - values(i, q, least_so_far)
+         low = rise*(max(a, b, c) - min(a, b, c))
+         begin = merge(abs(a), a, is_magnitude)
+         end = merge(abs(c), c, is_magnitude)
+         top = merge(max(begin, abs(b), end), max(a, b, c), is_magnitude)
+         ! slopes of the parabola at both ends, away from zero
+         grows = merge(sign(1.0_wp, c), 1.0_wp, is_magnitude)
+         grows = min(grows*(3*c - 4*b + a), grows*(4*b - 3*a - c))
+         falls = merge(sign(1.0_wp, a), 1.0_wp, is_magnitude)
+         falls = max(falls*(3*c - 4*b + a), falls*(4*b - 3*a - c))
+         grows = merge(0.5_wp, 0.0_wp, min(grows, low + end - begin) > low)
+         falls = merge(1.0_wp, 0.0_wp, max(falls + low, end - begin, &
+            begin - level - same*abs(level)) < 0)
+         top = merge(1.0_wp, max(grows, falls), top + low + slack*max(range, 0.0_wp) <= level)
+         is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))
+      end do
+   end subroutine check_value
+
+   !> Check the steps for an extremum of a maximum along the wall.
+   !>
+   !> Either the maximum stays below the largest so far by the largest range of a coefficient in
+   !> Bernstein form, or all coefficients stay below it. The outer coefficients are values at the
+   !> ends of the wall, which may also grow up to the end of the step.
+   pure subroutine check_section(columns, values, q, first, is_flat)
+      integer, intent(in) :: columns
+      !! number of values and coefficients
+      real(wp), intent(in) :: values(lane_count, columns, value_count)
+      integer, intent(in) :: q
+      !! number of the value
+      integer, intent(in) :: first
+      !! column of its first coefficient
+      real(wp), intent(inout) :: is_flat(lane_count)
+      !! as in `find_flat_steps`
+      real(wp) :: a, b, c
+      real(wp), dimension(lane_count) :: spread, inside, all_inside
+      integer :: i, m
+
+      spread = 0
+      all_inside = 1
+      do m = first, first + section_terms - 1
+         inside = 1
+         call check_value(columns, values, m, inside)
+         !$omp simd private(a, b, c)
          do i = 1, lane_count
-            a = values(i, q, at_begin)
-            b = values(i, q, at_middle)
-            c = values(i, q, at_end)
-            top = max(a, b, c)
-            low = min(a, b, c)
-            low = rise*max(top - low, a + b + c - low)
-            level = values(i, q, so_far)
-            range = level - values(i, q, least_so_far)
-            ! slopes of the parabola at both ends
-            grows = merge(0.5_wp, 0.0_wp, min(3*c - 4*b - abs(a), 4*b - 3*a - c) > low)
-            falls = merge(1.0_wp, 0.0_wp, max(3*c - 4*b + abs(a), 4*b - 3*a + abs(c)) < -low)
-            falls = merge(falls, 0.0_wp, a <= level*(1 + same))
-            top = top + low + slack*max(range, 0.0_wp)
-            top = merge(1.0_wp, max(grows, falls), top <= level)
-            is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))
+            a = values(i, m, at_begin)
+            b = values(i, m, at_middle)
+            c = values(i, m, at_end)
+            spread(i) = max(spread(i), max(a, b, c) - min(a, b, c))
+            inside(i) = merge(inside(i), aint(inside(i)), m == first .or. m == first &
+               + section_terms - 1)
+            all_inside(i) = min(all_inside(i), inside(i))
          end do
       end do
-      if (first > demand .or. .not. is_quotient(parts)) return
+      !$omp simd private(a)
+      do i = 1, lane_count
+         a = max(values(i, q, at_begin), values(i, q, at_middle), values(i, q, at_end)) &
+            + 2*rise*spread(i)
+         is_flat(i) = min(is_flat(i), merge(1.0_wp, all_inside(i), a <= values(i, q, so_far)))
+      end do
+   end subroutine check_section
+
+   !> Check the steps for an extremum of the quotient |H|/N, by bounds of |H| and N.
+   pure subroutine check_quotient(columns, values, is_flat)
+      integer, intent(in) :: columns
+      !! number of values and coefficients
+      real(wp), intent(in) :: values(lane_count, columns, value_count)
+      real(wp), intent(inout) :: is_flat(lane_count)
+      !! as in `find_flat_steps`
+      real(wp) :: top, low, level, a, b, c
+      integer :: i
+
       !$omp simd private(top, low, level, a, b, c)
       do i = 1, lane_count
          a = -max(-cap, min(values(i, low_normal, at_begin), cap))
@@ -232,17 +301,17 @@ contains
          c = -max(-cap, min(values(i, low_normal, at_end), cap))
          low = min(a, b, c)
          low = low - rise*(max(a, b, c) - low) - slack*abs(low)
-         a = a*min(values(i, demand, at_begin), cap)
-         b = b*min(values(i, demand, at_middle), cap)
-         c = c*min(values(i, demand, at_end), cap)
-         top = max(a, b, c)
-         top = top + rise*(a + b + c - min(a, b, c)) + slack*abs(top)
+         a = a*max(-cap, min(values(i, demand, at_begin), cap))
+         b = b*max(-cap, min(values(i, demand, at_middle), cap))
+         c = c*max(-cap, min(values(i, demand, at_end), cap))
+         top = max(abs(a), abs(b), abs(c))
+         top = top + rise*(max(a, b, c) - min(a, b, c)) + slack*top
          level = min(values(i, demand, so_far), cap)
          ! a pivot that lifts has the largest possible demand
          top = merge(-1.0_wp, merge(top, 2*cap*cap, low > 0), level >= cap)
          is_flat(i) = merge(is_flat(i), 0.0_wp, top <= level*max(low, 0.0_wp))
       end do
-   end subroutine find_flat_steps
+   end subroutine check_quotient
 
    !> Return whether the demand of a scene is |H|/N rather than the force of a shear key.
    pure logical function is_quotient(parts)
@@ -250,53 +319,5 @@ contains
 
       is_quotient = parts%through_link%has_wall .and. .not. parts%has_shear_key
    end function is_quotient
-
-   !> Find the steps that cannot contain an extremum of the reactions. Most steps are so short, and
-   !> so far from the extrema so far, that their ends suffice. A quotient |H|/N is bounded by its
-   !> parts, because it has a sharp peak wherever N is small.
-   pure subroutine find_plain_steps(parts, n, angle, values, is_plain)
-      type(force_parts_t), intent(in) :: parts
-      integer, intent(in) :: n
-      !! number of values
-      real(wp), intent(in) :: angle(lane_count)
-      !! phase angle of the fastest vibration of the scene over the step [rad]
-      real(wp), intent(in) :: values(lane_count, n, value_count)
-      !! reactions at the ends of the step, and their extremes so far: -N [m/s2], |H|/N [-], |V|
-      !! [m/s2]; further values follow
-      real(wp), intent(out) :: is_plain(lane_count)
-      !! 1 if the step has no extremum, 0 if it may have one [-]
-      real(wp), parameter :: largest_margin = 0.25_wp
-      !! margin over the range so far, for a step of `short_angle` [-]
-      real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
-      !! bound of the factors of a product
-      real(wp) :: margin, range, found, level, normal_a, normal_b
-      integer :: i, q
-
-      do q = 1, reaction_count
-         !$omp simd private(margin, range, found, level, normal_a, normal_b)
-         do i = 1, lane_count
-            if (q == 1) is_plain(i) = merge(1.0_wp, 0.0_wp, angle(i) < short_angle)
-            margin = max(0.01_wp, largest_margin*(angle(i)/short_angle)**2)
-            range = values(i, q, so_far) - values(i, q, least_so_far)
-            found = max(values(i, q, at_begin), values(i, q, at_end)) + margin*max(range, 0.0_wp)
-            level = values(i, q, so_far)
-            if (q == demand .and. is_quotient(parts)) then
-               ! |H| departs from its ends by a part of its range, which is less than the largest
-               ! quotient times the largest N
-               normal_a = -min(values(i, low_normal, at_begin), cap)
-               normal_b = -min(values(i, low_normal, at_end), cap)
-               level = min(level, cap)
-               found = max(normal_a*min(values(i, demand, at_begin), cap), &
-                  normal_b*min(values(i, demand, at_end), cap)) &
-                  + margin*level*min(-values(i, low_normal, least_so_far), cap)
-               level = level*(min(normal_a, normal_b) - margin*max(0.0_wp, &
-                  values(i, low_normal, so_far) - values(i, low_normal, least_so_far)))
-               ! a pivot that lifts has the largest possible demand
-               if (values(i, demand, so_far) >= cap) found = -huge(found)
-            end if
-            is_plain(i) = merge(is_plain(i), 0.0_wp, found < level .and. range >= 0)
-         end do
-      end do
-   end subroutine find_plain_steps
 
 end module rwmf_integrator_lane_reactions

@@ -44,7 +44,7 @@ contains
 
       if (.not. has_rates) then
          motion%ground = ground(:, 1, 1)
-         motion%vertical = ground(:, 1, 2)
+         motion%upward = ground(:, 1, 2)
          call lane_rates(scene, coef, y, motion, k(:, :, 1))
       end if
       if (present(work)) then
@@ -54,7 +54,7 @@ contains
       do s = 2, pair%stages
          call advance(scene%n, pair%a(s), h, y, k, y_new)
          motion%ground = ground(:, s, 1)
-         motion%vertical = ground(:, s, 2)
+         motion%upward = ground(:, s, 2)
          call lane_rates(scene, coef, y_new, motion, k(:, :, s))
          if (.not. present(work)) cycle
          if (abs(pair%weight(s)) > 0) call lane_powers(scene, pair%weight(s), coef, y_new, &

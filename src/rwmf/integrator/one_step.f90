@@ -9,7 +9,7 @@ module rwmf_integrator_one_step
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_interface_integrator, only: fail_step, integrator_t, step_too_small, &
       tolerance_t
-   use rwmf_model_assembly, only: equation_t, rhs
+   use rwmf_model_system_assembly, only: equation_t, rhs
    implicit none
    private
 

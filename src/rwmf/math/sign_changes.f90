@@ -16,7 +16,7 @@ module rwmf_math_sign_changes
    implicit none
    private
 
-   public :: polygon_t, value_polygon, rate_polygon, roughness, changes_of
+   public :: polygon_t, value_polygon, rate_polygon, roughness, changes_of, is_positive
    public :: root_of, newton_root_of
    public :: no_change, one_change, change_at_begin, unclear
 
@@ -43,20 +43,53 @@ contains
 
    !> Bernstein coefficients of the quintic through values, rates and second derivatives at both
    !> ends. If no second derivative is known, the cubic through values and rates is used.
-   pure function points_of(h, a, b) result(p)
+   pure subroutine find_points(h, a, b, p)
       real(wp), intent(in) :: h
       !! length of the span
       real(wp), intent(in) :: a(0:), b(0:)
       !! value, rate and second derivative at the ends
-      real(wp) :: p(0:2*size(a) - 1)
+      real(wp), intent(out) :: p(0:highest - 1)
+      !! those of the cubic are the first four; the others are then 0
 
+      ! one by one and in an array of fixed size, because most steps of yielding storeys come here
+      p(0) = a(0)
       if (size(a) == 2) then
-         p = [a(0), a(0) + h*a(1)/3, b(0) - h*b(1)/3, b(0)]
+         p(1) = a(0) + h*a(1)/3
+         p(2) = b(0) - h*b(1)/3
+         p(3) = b(0)
+         p(4:) = 0
       else
-         p = [a(0), a(0) + h*a(1)/5, a(0) + 2*h*a(1)/5 + h**2*a(2)/20, &
-            b(0) - 2*h*b(1)/5 + h**2*b(2)/20, b(0) - h*b(1)/5, b(0)]
+         p(1) = a(0) + h*a(1)/5
+         p(2) = a(0) + 2*h*a(1)/5 + h**2*a(2)/20
+         p(3) = b(0) - 2*h*b(1)/5 + h**2*b(2)/20
+         p(4) = b(0) - h*b(1)/5
+         p(5) = b(0)
       end if
-   end function points_of
+   end subroutine find_points
+
+   !> Bernstein coefficients of the rate of the cubic or quintic.
+   pure subroutine find_rates(h, a, b, r)
+      real(wp), intent(in) :: h
+      !! length of the span
+      real(wp), intent(in) :: a(0:), b(0:)
+      !! value, rate and second derivative at the ends
+      real(wp), intent(out) :: r(0:highest - 2)
+      !! those of the cubic are the first three; the others are then 0
+      real(wp) :: p(0:highest - 1)
+
+      call find_points(h, a, b, p)
+      r(0) = a(1)
+      if (size(a) == 2) then
+         r(1) = 3*(p(2) - p(1))/h
+         r(2) = b(1)
+         r(3:) = 0
+      else
+         r(1) = a(1) + h*a(2)/4
+         r(2) = 5*(p(3) - p(2))/h
+         r(3) = b(1) - h*b(2)/4
+         r(4) = b(1)
+      end if
+   end subroutine find_rates
 
    !> Bound of the first unknown derivative, times the power of the length over the factorial.
    !>
@@ -71,15 +104,18 @@ contains
       !! length of the span
       real(wp), intent(in) :: a(0:), b(0:)
       !! value, rate and second derivative at the ends
-      real(wp) :: p(0:2*size(a) - 1), before(2)
+      real(wp) :: p(0:highest - 1), first, last
+      !! points; differences before the unknown derivative
 
-      p = points_of(h, a, b)
+      call find_points(h, a, b, p)
       if (size(a) == 2) then
-         before = [p(0) - 2*p(1) + p(2), p(1) - 2*p(2) + p(3)]
+         first = p(0) - 2*p(1) + p(2)
+         last = p(1) - 2*p(2) + p(3)
       else
-         before = [p(0) - 4*p(1) + 6*p(2) - 4*p(3) + p(4), p(1) - 4*p(2) + 6*p(3) - 4*p(4) + p(5)]
+         first = p(0) - 4*p(1) + 6*p(2) - 4*p(3) + p(4)
+         last = p(1) - 4*p(2) + 6*p(3) - 4*p(4) + p(5)
       end if
-      roughness = angle*abs(before(2) - before(1)) + angle**2*maxval(abs(before))
+      roughness = angle*abs(last - first) + angle**2*max(abs(first), abs(last))
    end function roughness
 
    !> Polygon of a function, with its interpolation error.
@@ -90,10 +126,10 @@ contains
       !! value, rate and second derivative at the ends
       real(wp), intent(in) :: rough
       !! `roughness` of the function, or the largest one among similar functions
-      real(wp) :: p(0:2*size(a) - 1)
+      real(wp) :: p(0:highest - 1)
       integer :: k, n
 
-      p = points_of(h, a, b)
+      call find_points(h, a, b, p)
       n = 2*size(a)
       polygon%n = n
       polygon%c(0) = p(0)
@@ -112,16 +148,10 @@ contains
       !! value, rate and second derivative at the ends
       real(wp), intent(in) :: rough
       !! `roughness` of the function, or the largest one among similar functions
-      real(wp) :: p(0:2*size(a) - 1)
-      real(wp) :: r(0:2*size(a) - 2)
+      real(wp) :: r(0:highest - 2)
       integer :: k, n
 
-      p = points_of(h, a, b)
-      if (size(a) == 2) then
-         r = [a(1), 3*(p(2) - p(1))/h, b(1)]
-      else
-         r = [a(1), a(1) + h*a(2)/4, 5*(p(3) - p(2))/h, b(1) - h*b(2)/4, b(1)]
-      end if
+      call find_rates(h, a, b, r)
       n = 2*size(a) - 1
       polygon%n = n
       polygon%c(0) = r(0)
@@ -131,6 +161,34 @@ contains
       polygon%c(n) = r(n - 1)
       polygon%margin(n/2:n/2 + 1) = merge(rough/(6*h), rough/(20*h), n == 3)
    end function rate_polygon
+
+   !> Return whether all Bernstein coefficients of a function, or of its rate, are positive beyond
+   !> its interpolation error and round-off, so that `changes_of` finds no change.
+   !>
+   !> It holds in most spans and takes a fraction of the time, because the degree stays.
+   pure logical function is_positive(h, a, b, rough, noise, order)
+      real(wp), intent(in) :: h
+      !! length of the span
+      real(wp), intent(in) :: a(0:), b(0:)
+      !! value, rate and second derivative at the ends
+      real(wp), intent(in) :: rough
+      !! as in `value_polygon`
+      real(wp), intent(in) :: noise
+      !! round-off of the function, or of its rate
+      integer, intent(in) :: order
+      !! 0 for the function, 1 for its rate
+      real(wp) :: c(0:highest - 1)
+
+      if (order == 0) then
+         call find_points(h, a, b, c)
+         is_positive = minval(c(:2*size(a) - 1)) > max(merge(rough/24, rough/120, size(a) == 2), &
+            noise)
+      else
+         call find_rates(h, a, b, c)
+         is_positive = minval(c(:2*size(a) - 2)) > max(merge(rough/(6*h), rough/(20*h), &
+            size(a) == 2), noise)
+      end if
+   end function is_positive
 
    !> Sign changes of the function of a polygon, as one of the constants above.
    !>

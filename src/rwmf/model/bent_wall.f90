@@ -1,15 +1,13 @@
 !> Energy, momentum and impacts of a bending wall (docs/theory/bending.md). Masses are over m_w.
 module rwmf_model_bent_wall
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_storeys_shear_building, only: column_shears, storey_strain
-   use rwmf_model_equation, only: equation_t, frame_motion, ground, model_t
-   use rwmf_model_floor_motion, only: floor_accelerations, floor_motion, storey_motion
+   use rwmf_model_equation, only: equation_t, frame_motion, model_t
+   use rwmf_model_floor_motion, only: floor_motion
    implicit none
    private
 
-   public :: bent_kinetic_energy, bent_frame_strain, bent_gravity, bending_strain, landing
-   public :: forces_of_linked_floors, mean_acceleration, bent_overturning, bent_mass_matrix
-   public :: solution
+   public :: bent_kinetic_energy, bent_gravity, bending_strain, landing, mean_acceleration
+   public :: bent_overturning, bent_mass_matrix, solution
 
 contains
 
@@ -35,48 +33,6 @@ contains
          end if
       end associate
    end function bent_kinetic_energy
-
-   !> Strain energy of the frame of a single mass, or of linked floors [J/kg].
-   real(wp) function bent_frame_strain(equation, y) result(energy)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp) :: u_s, u_s_dot
-      real(wp), dimension(equation%floors%n_storeys) :: d, d_dot
-
-      energy = 0
-      if (size(d) > 0 .and. equation%floors%n == 0) then
-         call storey_motion(equation, equation%state%side, y, d, d_dot)
-         energy = storey_strain(equation, y, d)
-      else if (equation%has_frame) then
-         call frame_motion(equation, equation%state%side, y, u_s, u_s_dot)
-         energy = equation%p%gamma*(equation%p%omega_s*u_s)**2/2
-      end if
-   end function bent_frame_strain
-
-   !> Forces of the links on the wall where every floor is linked. Each balances the inertia of its
-   !> floor and the difference of the storey forces above and below.
-   function forces_of_linked_floors(equation, t, y, y_dot) result(force)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: y(:), y_dot(:)
-      !! (states) and their rates
-      real(wp) :: force(size(equation%beam%floors%m))
-      !! (floors) over m_w [m/s2]
-      real(wp) :: u(0:size(force)), v(size(force)), shear(size(force))
-
-      call floor_motion(equation, equation%state%side, y, u, v)
-      associate (floors => equation%beam%floors, n => size(force))
-         v = u(1:) + floors%viscous_time*v
-         shear = floors%k*(v - [0.0_wp, v(:n - 1)]) - floors%load*(u(1:) - u(:n - 1))
-         if (equation%floors%yields) shear = shear + column_shears(equation, y) &
-            - floors%k*(u(1:) - u(:n - 1))
-         force = -floors%m*(floor_accelerations(equation, equation%state%side, y, y_dot) &
-            + ground(equation, t)) - shear
-         force(:n - 1) = force(:n - 1) + shear(2:)
-      end associate
-   end function forces_of_linked_floors
 
    !> Acceleration of the wall's centroid due to the modes, horizontal and vertical [m/s2].
    pure function mean_acceleration(equation, y, y_dot) result(a)

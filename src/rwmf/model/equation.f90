@@ -4,13 +4,13 @@ module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_beam, only: beam_t, tip_deflection, tip_rate
    use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
-   use rwmf_model_hysteresis_spring, only: branch_t, spring_t
    use rwmf_model_kinematics, only: displacement_of, geometry_t, kinematics_of, kinematics_t, &
       put_wall_side, wall_row
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: elsewhere, first_wall, force_parts_t, frame_term, &
       linear_cable_term, scene_t, straight_cable_term
+   use rwmf_model_spring, only: branch_t, spring_t
    use rwmf_motion_ground_motion, only: acceleration, line_of, line_t, motion_t, &
       vertical_acceleration, vertical_line_of
    implicit none
@@ -211,7 +211,7 @@ module rwmf_model_equation
       !! the next two components are valid until a branch changes
       real(wp) :: uplift_acceleration(-1:1) = 0
       !! ground acceleration at uplift of the resting wall by side (+1: theta > 0), see
-      !! `rwmf_model_lift_off` [m/s2]
+      !! `rwmf_model_system_lift_off` [m/s2]
       real(wp) :: lean = 0
       !! how far a bent wall's weight leans to the right, over b [-]
       real(wp) :: inertia_at_rest = 1

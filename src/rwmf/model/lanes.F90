@@ -46,7 +46,7 @@ module rwmf_model_lanes
    type :: lane_motion_t
       real(wp) :: ground(lane_count)
       !! horizontal acceleration of the ground [m/s2]
-      real(wp) :: vertical(lane_count)
+      real(wp) :: upward(lane_count)
       !! vertical acceleration of the ground, positive upward [m/s2]
       real(wp) :: side(lane_count)
       !! +1 or -1, the current side; for a rocking wall the sign of theta
@@ -93,7 +93,7 @@ contains
       !! horizontal and vertical [m/s2]
 
       motion%ground = ground(1)
-      motion%vertical = ground(2)
+      motion%upward = ground(2)
    end subroutine set_ground
 
    !> Compute the kinematics of a wall on a corner or on a hinge, with its own inertia and weight.

@@ -17,9 +17,9 @@ module rwmf_motion_ground_motion
 
    public :: motion_t, motion_from_case, piecewise_linear_motion, refined_motion, scaled_motion
    public :: step_parts
-   public :: unit_motion, motion_unit
    public :: ground_t, follow_samples, follow_ground, is_known_until, peak_acceleration
    public :: line_t, line_of, vertical_line_of, acceleration, vertical_acceleration, has_jump
+   public :: lowest_vertical
    public :: is_curved
    public :: interval_at, interval_end, interval_last, turning_point, steep_point, fastest_rate
    public :: is_piecewise_linear, motion_end, velocities_at_knots, velocity
@@ -50,8 +50,8 @@ module rwmf_motion_ground_motion
       !! function of a host, for the time of one advance
       real(wp) :: vertical_ratio = 0
       !! ratio of the vertical to the horizontal acceleration [-]
-      type(lines_t), allocatable :: vertical
-      !! independent vertical acceleration, on the same knots [m/s2]
+      type(lines_t), allocatable :: upward
+      !! independent vertical acceleration, positive upward, on the same knots [m/s2]
       integer :: parts = 1
       !! number of parts of each interval and of the longest step
       logical :: is_open = .false.
@@ -69,26 +69,26 @@ contains
 
       ! a missing record is passed as an absent argument
       if (present(origin)) then
-         motion = built_motion(case, origin%record, origin%vertical_record)
+         motion = built_motion(case, origin%record, origin%upward_record)
       else
-         motion = built_motion(case, case%record, case%vertical_record)
+         motion = built_motion(case, case%record, case%upward_record)
       end if
    end function motion_from_case
 
    !> Build the motion of a case from the samples of its records.
-   pure function built_motion(case, record, vertical_record) result(motion)
+   pure function built_motion(case, record, upward_record) result(motion)
       type(case_t), intent(in) :: case
       type(record_t), intent(in), optional :: record
-      type(record_t), intent(in), optional :: vertical_record
+      type(record_t), intent(in), optional :: upward_record
       type(motion_t) :: motion
 
-      motion = horizontal_motion(case, motion_unit(case), record)
-      if (allocated(case%vertical)) then
-         if (allocated(case%vertical%ratio)) motion%vertical_ratio = case%vertical%ratio
+      motion = horizontal_motion(case, record)
+      if (allocated(case%upward)) then
+         if (allocated(case%upward%ratio)) motion%vertical_ratio = case%upward%ratio
       end if
-      if (.not. present(vertical_record)) return
-      motion%vertical = lines_through(vertical_record%t, &
-         case%vertical_record%factor*vertical_record%a)
+      if (.not. present(upward_record)) return
+      motion%upward = lines_through(upward_record%t, &
+         case%upward_record%factor*upward_record%a)
       if (motion%shape == shape_linear) then
          call join_lines(motion)
       else
@@ -102,8 +102,8 @@ contains
       type(lines_t) :: lines
 
       lines = lines_t(motion%knot, motion%a, motion%slope)
-      lines = on_knots(lines, merged_times(lines%knot, motion%vertical%knot))
-      motion%vertical = on_knots(motion%vertical, lines%knot)
+      lines = on_knots(lines, merged_times(lines%knot, motion%upward%knot))
+      motion%upward = on_knots(motion%upward, lines%knot)
       motion%knot = lines%knot
       motion%a = lines%a
       motion%slope = lines%slope
@@ -116,45 +116,16 @@ contains
       !! knots of the pulse [s]
 
       own = knots_with_bends(motion%curve)
-      motion%knot = merged_times(own, motion%vertical%knot)
-      motion%vertical = on_knots(motion%vertical, motion%knot)
+      motion%knot = merged_times(own, motion%upward%knot)
+      motion%upward = on_knots(motion%upward, motion%knot)
       motion%curve%first = last_until(motion%knot, own(1))
       motion%curve%last = last_until(motion%knot, own(size(own)))
       motion%last_turning = motion%curve%last - 1
    end subroutine join_curve
 
-   !> Build the horizontal ground motion of a case in its own unit: the record as given in the file,
-   !> or the pulse over its amplitude. Cases that differ only in this unit share this motion.
-   pure function unit_motion(case, origin) result(motion)
-      type(case_t), intent(in) :: case
-      type(case_t), intent(in) :: origin
-      !! case that holds the samples of the record: this case or its original
-      type(motion_t) :: motion
-
-      ! a missing record is passed as an absent argument
-      motion = horizontal_motion(case, 1.0_wp, origin%record)
-   end function unit_motion
-
-   !> Unit of the horizontal motion of a case, with its sign [m/s2].
-   pure real(wp) function motion_unit(case) result(unit)
-      type(case_t), intent(in) :: case
-      type(curve_t) :: curve
-
-      unit = 1
-      if (.not. allocated(case%motion)) return
-      if (case%motion%kind == 'record') then
-         unit = case%record%factor
-      else if (case%motion%kind /= 'none') then
-         curve = build_curve(case%motion, case%model%g)
-         unit = curve%amplitude
-      end if
-   end function motion_unit
-
    !> Build the horizontal ground motion of a case; no motion without `&motion`.
-   pure function horizontal_motion(case, unit, record) result(motion)
+   pure function horizontal_motion(case, record) result(motion)
       type(case_t), intent(in) :: case
-      real(wp), intent(in) :: unit
-      !! unit of the samples, or amplitude of the pulse [m/s2]
       type(record_t), intent(in), optional :: record
       !! record with samples, of kind 'record'
       type(motion_t) :: motion
@@ -163,11 +134,10 @@ contains
       if (.not. allocated(case%motion)) return
       select case (case%motion%kind)
       case ('record')
-         motion = piecewise_linear_motion(record%t, unit*record%a)
+         motion = piecewise_linear_motion(record%t, case%record%factor*record%a)
       case ('one_sine', 'one_cosine', 'sine', 'type_c', 'ricker', 'ricker_antisymmetric', &
             'mavroeidis_papageorgiou')
          motion = pulse_motion(build_curve(case%motion, case%model%g))
-         motion%curve%amplitude = unit
       case default
          continue
       end select
@@ -273,9 +243,9 @@ contains
       scaled%curve%amplitude = factor*motion%curve%amplitude
       scaled%a = factor*motion%a
       scaled%slope = factor*motion%slope
-      if (.not. allocated(motion%vertical)) return
-      scaled%vertical%a = factor*motion%vertical%a
-      scaled%vertical%slope = factor*motion%vertical%slope
+      if (.not. allocated(motion%upward)) return
+      scaled%upward%a = factor*motion%upward%a
+      scaled%upward%slope = factor*motion%upward%slope
    end function scaled_motion
 
    !> Divide every interval of a motion. Steps limited by its knots become shorter, as do steps
@@ -305,7 +275,7 @@ contains
             end do
          end associate
       end do
-      if (allocated(motion%vertical)) refined%vertical = on_knots(motion%vertical, knot)
+      if (allocated(motion%upward)) refined%upward = on_knots(motion%upward, knot)
       if (motion%shape == shape_linear) then
          lines = on_knots(lines_t(motion%knot, motion%a, motion%slope), knot)
          refined%a = lines%a
@@ -427,7 +397,7 @@ contains
    end function line_of
 
    !> Vertical ground acceleration in an interval, positive upward [m/s2].
-   pure real(wp) function vertical_acceleration(motion, interval, t) result(vertical)
+   pure real(wp) function vertical_acceleration(motion, interval, t) result(upward)
       type(motion_t), intent(in) :: motion
       integer, intent(in) :: interval
       !! number of the interval, as from `interval_at`
@@ -435,11 +405,35 @@ contains
       !! [s], in the closed interval
       type(line_t) :: line
 
-      vertical = motion%vertical_ratio*acceleration(motion, interval, t)
-      if (.not. allocated(motion%vertical)) return
+      upward = motion%vertical_ratio*acceleration(motion, interval, t)
+      if (.not. allocated(motion%upward)) return
       line = vertical_line_of(motion, interval, line_of(motion, interval))
-      vertical = line%a_0 + line%slope*(t - line%t_0)
+      upward = line%a_0 + line%slope*(t - line%t_0)
    end function vertical_acceleration
+
+   !> Lowest vertical acceleration up to a time, at most zero [m/s2].
+   pure real(wp) function lowest_vertical(motion, t_end) result(lowest)
+      type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t_end
+      !! end of the time range [s]
+      integer, parameter :: most_turns = 8
+      !! turning points of an interval; only a harmonic has more, and repeats itself after these
+      real(wp) :: t
+      !! time [s]
+      integer :: i, turn
+
+      lowest = 0
+      do i = 1, interval_last(motion) - 1
+         t = interval_end(motion, i - 1)
+         if (t > t_end) return
+         lowest = min(lowest, vertical_acceleration(motion, i, t))
+         do turn = 1, most_turns
+            if (t >= min(interval_end(motion, i), t_end)) exit
+            t = min(turning_point(motion, i, t), t_end)
+            lowest = min(lowest, vertical_acceleration(motion, i, t))
+         end do
+      end do
+   end function lowest_vertical
 
    !> Return the straight line of the vertical motion.
    pure type(line_t) function vertical_line_of(motion, interval, horizontal) result(line)
@@ -452,10 +446,10 @@ contains
       line = horizontal
       line%a_0 = motion%vertical_ratio*line%a_0
       line%slope = motion%vertical_ratio*line%slope
-      if (.not. allocated(motion%vertical)) return
+      if (.not. allocated(motion%upward)) return
       if (interval < 1 .or. interval >= size(motion%knot)) return
-      line = line_t(.true., motion%knot(interval), motion%vertical%a(interval), &
-         motion%vertical%slope(interval))
+      line = line_t(.true., motion%knot(interval), motion%upward%a(interval), &
+         motion%upward%slope(interval))
    end function vertical_line_of
 
    !> Number of the interval that begins at or before t and ends after it; 0 before the first knot.
@@ -503,11 +497,11 @@ contains
       before = acceleration(motion, interval - 1, t)
       after = acceleration(motion, interval, t)
       has_jump = abs(after - before) > 1.0e4_wp*epsilon(1.0_wp)*peak_near(motion, interval)
-      if (has_jump .or. .not. allocated(motion%vertical)) return
+      if (has_jump .or. .not. allocated(motion%upward)) return
       before = vertical_acceleration(motion, interval - 1, t)
       after = vertical_acceleration(motion, interval, t)
       has_jump = abs(after - before) > 1.0e4_wp*epsilon(1.0_wp) &
-         *maxval(abs(motion%vertical%a(max(1, interval - 1):interval)))
+         *maxval(abs(motion%upward%a(max(1, interval - 1):interval)))
    end function has_jump
 
    !> Largest magnitude of acceleration around a knot, the measure of round-off there [m/s2].
@@ -555,9 +549,9 @@ contains
       !! [-]
 
       steep_point = interval_end(motion, interval)
-      if (.not. allocated(motion%vertical)) return
+      if (.not. allocated(motion%upward)) return
       if (is_curved(motion, interval)) steep_point = steep_time(motion%curve, &
-         abs(share*motion%vertical%slope(interval)), t, steep_point)
+         abs(share*motion%upward%slope(interval)), t, steep_point)
    end function steep_point
 
    !> Largest magnitude of the ground acceleration; for pulses the amplitude [m/s2].

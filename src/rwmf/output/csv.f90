@@ -11,7 +11,7 @@ module rwmf_output_csv
    use rwmf_integrator_factory, only: spectrum_method
    use rwmf_output_summary, only: summarise, summary_item_t
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_record, only: record_t
+   use rwmf_problem_record, only: record_t, upward_group
    use rwmf_problem_scene_axes, only: axis_t, list_axes
    use rwmf_simulation_state_result, only: history_t, result_t
    use rwmf_spectrum_ordinates, only: spectrum_t
@@ -144,8 +144,8 @@ contains
       if (.not. allocated(error) .and. allocated(case%record)) then
          call check_not_read(path, case%motion%path, error)
       end if
-      if (.not. allocated(error) .and. allocated(case%vertical_record)) then
-         call check_not_read(path, case%vertical%path, error)
+      if (.not. allocated(error) .and. allocated(case%upward_record)) then
+         call check_not_read(path, case%upward%path, error)
       end if
    end subroutine check_output
 
@@ -314,8 +314,9 @@ contains
       if (allocated(case%record)) then
          call write_record(file, '# record: '//case%motion%file, case%record)
       end if
-      if (allocated(case%vertical_record)) then
-         call write_record(file, '# vertical record: '//case%vertical%file, case%vertical_record)
+      if (allocated(case%upward_record)) then
+         call write_record(file, '# '//upward_group//' record: '//case%upward%file, &
+            case%upward_record)
       end if
       call write_line(file, '# case:')
       if (.not. allocated(case%text)) return

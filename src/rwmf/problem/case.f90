@@ -12,11 +12,11 @@ module rwmf_problem_case
    implicit none
    private
 
-   public :: case_t, wall_t, frame_t, storeys_t, link_t, damper_t, fuse_t, yielding_t, cable_t
+   public :: case_t, wall_t, frame_t, link_t, damper_t, fuse_t, yielding_t, cable_t
    public :: spring_law_t
    public :: impact_t, motion_spec_t, inerter_t, vertical_t
    public :: initial_t, model_choice_t, solver_t, output_t, spectrum_spec_t, structure_t
-   public :: keep_numbers, has_numbers, numbers_of, has_all_modes
+   public :: keep_numbers, has_numbers, numbers_of, has_floors, has_all_modes
    public :: copy_without_frame, list_links, upward_ratio
 
    !> Rocking wall, `&wall`.
@@ -39,7 +39,8 @@ module rwmf_problem_case
       !! length [m]
    end type link_t
 
-   !> Single-degree-of-freedom moment frame, `&frame`.
+   !> Moment frame, `&frame`: a single mass, or several floors (`&storeys`), which then set period
+   !> and mass ratio.
    type :: frame_t
       real(wp), allocatable :: T_s
       !! undamped period [s]; may be absent when `&spectrum` gives the periods
@@ -49,18 +50,14 @@ module rwmf_problem_case
       !! viscous damping ratio [-]
       logical :: is_linked = .true.
       !! its mass moves with the wall; false with link springs between them
-   end type frame_t
-
-   !> Storeys of the frame, `&storeys`; they determine the period and the mass ratio of `frame_t`.
-   type :: storeys_t
-      type(shear_frame_t) :: frame
-      !! shear frame with its modes
+      type(shear_frame_t), allocatable :: floors
+      !! its floors with their modes; absent for a single mass, as the next two
       character(:), allocatable :: coupling
       !! 'reduced': first mode only; 'every_floor': straight line enforced by the wall; 'full': all
       !! modes, with the roof linked to the wall; 'springs': all modes, with link springs
       real(wp), allocatable :: k_link(:)
       !! (floors) stiffness of the link springs over m_w [1/s2]; only with 'springs'
-   end type storeys_t
+   end type frame_t
 
    !> Viscous dampers at the corners of the base, `&damper`.
    type :: damper_t
@@ -71,7 +68,7 @@ module rwmf_problem_case
    !> Law of a spring with memory, apart from its strength and its hardening.
    type :: spring_law_t
       character(15) :: name = 'elastic_plastic'
-      !! 'elastic_plastic', 'friction', 'flag', 'peak_oriented' or 'pinched'
+      !! 'elastic_plastic', 'friction', 'flag', 'peak_oriented', 'pinched' or 'bouc_wen'
       real(wp) :: breakaway = 1
       !! of 'friction': static over kinetic friction force [-]
       real(wp) :: flag_height = 1
@@ -92,6 +89,10 @@ module rwmf_problem_case
       !! of 'pinched': force at the pinching point over that on the line without pinching [-]
       real(wp) :: pinch_displacement = 1
       !! of 'pinched': part of the plastic displacement that remains beyond the pinching point [-]
+      real(wp) :: exponent = 2
+      !! of 'bouc_wen': n [-]
+      real(wp) :: beta = 0.5_wp
+      !! of 'bouc_wen' [-]
    end type spring_law_t
 
    !> Hysteretic fuses at the corners of the base, `&fuse`.
@@ -117,16 +118,9 @@ module rwmf_problem_case
       !! [m]
       real(wp) :: hardening = 0
       !! stiffness after yielding over elastic stiffness [-]
-      character(:), allocatable :: law
-      !! 'bouc_wen', 'elastic_plastic' or the name of another spring law, see `spring_law_t`
-      type(spring_law_t) :: spring
-      !! parameters of that law
+      type(spring_law_t) :: law
       real(wp), allocatable :: ultimate
       !! ductility at collapse of the frame or of a storey [-]; absent: no collapse
-      real(wp) :: exponent = 2
-      !! n of 'bouc_wen' [-]
-      real(wp) :: beta = 0.5_wp
-      !! of 'bouc_wen' [-]
    end type yielding_t
 
    !> Inerters at the corners of the base, `&inerter`.
@@ -291,7 +285,6 @@ module rwmf_problem_case
    type :: structure_t
       type(wall_t), allocatable :: wall
       type(frame_t), allocatable :: frame
-      type(storeys_t), allocatable :: storeys
       type(link_t), allocatable :: link
       type(damper_t), allocatable :: damper
       type(fuse_t), allocatable :: fuse
@@ -299,7 +292,7 @@ module rwmf_problem_case
       type(inerter_t), allocatable :: inerter
       type(cable_t), allocatable :: cable
       type(impact_t), allocatable :: impact
-      type(vertical_t), allocatable :: vertical
+      type(vertical_t), allocatable :: upward
       type(initial_t), allocatable :: initial
       type(model_choice_t) :: model
       real(wp) :: unit_mass = 0
@@ -324,20 +317,27 @@ module rwmf_problem_case
       type(spectrum_spec_t), allocatable :: spectrum
       type(record_t), allocatable :: record
       !! samples of the record given by `&motion file`
-      type(record_t), allocatable :: vertical_record
+      type(record_t), allocatable :: upward_record
       !! samples of the record given by `&vertical file`
    end type case_t
 
 contains
 
-   !> True if a case has storeys whose floors move independently.
-   pure logical function has_all_modes(storeys)
-      type(storeys_t), intent(in), optional :: storeys
-      !! storeys of the case; absent without them
+   !> True if the frame of a case has floors, not a single mass.
+   pure logical function has_floors(case)
+      class(structure_t), intent(in) :: case
 
-      has_all_modes = .false.
-      if (present(storeys)) has_all_modes = storeys%coupling == 'full' .or. storeys%coupling &
-         == 'springs'
+      has_floors = allocated(case%frame)
+      if (has_floors) has_floors = allocated(case%frame%floors)
+   end function has_floors
+
+   !> True if the frame of a case has floors that move independently.
+   pure logical function has_all_modes(case)
+      class(structure_t), intent(in) :: case
+
+      has_all_modes = has_floors(case)
+      if (has_all_modes) has_all_modes = any(case%frame%coupling == [character(7) :: 'full', &
+         'springs'])
    end function has_all_modes
 
    !> Keep the numbers of the group of an effect.
@@ -377,7 +377,6 @@ contains
 
       wall_alone%structure_t = case%structure_t
       if (allocated(wall_alone%frame)) deallocate (wall_alone%frame)
-      if (allocated(wall_alone%storeys)) deallocate (wall_alone%storeys)
       if (allocated(wall_alone%yielding)) deallocate (wall_alone%yielding)
       if (.not. allocated(case%numbers)) return
       deallocate (wall_alone%numbers)
@@ -399,20 +398,20 @@ contains
       integer :: i
 
       share = [1.0_wp]
-      if (allocated(case%storeys)) then
-         if (any(case%storeys%coupling == [character(11) :: 'every_floor', 'springs'])) then
-            associate (height => case%storeys%frame%height)
+      if (has_floors(case)) then
+         if (any(case%frame%coupling == [character(11) :: 'every_floor', 'springs'])) then
+            associate (height => case%frame%floors%height)
                share = [(sum(height(:i)), i=1, size(height))]/sum(height)
             end associate
          end if
-         if (allocated(case%storeys%k_link)) stiffness = case%storeys%k_link
+         if (allocated(case%frame%k_link)) stiffness = case%frame%k_link
       end if
       allocate (mass(size(share)), source=0.0_wp)
       if (.not. allocated(case%frame)) return
       if (.not. (case%frame%is_linked .and. allocated(case%frame%gamma))) return
       mass(:) = case%frame%gamma
       if (size(share) == 1) return
-      associate (frame => case%storeys%frame)
+      associate (frame => case%frame%floors)
          mass(:) = case%frame%gamma*frame%shape(size(frame%m), 1)**2*frame%m
       end associate
    end subroutine list_links
@@ -422,9 +421,9 @@ contains
       type(case_t), intent(in) :: case
 
       upward_ratio = 0
-      if (.not. allocated(case%vertical)) return
+      if (.not. allocated(case%upward)) return
       upward_ratio = ieee_value(upward_ratio, ieee_quiet_nan)
-      if (allocated(case%vertical%ratio)) upward_ratio = case%vertical%ratio
+      if (allocated(case%upward%ratio)) upward_ratio = case%upward%ratio
    end function upward_ratio
 
    !> Numbers of a group; the case must have them.

@@ -40,8 +40,10 @@ module rwmf_problem_case_group
       !! names of the states that the effect adds
       procedure(add_names_i), pointer, nopass :: add_events => null()
       !! names of the events that the effect adds
-      procedure(refusal_i), pointer, nopass :: refuse_element => null()
-      !! check that an element of a host program can include the effect
+      character(160) :: no_element = ''
+      !! reason why an element of a host cannot include the effect; '' if it can
+      procedure(is_present_i), pointer, nopass :: is_beyond_element => null()
+      !! true if the reason concerns a case with the effect; null: it concerns all of them
    end type case_group_t
 
    abstract interface
@@ -86,15 +88,6 @@ module rwmf_problem_case_group
          !! case that includes the effect
          character(name_length), allocatable, intent(inout) :: names(:)
       end subroutine add_names_i
-
-      !> Fail with `err_input` if the case has a feature that an element cannot include.
-      subroutine refusal_i(case, error)
-         import :: case_t, error_t
-         implicit none
-         type(case_t), intent(in) :: case
-         !! case that includes the effect
-         type(error_t), allocatable, intent(out) :: error
-      end subroutine refusal_i
    end interface
 
 end module rwmf_problem_case_group

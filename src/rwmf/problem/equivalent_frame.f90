@@ -23,16 +23,16 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer :: n
 
-      associate (frame => case%storeys%frame)
+      associate (frame => case%frame%floors)
          n = size(frame%m)
          call find_modes(frame, error)
          if (allocated(error)) return
-         if (case%storeys%coupling == 'every_floor') call enforce_straight_line(frame)
+         if (case%frame%coupling == 'every_floor') call enforce_straight_line(frame)
          case%frame%T_s = 2*pi/frame%omega(1)
          if (.not. allocated(case%wall)) return
          case%frame%gamma = 1/frame%shape(n, 1)**2
-         if (case%storeys%coupling == 'full') case%frame%gamma = frame%m(n)
-         case%frame%is_linked = case%storeys%coupling /= 'springs'
+         if (case%frame%coupling == 'full') case%frame%gamma = frame%m(n)
+         case%frame%is_linked = case%frame%coupling /= 'springs'
          if (.not. case%frame%is_linked) case%frame%gamma = sum(frame%m)
       end associate
    end subroutine set_equivalent_frame
@@ -51,9 +51,9 @@ contains
       if (allocated(case%frame%T_s)) T_s = case%frame%T_s
       omega = 2*pi
       if (allocated(T_s)) omega = 2*pi/T_s
-      allocate (case%storeys)
-      case%storeys%coupling = 'full'
-      associate (frame => case%storeys%frame)
+      allocate (case%frame%floors)
+      case%frame%coupling = 'full'
+      associate (frame => case%frame%floors)
          frame%m = [case%frame%gamma]
          frame%k = frame%m*omega**2
          frame%height = [2*case%wall%h]

@@ -4,6 +4,7 @@ module rwmf_problem_key
    private
 
    public :: key_t, required, optional_key, of_kind, dimensional, with_si, usually, belongs_to
+   public :: unless, fixed_by
    public :: any_real, positive, below_one, not_negative
 
    character(*), parameter :: any_real = 'any finite number'
@@ -44,6 +45,10 @@ module rwmf_problem_key
       !! may be given together with the key that it gives, and then scales its values
       character(16) :: usual = ''
       !! range of its magnitude in real buildings, '[low, high]'; values outside cause a warning
+      character(20) :: unless = ''
+      !! `group` or `group.key` beside which the key has no meaning; '' for none
+      character(32) :: is_fixed_by = ''
+      !! reason why a case that has been read cannot change the key; '' if it can
    end type key_t
 
 contains
@@ -111,6 +116,28 @@ contains
       usually = key
       usually%usual = range
    end function usually
+
+   !> Key without meaning beside another key or group.
+   pure type(key_t) function unless(other, key)
+      character(*), intent(in) :: other
+      !! component `unless` of `key_t`
+      type(key_t), intent(in) :: key
+      !! key without that condition
+
+      unless = key
+      unless%unless = other
+   end function unless
+
+   !> Key that a case that has been read cannot change.
+   pure type(key_t) function fixed_by(reason, key)
+      character(*), intent(in) :: reason
+      !! component `is_fixed_by` of `key_t`
+      type(key_t), intent(in) :: key
+      !! key without that reason
+
+      fixed_by = key
+      fixed_by%is_fixed_by = reason
+   end function fixed_by
 
    !> Key in kg, N or Pa from which a ratio to the mass or weight of the wall is derived.
    pure type(key_t) function dimensional(group, key, type, unit, gives, needs, help, &

@@ -124,12 +124,8 @@ module rwmf_problem_quantity_table
       character(key_length) :: key
       !! name with unit suffix; '{i}' is a placeholder for the floor or storey number, from the
       !! ground up
-      character(key_length) :: name
-      !! variable of a run's dataset in Python; '' for an attribute, or outside runs
       character(8) :: unit
       !! '1' for dimensionless numbers, '' for texts
-      character(8) :: kind
-      !! 'real', 'int', 'logical', 'text' or 'list'
       character(8) :: found
       !! way it is found: 'row' (in each row of a history), 'peak' (located supremum), 'time' (of a
       !! peak), 'end' (final value), 'count' or 'whether'. Others are 'before' (known before the
@@ -146,530 +142,467 @@ module rwmf_problem_quantity_table
       character(80) :: meaning
       integer :: ratio = 0
       !! for a force in N or a moment in N m: number of the same quantity over a weight
+      character(8) :: kind = 'real'
+      !! 'real', 'int', 'logical', 'text' or 'list'
+      character(key_length) :: name = ''
+      !! variable of a run's dataset in Python, if not as in `name_of`; '-' for none
    end type quantity_t
 
    !> Columns of the history.
    type(quantity_t), parameter :: columns(*) = [ &
-      quantity_t(id%t_s, 't_s', 'time', 's', 'real', 'row', 'history', '', of_rows, '', 'time'), &
-      quantity_t(id%theta_rad, 'theta_rad', 'theta', 'rad', 'real', 'row', 'history', 'wall', &
-      of_rows, '', 'rotation of the wall'), &
-      quantity_t(id%theta_dot_rad_s, 'theta_dot_rad_s', 'theta_dot', 'rad/s', 'real', 'row', &
-      'history', 'wall', of_rows, '', 'angular velocity of the wall'), &
-      quantity_t(id%theta_ddot_rad_s2, 'theta_ddot_rad_s2', 'theta_ddot', 'rad/s2', 'real', 'row', &
-      'history', 'wall', of_rows, '', 'angular acceleration of the wall'), &
-      quantity_t(id%u_s_m, 'u_s_m', 'u_s', 'm', 'real', 'row', 'history', 'frame', of_rows, '', &
+      quantity_t(id%t_s, 't_s', 's', 'row', 'history', '', of_rows, '', 'time', name='time'), &
+      quantity_t(id%theta_rad, 'theta_rad', 'rad', 'row', 'history', 'wall', of_rows, '', &
+      'rotation of the wall'), &
+      quantity_t(id%theta_dot_rad_s, 'theta_dot_rad_s', 'rad/s', 'row', 'history', 'wall', &
+      of_rows, '', 'angular velocity of the wall'), &
+      quantity_t(id%theta_ddot_rad_s2, 'theta_ddot_rad_s2', 'rad/s2', 'row', 'history', 'wall', &
+      of_rows, '', 'angular acceleration of the wall'), &
+      quantity_t(id%u_s_m, 'u_s_m', 'm', 'row', 'history', 'frame', of_rows, '', &
       'displacement of the frame'), &
-      quantity_t(id%u_s_dot_m_s, 'u_s_dot_m_s', 'u_s_dot', 'm/s', 'real', 'row', 'history', &
-      'frame', of_rows, '', 'velocity of the frame'), &
-      quantity_t(id%u_g_ddot_m_s2, 'u_g_ddot_m_s2', 'u_g_ddot', 'm/s2', 'real', 'row', 'history', &
-      '', of_rows, '', 'ground acceleration'), &
-      quantity_t(id%v_g_ddot_m_s2, 'v_g_ddot_m_s2', 'v_g_ddot', 'm/s2', 'real', 'row', 'history', &
-      'vertical', of_rows, '', 'vertical ground acceleration'), &
-      quantity_t(id%cable_force_over_m_w_g, 'cable_force_over_m_w_g', 'cable_force_over_m_w_g', &
-      '1', 'real', 'row', 'history', 'cable', of_rows, '', 'cable force over weight of wall'), &
-      quantity_t(id%cable_force_N, 'cable_force_N', 'cable_force', 'N', 'real', 'row', 'history', &
-      'cable', of_rows, '`m_w` of `&wall`', 'cable force', id%cable_force_over_m_w_g), &
-      quantity_t(id%frame_force_over_m_s_g, 'frame_force_over_m_s_g', 'frame_force_over_m_s_g', &
-      '1', 'real', 'row', 'history', 'yielding', of_rows, &
-      'not with `coupling` `full` or `springs`', &
+      quantity_t(id%u_s_dot_m_s, 'u_s_dot_m_s', 'm/s', 'row', 'history', 'frame', of_rows, '', &
+      'velocity of the frame'), &
+      quantity_t(id%u_g_ddot_m_s2, 'u_g_ddot_m_s2', 'm/s2', 'row', 'history', '', of_rows, '', &
+      'ground acceleration'), &
+      quantity_t(id%v_g_ddot_m_s2, 'v_g_ddot_m_s2', 'm/s2', 'row', 'history', 'vertical', of_rows, &
+      '', 'vertical ground acceleration'), &
+      quantity_t(id%cable_force_over_m_w_g, 'cable_force_over_m_w_g', '1', 'row', 'history', &
+      'cable', of_rows, '', 'cable force over weight of wall'), &
+      quantity_t(id%cable_force_N, 'cable_force_N', 'N', 'row', 'history', 'cable', of_rows, &
+      '`m_w` of `&wall`', 'cable force', id%cable_force_over_m_w_g), &
+      quantity_t(id%frame_force_over_m_s_g, 'frame_force_over_m_s_g', '1', 'row', 'history', &
+      'yielding', of_rows, 'not with `coupling` `full` or `springs`', &
       'force of the yielding frame over weight of its mass'), &
-      quantity_t(id%fuse_left_force_over_m_w_g, 'fuse_left_force_over_m_w_g', &
-      'fuse_left_force_over_m_w_g', '1', 'real', 'row', 'history', 'fuse', of_rows, '', &
-      'force of the left fuse over weight of wall'), &
-      quantity_t(id%fuse_right_force_over_m_w_g, 'fuse_right_force_over_m_w_g', &
-      'fuse_right_force_over_m_w_g', '1', 'real', 'row', 'history', 'fuse', of_rows, '', &
-      'force of the right fuse over weight of wall'), &
-      quantity_t(id%q_i_m, 'q_{i}_m', 'q_{i}', 'm', 'real', 'row', 'history', 'bending', of_rows, &
-      '', 'deflection of the top in mode {i} of the wall'), &
-      quantity_t(id%floor_i_m, 'floor_{i}_m', 'floor_{i}', 'm', 'real', 'row', 'history', &
-      'storeys', of_rows, '`coupling` `full` or `springs`', 'displacement of floor {i}'), &
-      quantity_t(id%storey_i_drift, 'storey_{i}_drift', 'storey_{i}_drift', '1', 'real', 'row', &
-      'history', 'storeys', of_rows, '`coupling` `full`, `springs`; or `reactions`', &
-      'drift of storey {i} over its height'), &
-      quantity_t(id%storey_i_shear_over_m_w_g, 'storey_{i}_shear_over_m_w_g', &
-      'storey_{i}_shear_over_m_w_g', '1', 'real', 'row', 'history', 'storeys', of_rows, &
-      '`reactions`, or `storey_u_y` with `full`, `springs`', &
+      quantity_t(id%fuse_left_force_over_m_w_g, 'fuse_left_force_over_m_w_g', '1', 'row', &
+      'history', 'fuse', of_rows, '', 'force of the left fuse over weight of wall'), &
+      quantity_t(id%fuse_right_force_over_m_w_g, 'fuse_right_force_over_m_w_g', '1', 'row', &
+      'history', 'fuse', of_rows, '', 'force of the right fuse over weight of wall'), &
+      quantity_t(id%q_i_m, 'q_{i}_m', 'm', 'row', 'history', 'bending', of_rows, '', &
+      'deflection of the top in mode {i} of the wall'), &
+      quantity_t(id%floor_i_m, 'floor_{i}_m', 'm', 'row', 'history', 'storeys', of_rows, &
+      '`coupling` `full` or `springs`', 'displacement of floor {i}'), &
+      quantity_t(id%storey_i_drift, 'storey_{i}_drift', '1', 'row', 'history', 'storeys', of_rows, &
+      '`coupling` `full`, `springs`; or `reactions`', 'drift of storey {i} over its height'), &
+      quantity_t(id%storey_i_shear_over_m_w_g, 'storey_{i}_shear_over_m_w_g', '1', 'row', &
+      'history', 'storeys', of_rows, '`reactions`, or `storey_u_y` with `full`, `springs`', &
       'shear of the columns of storey {i} over the weight that its mass is over'), &
-      quantity_t(id%base_shear_over_weight, 'base_shear_over_weight', 'base_shear_over_weight', &
-      '1', 'real', 'row', 'history', '', of_reactions, '', &
-      'base shear over weight of wall and frame'), &
-      quantity_t(id%pivot_normal_over_m_w_g, 'pivot_normal_over_m_w_g', 'pivot_normal_over_m_w_g', &
-      '1', 'real', 'row', 'history', 'wall', of_reactions, '', &
-      'vertical reaction of the pivot over weight of wall'), &
-      quantity_t(id%pivot_horizontal_over_m_w_g, 'pivot_horizontal_over_m_w_g', &
-      'pivot_horizontal_over_m_w_g', '1', 'real', 'row', 'history', 'wall', of_reactions, '', &
+      quantity_t(id%base_shear_over_weight, 'base_shear_over_weight', '1', 'row', 'history', '', &
+      of_reactions, '', 'base shear over weight of wall and frame'), &
+      quantity_t(id%pivot_normal_over_m_w_g, 'pivot_normal_over_m_w_g', '1', 'row', 'history', &
+      'wall', of_reactions, '', 'vertical reaction of the pivot over weight of wall'), &
+      quantity_t(id%pivot_horizontal_over_m_w_g, 'pivot_horizontal_over_m_w_g', '1', 'row', &
+      'history', 'wall', of_reactions, '', &
       'horizontal reaction of the pivot over weight of wall'), &
-      quantity_t(id%friction_demand, 'friction_demand', 'friction_demand', '1', 'real', 'row', &
-      'history', 'wall', of_reactions, 'no `shear_key`', &
-      'horizontal over vertical reaction of the pivot'), &
-      quantity_t(id%wall_drift, 'wall_drift', 'wall_drift', '1', 'real', 'row', 'history', 'wall', &
-      of_reactions, '', 'displacement of the wall''s top over its height'), &
-      quantity_t(id%frame_drift, 'frame_drift', 'frame_drift', '1', 'real', 'row', 'history', &
-      'frame', of_reactions, '`&wall`', &
-      'displacement of the frame, that of its roof, over the wall''s height'), &
-      quantity_t(id%pivot_normal_N, 'pivot_normal_N', 'pivot_normal_N', 'N', 'real', 'row', &
-      'history', 'wall', of_reactions, '`m_w`', 'vertical reaction of the pivot', &
-      id%pivot_normal_over_m_w_g), &
-      quantity_t(id%pivot_horizontal_N, 'pivot_horizontal_N', 'pivot_horizontal_N', 'N', 'real', &
-      'row', 'history', 'wall', of_reactions, '`m_w`', 'horizontal reaction of the pivot', &
-      id%pivot_horizontal_over_m_w_g), &
-      quantity_t(id%floor_i_acceleration_g, 'floor_{i}_acceleration_g', &
-      'floor_{i}_acceleration_g', '1', 'real', 'row', 'history', 'frame', of_demands, '', &
-      'absolute acceleration of floor {i} over g'), &
-      quantity_t(id%overturning_moment_over_weight_m, 'overturning_moment_over_weight_m', &
-      'overturning_moment_over_weight', 'm', 'real', 'row', 'history', '', of_demands, &
-      'a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t(id%friction_demand, 'friction_demand', '1', 'row', 'history', 'wall', &
+      of_reactions, 'no `shear_key`', 'horizontal over vertical reaction of the pivot'), &
+      quantity_t(id%wall_drift, 'wall_drift', '1', 'row', 'history', 'wall', of_reactions, '', &
+      'displacement of the wall''s top over its height'), &
+      quantity_t(id%frame_drift, 'frame_drift', '1', 'row', 'history', 'frame', of_reactions, &
+      '`&wall`', 'displacement of the frame, that of its roof, over the wall''s height'), &
+      quantity_t(id%pivot_normal_N, 'pivot_normal_N', 'N', 'row', 'history', 'wall', of_reactions, &
+      '`m_w`', 'vertical reaction of the pivot', id%pivot_normal_over_m_w_g, &
+      name='pivot_normal_N'), &
+      quantity_t(id%pivot_horizontal_N, 'pivot_horizontal_N', 'N', 'row', 'history', 'wall', &
+      of_reactions, '`m_w`', 'horizontal reaction of the pivot', id%pivot_horizontal_over_m_w_g, &
+      name='pivot_horizontal_N'), &
+      quantity_t(id%floor_i_acceleration_g, 'floor_{i}_acceleration_g', '1', 'row', 'history', &
+      'frame', of_demands, '', 'absolute acceleration of floor {i} over g'), &
+      quantity_t(id%overturning_moment_over_weight_m, 'overturning_moment_over_weight_m', 'm', &
+      'row', 'history', '', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'moment of all horizontal inertia about the ground over the weight'), &
-      quantity_t(id%wall_shear_over_m_w_g, 'wall_shear_over_m_w_g', 'wall_shear_over_m_w_g', '1', &
-      'real', 'row', 'history', 'wall', of_demands, '', &
-      'largest shear along the wall over its weight'), &
-      quantity_t(id%wall_moment_over_m_w_g_m, 'wall_moment_over_m_w_g_m', &
-      'wall_moment_over_m_w_g', 'm', 'real', 'row', 'history', 'wall', of_demands, '', &
-      'largest bending moment along the wall over its weight'), &
-      quantity_t(id%wall_shear_base_over_m_w_g, 'wall_shear_base_over_m_w_g', &
-      'wall_shear_base_over_m_w_g', '1', 'real', 'row', 'history', 'wall', of_envelopes, '', &
-      'shear in the wall at its base over its weight'), &
-      quantity_t(id%wall_moment_base_over_m_w_g_m, 'wall_moment_base_over_m_w_g_m', &
-      'wall_moment_base_over_m_w_g', 'm', 'real', 'row', 'history', 'wall', of_envelopes, '', &
+      quantity_t(id%wall_shear_over_m_w_g, 'wall_shear_over_m_w_g', '1', 'row', 'history', 'wall', &
+      of_demands, '', 'largest shear along the wall over its weight'), &
+      quantity_t(id%wall_moment_over_m_w_g_m, 'wall_moment_over_m_w_g_m', 'm', 'row', 'history', &
+      'wall', of_demands, '', 'largest bending moment along the wall over its weight'), &
+      quantity_t(id%wall_shear_base_over_m_w_g, 'wall_shear_base_over_m_w_g', '1', 'row', &
+      'history', 'wall', of_envelopes, '', 'shear in the wall at its base over its weight'), &
+      quantity_t(id%wall_moment_base_over_m_w_g_m, 'wall_moment_base_over_m_w_g_m', 'm', 'row', &
+      'history', 'wall', of_envelopes, '', &
       'bending moment in the wall at its base over its weight'), &
-      quantity_t(id%link_i_force_over_m_w_g, 'link_{i}_force_over_m_w_g', &
-      'link_{i}_force_over_m_w_g', '1', 'real', 'row', 'history', 'frame', of_envelopes, &
-      '`&wall`', 'axial force of the link at floor {i} over weight of wall'), &
-      quantity_t(id%contact_length_m, 'contact_length_m', 'contact_length', 'm', 'real', 'row', &
-      'history', 'base_section', of_envelopes, '', 'contact length of the base'), &
-      quantity_t(id%toe_stress_Pa, 'toe_stress_Pa', 'toe_stress', 'Pa', 'real', 'row', &
-      'history', 'base_section', of_envelopes, '', 'compressive stress at the toe of the wall'), &
-      quantity_t(id%toe_strain, 'toe_strain', 'toe_strain', '1', 'real', 'row', 'history', &
-      'base_section', of_envelopes, '`E` or `length`', &
-      'compressive strain at the toe of the wall'), &
-      quantity_t(id%frame_force_N, 'frame_force_N', 'frame_force', 'N', 'real', 'row', 'history', &
-      'yielding', of_rows, 'a mass; not with `full`, `springs`', &
-      'force of the yielding frame', id%frame_force_over_m_s_g), &
-      quantity_t(id%fuse_left_force_N, 'fuse_left_force_N', 'fuse_left_force', 'N', 'real', 'row', &
-      'history', 'fuse', of_rows, 'a mass', 'force of the left fuse', &
-      id%fuse_left_force_over_m_w_g), &
-      quantity_t(id%fuse_right_force_N, 'fuse_right_force_N', 'fuse_right_force', 'N', 'real', &
-      'row', 'history', 'fuse', of_rows, 'a mass', 'force of the right fuse', &
-      id%fuse_right_force_over_m_w_g), &
-      quantity_t(id%storey_i_shear_N, 'storey_{i}_shear_N', 'storey_{i}_shear', 'N', 'real', &
-      'row', 'history', 'storeys', of_rows, 'as storey_{i}_shear_over_m_w_g; a mass', &
-      'shear of the columns of storey {i}', id%storey_i_shear_over_m_w_g), &
-      quantity_t(id%base_shear_N, 'base_shear_N', 'base_shear', 'N', 'real', 'row', 'history', '', &
-      of_reactions, 'a mass', 'base shear', id%base_shear_over_weight), &
-      quantity_t(id%overturning_moment_N_m, 'overturning_moment_N_m', 'overturning_moment', 'N m', &
-      'real', 'row', 'history', '', of_demands, 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t(id%link_i_force_over_m_w_g, 'link_{i}_force_over_m_w_g', '1', 'row', 'history', &
+      'frame', of_envelopes, '`&wall`', &
+      'axial force of the link at floor {i} over weight of wall'), &
+      quantity_t(id%contact_length_m, 'contact_length_m', 'm', 'row', 'history', 'base_section', &
+      of_envelopes, '', 'contact length of the base'), &
+      quantity_t(id%toe_stress_Pa, 'toe_stress_Pa', 'Pa', 'row', 'history', 'base_section', &
+      of_envelopes, '', 'compressive stress at the toe of the wall'), &
+      quantity_t(id%toe_strain, 'toe_strain', '1', 'row', 'history', 'base_section', of_envelopes, &
+      '`E` or `length`', 'compressive strain at the toe of the wall'), &
+      quantity_t(id%frame_force_N, 'frame_force_N', 'N', 'row', 'history', 'yielding', of_rows, &
+      'a mass; not with `full`, `springs`', 'force of the yielding frame', &
+      id%frame_force_over_m_s_g), &
+      quantity_t(id%fuse_left_force_N, 'fuse_left_force_N', 'N', 'row', 'history', 'fuse', &
+      of_rows, 'a mass', 'force of the left fuse', id%fuse_left_force_over_m_w_g), &
+      quantity_t(id%fuse_right_force_N, 'fuse_right_force_N', 'N', 'row', 'history', 'fuse', &
+      of_rows, 'a mass', 'force of the right fuse', id%fuse_right_force_over_m_w_g), &
+      quantity_t(id%storey_i_shear_N, 'storey_{i}_shear_N', 'N', 'row', 'history', 'storeys', &
+      of_rows, 'as storey_{i}_shear_over_m_w_g; a mass', 'shear of the columns of storey {i}', &
+      id%storey_i_shear_over_m_w_g), &
+      quantity_t(id%base_shear_N, 'base_shear_N', 'N', 'row', 'history', '', of_reactions, &
+      'a mass', 'base shear', id%base_shear_over_weight), &
+      quantity_t(id%overturning_moment_N_m, 'overturning_moment_N_m', 'N m', 'row', 'history', '', &
+      of_demands, 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
       'moment of all horizontal inertia about the ground', id%overturning_moment_over_weight_m), &
-      quantity_t(id%wall_shear_N, 'wall_shear_N', 'wall_shear', 'N', 'real', 'row', 'history', &
-      'wall', of_demands, 'a mass', 'largest shear along the wall', id%wall_shear_over_m_w_g), &
-      quantity_t(id%wall_moment_N_m, 'wall_moment_N_m', 'wall_moment', 'N m', 'real', 'row', &
-      'history', 'wall', of_demands, 'a mass', 'largest bending moment along the wall', &
-      id%wall_moment_over_m_w_g_m), &
-      quantity_t(id%wall_shear_base_N, 'wall_shear_base_N', 'wall_shear_base', 'N', 'real', &
-      'row', 'history', 'wall', of_envelopes, 'a mass', 'shear in the wall at its base', &
-      id%wall_shear_base_over_m_w_g), &
-      quantity_t(id%wall_moment_base_N_m, 'wall_moment_base_N_m', 'wall_moment_base', 'N m', &
-      'real', 'row', 'history', 'wall', of_envelopes, 'a mass', &
-      'bending moment in the wall at its base', id%wall_moment_base_over_m_w_g_m), &
-      quantity_t(id%link_i_force_N, 'link_{i}_force_N', 'link_{i}_force', 'N', 'real', 'row', &
-      'history', 'frame', of_envelopes, 'a mass; `&wall`', &
-      'axial force of the link at floor {i}', id%link_i_force_over_m_w_g)]
+      quantity_t(id%wall_shear_N, 'wall_shear_N', 'N', 'row', 'history', 'wall', of_demands, &
+      'a mass', 'largest shear along the wall', id%wall_shear_over_m_w_g), &
+      quantity_t(id%wall_moment_N_m, 'wall_moment_N_m', 'N m', 'row', 'history', 'wall', &
+      of_demands, 'a mass', 'largest bending moment along the wall', id%wall_moment_over_m_w_g_m), &
+      quantity_t(id%wall_shear_base_N, 'wall_shear_base_N', 'N', 'row', 'history', 'wall', &
+      of_envelopes, 'a mass', 'shear in the wall at its base', id%wall_shear_base_over_m_w_g), &
+      quantity_t(id%wall_moment_base_N_m, 'wall_moment_base_N_m', 'N m', 'row', 'history', 'wall', &
+      of_envelopes, 'a mass', 'bending moment in the wall at its base', &
+      id%wall_moment_base_over_m_w_g_m), &
+      quantity_t(id%link_i_force_N, 'link_{i}_force_N', 'N', 'row', 'history', 'frame', &
+      of_envelopes, 'a mass; `&wall`', 'axial force of the link at floor {i}', &
+      id%link_i_force_over_m_w_g)]
 
    !> Scalars of a run.
    type(quantity_t), parameter :: scalars(*) = [ &
-      quantity_t(id%u_s_max_m, 'u_s_max_m', 'u_s_max', 'm', 'real', 'peak', &
-      'run ordinate spectrum sweep cost', 'frame', of_displacement, '', &
-      'largest displacement of the frame'), &
-      quantity_t(id%tip_deflection_max_m, 'tip_deflection_max_m', 'tip_deflection_max', 'm', &
-      'real', 'peak', 'run ordinate', 'bending', of_events, '', &
-      'largest deflection of the top from the straight axis'), &
-      quantity_t(id%t_u_s_max_s, 't_u_s_max_s', 't_u_s_max', 's', 'real', 'time', &
-      'run ordinate cost', 'frame', of_events, '', 'first time of the largest displacement'), &
-      quantity_t(id%theta_max_over_alpha, 'theta_max_over_alpha', 'theta_max_over_alpha', '1', &
-      'real', 'peak', 'run ordinate', 'wall', of_displacement, '', &
-      'largest rotation over slenderness'), &
-      quantity_t(id%theta_dot_max_rad_s, 'theta_dot_max_rad_s', 'theta_dot_max', 'rad/s', 'real', &
-      'peak', 'run ordinate cost', 'wall', of_velocity, '', 'largest angular velocity'), &
+      quantity_t(id%u_s_max_m, 'u_s_max_m', 'm', 'peak', 'run ordinate spectrum sweep cost', &
+      'frame', of_displacement, '', 'largest displacement of the frame'), &
+      quantity_t(id%tip_deflection_max_m, 'tip_deflection_max_m', 'm', 'peak', 'run ordinate', &
+      'bending', of_events, '', 'largest deflection of the top from the straight axis'), &
+      quantity_t(id%t_u_s_max_s, 't_u_s_max_s', 's', 'time', 'run ordinate cost', 'frame', &
+      of_events, '', 'first time of the largest displacement'), &
+      quantity_t(id%theta_max_over_alpha, 'theta_max_over_alpha', '1', 'peak', 'run ordinate', &
+      'wall', of_displacement, '', 'largest rotation over slenderness'), &
+      quantity_t(id%theta_dot_max_rad_s, 'theta_dot_max_rad_s', 'rad/s', 'peak', &
+      'run ordinate cost', 'wall', of_velocity, '', 'largest angular velocity'), &
       quantity_t(id%cable_force_increment_max_over_m_w_g, 'cable_force_increment_max_over_m_w_g', &
-      'cable_force_increment_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'cable', &
-      of_displacement, '', 'largest increment of the cable force over weight of wall'), &
-      quantity_t(id%cable_prestress_loss_over_m_w_g, 'cable_prestress_loss_over_m_w_g', &
-      'cable_prestress_loss_over_m_w_g', '1', 'real', 'end', 'run ordinate', 'cable', of_events, &
-      '`eta_y` or `rupture_strain`', &
+      '1', 'peak', 'run ordinate', 'cable', of_displacement, '', &
+      'largest increment of the cable force over weight of wall'), &
+      quantity_t(id%cable_prestress_loss_over_m_w_g, 'cable_prestress_loss_over_m_w_g', '1', &
+      'end', 'run ordinate', 'cable', of_events, '`eta_y` or `rupture_strain`', &
       'cable force at theta = 0 that is lost at the end, over weight of wall'), &
-      quantity_t(id%cable_ruptured, 'cable_ruptured', 'cable_ruptured', '1', 'logical', 'whether', &
-      'run ordinate', 'cable', of_events, '`eta_y` or `rupture_strain`', &
-      'whether the cable broke'), &
-      quantity_t(id%ductility, 'ductility', 'ductility', '1', 'real', 'peak', 'run ordinate', &
-      'yielding', of_storeys, '', 'largest displacement over that at first yield'), &
-      quantity_t(id%residual_displacement_m, 'residual_displacement_m', 'residual_displacement', &
-      'm', 'real', 'end', 'run ordinate', 'yielding', of_events, '', &
+      quantity_t(id%cable_ruptured, 'cable_ruptured', '1', 'whether', 'run ordinate', 'cable', &
+      of_events, '`eta_y` or `rupture_strain`', 'whether the cable broke', kind='logical'), &
+      quantity_t(id%ductility, 'ductility', '1', 'peak', 'run ordinate', 'yielding', of_storeys, &
+      '', 'largest displacement over that at first yield'), &
+      quantity_t(id%residual_displacement_m, 'residual_displacement_m', 'm', 'end', &
+      'run ordinate', 'yielding', of_events, '', &
       'displacement at which the frame alone would be without force at the end'), &
-      quantity_t(id%theta_end_over_alpha, 'theta_end_over_alpha', 'theta_end_over_alpha', '1', &
-      'real', 'end', 'run ordinate', 'fuse', of_events, '', &
+      quantity_t(id%theta_end_over_alpha, 'theta_end_over_alpha', '1', 'end', 'run ordinate', &
+      'fuse', of_events, '', &
       'rotation at the end over alpha, at which fuses may hold the wall up'), &
-      quantity_t(id%storey_i_ductility, 'storey_{i}_ductility', 'storey_{i}_ductility', '1', &
-      'real', 'peak', 'run ordinate', 'yielding', of_storeys, '`storey_u_y`', &
+      quantity_t(id%storey_i_ductility, 'storey_{i}_ductility', '1', 'peak', 'run ordinate', &
+      'yielding', of_storeys, '`storey_u_y`', &
       'largest displacement of storey {i} over that at first yield'), &
-      quantity_t(id%storey_i_residual_drift, 'storey_{i}_residual_drift', &
-      'storey_{i}_residual_drift', '1', 'real', 'end', 'run ordinate', 'yielding', of_events, &
-      '`storey_u_y`', 'drift of storey {i} that unloading would leave at the end'), &
-      quantity_t(id%storey_i_residual_drift_at_rest, 'storey_{i}_residual_drift_at_rest', &
-      'storey_{i}_residual_drift_at_rest', '1', 'real', 'end', 'run ordinate', 'yielding', &
-      of_events, '`storey_u_y`; an equilibrium', &
+      quantity_t(id%storey_i_residual_drift, 'storey_{i}_residual_drift', '1', 'end', &
+      'run ordinate', 'yielding', of_events, '`storey_u_y`', &
+      'drift of storey {i} that unloading would leave at the end'), &
+      quantity_t(id%storey_i_residual_drift_at_rest, 'storey_{i}_residual_drift_at_rest', '1', &
+      'end', 'run ordinate', 'yielding', of_events, '`storey_u_y`; an equilibrium', &
       'drift of storey {i} in static equilibrium after the motion'), &
-      quantity_t(id%impacts, 'impacts', 'impacts', '1', 'int', 'count', 'run ordinate cost', &
-      'wall', of_events, '`base = ''rocking''`', 'number of impacts'), &
-      quantity_t(id%lift_offs, 'lift_offs', 'lift_offs', '1', 'int', 'count', 'run ordinate', &
-      'wall', of_events, '`base = ''rocking''`', &
-      'number of times that the wall lifts off from rest'), &
-      quantity_t(id%overturned, 'overturned', 'overturned', '1', 'logical', 'whether', &
-      'run ordinate cost', 'wall', of_displacement, '', 'whether the wall overturned'), &
-      quantity_t(id%collapsed, 'collapsed', 'collapsed', '1', 'logical', 'whether', &
-      'run ordinate', '', of_displacement, 'an effect that limits a drift', &
-      'whether a drift passed the limit of the effect'), &
-      quantity_t(id%t_collapse_s, 't_collapse_s', 't_collapse', 's', 'real', 'time', &
-      'run ordinate', '', of_events, 'an effect that limits a drift, collapsed', &
-      'when it did, which ends the run'), &
-      quantity_t(id%e, 'e', 'e', '1', 'real', 'before', 'run ordinate', 'wall', of_displacement, &
+      quantity_t(id%impacts, 'impacts', '1', 'count', 'run ordinate cost', 'wall', of_events, &
+      '`base = ''rocking''`', 'number of impacts', kind='int'), &
+      quantity_t(id%lift_offs, 'lift_offs', '1', 'count', 'run ordinate', 'wall', of_events, &
+      '`base = ''rocking''`', 'number of times that the wall lifts off from rest', kind='int'), &
+      quantity_t(id%overturned, 'overturned', '1', 'whether', 'run ordinate cost', 'wall', &
+      of_displacement, '', 'whether the wall overturned', kind='logical'), &
+      quantity_t(id%collapsed, 'collapsed', '1', 'whether', 'run ordinate', '', of_displacement, &
+      'an effect that limits a drift', 'whether a drift passed the limit of the effect', &
+      kind='logical'), &
+      quantity_t(id%t_collapse_s, 't_collapse_s', 's', 'time', 'run ordinate', '', of_events, &
+      'an effect that limits a drift, collapsed', 'when it did, which ends the run'), &
+      quantity_t(id%e, 'e', '1', 'before', 'run ordinate', 'wall', of_displacement, &
       '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
-      quantity_t(id%e_max, 'e_max', 'e_max', '1', 'real', 'before', 'run ordinate', 'wall', &
-      of_displacement, '`base = ''rocking''`', &
-      'velocity factor that the momentum balance allows'), &
-      quantity_t(id%T_s_s, 'T_s_s', 'T_s', 's', 'real', 'before', 'run spectrum', 'frame', &
-      of_nothing, 'in a run `&storeys`', 'period of the frame'), &
-      quantity_t(id%modal_mass_over_m_w, 'modal_mass_over_m_w', 'modal_mass_over_m_w', '1', &
-      'real', 'before', 'run', 'storeys', of_nothing, '', &
-      'mass of the first mode over that of the wall'), &
-      quantity_t(id%mass_participation, 'mass_participation', 'mass_participation', '1', 'real', &
-      'before', 'run', 'storeys', of_nothing, '', &
-      'mass of the first mode over that of all floors'), &
-      quantity_t(id%modal_height_m, 'modal_height_m', 'modal_height', 'm', 'real', 'before', &
-      'run', 'storeys', of_nothing, '', 'height at which the mass of the first mode acts'), &
-      quantity_t(id%roof_factor, 'roof_factor', 'roof_factor', '1', 'real', 'before', 'run', &
-      'storeys', of_nothing, '', 'displacement of the roof over that of the first mode'), &
-      quantity_t(id%base_shear_max_over_weight, 'base_shear_max_over_weight', &
-      'base_shear_max_over_weight', '1', 'real', 'peak', 'run ordinate', '', of_reactions, '', &
-      'largest base shear over weight of wall and frame'), &
-      quantity_t(id%t_base_shear_max_s, 't_base_shear_max_s', 't_base_shear_max', 's', 'real', &
-      'time', 'run ordinate', '', of_reactions, '', 'time of the largest base shear'), &
-      quantity_t(id%pivot_normal_min_over_m_w_g, 'pivot_normal_min_over_m_w_g', &
-      'pivot_normal_min_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_reactions, &
-      '', 'smallest pivot reaction over weight of wall'), &
-      quantity_t(id%t_pivot_normal_min_s, 't_pivot_normal_min_s', 't_pivot_normal_min', 's', &
-      'real', 'time', 'run ordinate', 'wall', of_reactions, '', &
-      'time of the smallest pivot reaction'), &
-      quantity_t(id%pivot_lifts, 'pivot_lifts', 'pivot_lifts', '1', 'logical', 'whether', &
-      'run ordinate', 'wall', of_reactions, '', &
-      'whether the pivot reaction was not positive at some time'), &
-      quantity_t(id%friction_demand_max, 'friction_demand_max', 'friction_demand_max', '1', &
-      'real', 'peak', 'run ordinate', 'wall', of_reactions, 'no `shear_key`', &
-      'required coefficient of friction'), &
-      quantity_t(id%t_friction_demand_max_s, 't_friction_demand_max_s', 't_friction_demand_max', &
-      's', 'real', 'time', 'run ordinate', 'wall', of_reactions, &
-      'no lift of the pivot, no `shear_key`', 'time of the largest friction demand'), &
-      quantity_t(id%shear_key_force_max_over_m_w_g, 'shear_key_force_max_over_m_w_g', &
-      'shear_key_force_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_reactions, &
-      '`shear_key`', 'largest force of the shear key over weight of wall'), &
-      quantity_t(id%t_shear_key_force_max_s, 't_shear_key_force_max_s', 't_shear_key_force_max', &
-      's', 'real', 'time', 'run ordinate', 'wall', of_reactions, '`shear_key`', &
-      'time of that force'), &
-      quantity_t(id%friction_exceeded, 'friction_exceeded', 'friction_exceeded', '1', 'logical', &
-      'whether', 'run ordinate', 'wall', of_reactions, '`friction_limit` of `&output`', &
-      'whether the friction demand exceeded the limit'), &
-      quantity_t(id%t_friction_exceeded_s, 't_friction_exceeded_s', 't_friction_exceeded', 's', &
-      'real', 'time', 'run ordinate', 'wall', of_reactions, &
-      '`friction_limit` of `&output`, exceeded', &
+      quantity_t(id%e_max, 'e_max', '1', 'before', 'run ordinate', 'wall', of_displacement, &
+      '`base = ''rocking''`', 'velocity factor that the momentum balance allows'), &
+      quantity_t(id%T_s_s, 'T_s_s', 's', 'before', 'run spectrum', 'frame', of_nothing, &
+      'in a run `&storeys`', 'period of the frame'), &
+      quantity_t(id%modal_mass_over_m_w, 'modal_mass_over_m_w', '1', 'before', 'run', 'storeys', &
+      of_nothing, '', 'mass of the first mode over that of the wall'), &
+      quantity_t(id%mass_participation, 'mass_participation', '1', 'before', 'run', 'storeys', &
+      of_nothing, '', 'mass of the first mode over that of all floors'), &
+      quantity_t(id%modal_height_m, 'modal_height_m', 'm', 'before', 'run', 'storeys', of_nothing, &
+      '', 'height at which the mass of the first mode acts'), &
+      quantity_t(id%roof_factor, 'roof_factor', '1', 'before', 'run', 'storeys', of_nothing, '', &
+      'displacement of the roof over that of the first mode'), &
+      quantity_t(id%base_shear_max_over_weight, 'base_shear_max_over_weight', '1', 'peak', &
+      'run ordinate', '', of_reactions, '', 'largest base shear over weight of wall and frame'), &
+      quantity_t(id%t_base_shear_max_s, 't_base_shear_max_s', 's', 'time', 'run ordinate', '', &
+      of_reactions, '', 'time of the largest base shear'), &
+      quantity_t(id%pivot_normal_min_over_m_w_g, 'pivot_normal_min_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'wall', of_reactions, '', 'smallest pivot reaction over weight of wall'), &
+      quantity_t(id%t_pivot_normal_min_s, 't_pivot_normal_min_s', 's', 'time', 'run ordinate', &
+      'wall', of_reactions, '', 'time of the smallest pivot reaction'), &
+      quantity_t(id%pivot_lifts, 'pivot_lifts', '1', 'whether', 'run ordinate', 'wall', &
+      of_reactions, '', 'whether the pivot reaction was not positive at some time', &
+      kind='logical'), &
+      quantity_t(id%friction_demand_max, 'friction_demand_max', '1', 'peak', 'run ordinate', &
+      'wall', of_reactions, 'no `shear_key`', 'required coefficient of friction'), &
+      quantity_t(id%t_friction_demand_max_s, 't_friction_demand_max_s', 's', 'time', &
+      'run ordinate', 'wall', of_reactions, 'no lift of the pivot, no `shear_key`', &
+      'time of the largest friction demand'), &
+      quantity_t(id%shear_key_force_max_over_m_w_g, 'shear_key_force_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'wall', of_reactions, '`shear_key`', &
+      'largest force of the shear key over weight of wall'), &
+      quantity_t(id%t_shear_key_force_max_s, 't_shear_key_force_max_s', 's', 'time', &
+      'run ordinate', 'wall', of_reactions, '`shear_key`', 'time of that force'), &
+      quantity_t(id%friction_exceeded, 'friction_exceeded', '1', 'whether', 'run ordinate', &
+      'wall', of_reactions, '`friction_limit` of `&output`', &
+      'whether the friction demand exceeded the limit', kind='logical'), &
+      quantity_t(id%t_friction_exceeded_s, 't_friction_exceeded_s', 's', 'time', 'run ordinate', &
+      'wall', of_reactions, '`friction_limit` of `&output`, exceeded', &
       'first time at which the demand exceeds the limit'), &
-      quantity_t(id%wall_drift_max, 'wall_drift_max', 'wall_drift_max', '1', 'real', 'peak', &
-      'run ordinate', 'wall', of_reactions, '', 'largest drift of the wall'), &
-      quantity_t(id%frame_drift_max, 'frame_drift_max', 'frame_drift_max', '1', 'real', 'peak', &
-      'run ordinate', 'frame', of_reactions, '`&wall`', &
+      quantity_t(id%wall_drift_max, 'wall_drift_max', '1', 'peak', 'run ordinate', 'wall', &
+      of_reactions, '', 'largest drift of the wall'), &
+      quantity_t(id%frame_drift_max, 'frame_drift_max', '1', 'peak', 'run ordinate', 'frame', &
+      of_reactions, '`&wall`', &
       'largest displacement of the frame, that of its roof, over the wall''s height'), &
-      quantity_t(id%cable_force_increment_max_N, 'cable_force_increment_max_N', &
-      'cable_force_increment_max', 'N', 'real', 'peak', 'run ordinate', 'cable', of_displacement, &
-      'a mass', 'largest increment of the cable force', &
+      quantity_t(id%cable_force_increment_max_N, 'cable_force_increment_max_N', 'N', 'peak', &
+      'run ordinate', 'cable', of_displacement, 'a mass', 'largest increment of the cable force', &
       id%cable_force_increment_max_over_m_w_g), &
-      quantity_t(id%cable_prestress_loss_N, 'cable_prestress_loss_N', 'cable_prestress_loss', 'N', &
-      'real', 'end', 'run ordinate', 'cable', of_events, 'a mass; `eta_y` or `rupture_strain`', &
+      quantity_t(id%cable_prestress_loss_N, 'cable_prestress_loss_N', 'N', 'end', 'run ordinate', &
+      'cable', of_events, 'a mass; `eta_y` or `rupture_strain`', &
       'cable force at theta = 0 that is lost at the end', id%cable_prestress_loss_over_m_w_g), &
-      quantity_t(id%base_shear_max_N, 'base_shear_max_N', 'base_shear_max', 'N', 'real', 'peak', &
-      'run ordinate', '', of_reactions, 'a mass', 'largest base shear', &
-      id%base_shear_max_over_weight), &
-      quantity_t(id%pivot_normal_min_N, 'pivot_normal_min_N', 'pivot_normal_min', 'N', 'real', &
-      'peak', 'run ordinate', 'wall', of_reactions, 'a mass', 'smallest pivot reaction', &
-      id%pivot_normal_min_over_m_w_g), &
-      quantity_t(id%shear_key_force_max_N, 'shear_key_force_max_N', 'shear_key_force_max', 'N', &
-      'real', 'peak', 'run ordinate', 'wall', of_reactions, 'a mass; `shear_key`', &
-      'largest force of the shear key', id%shear_key_force_max_over_m_w_g), &
-      quantity_t(id%tendon_force_max_over_m_w_g, 'tendon_force_max_over_m_w_g', &
-      'tendon_force_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'cable', of_reactions, &
-      '', 'largest force of the cable over weight of wall'), &
-      quantity_t(id%tendon_force_max_N, 'tendon_force_max_N', 'tendon_force_max', 'N', 'real', &
-      'peak', 'run ordinate', 'cable', of_reactions, 'a mass', 'largest force of the cable', &
+      quantity_t(id%base_shear_max_N, 'base_shear_max_N', 'N', 'peak', 'run ordinate', '', &
+      of_reactions, 'a mass', 'largest base shear', id%base_shear_max_over_weight), &
+      quantity_t(id%pivot_normal_min_N, 'pivot_normal_min_N', 'N', 'peak', 'run ordinate', 'wall', &
+      of_reactions, 'a mass', 'smallest pivot reaction', id%pivot_normal_min_over_m_w_g), &
+      quantity_t(id%shear_key_force_max_N, 'shear_key_force_max_N', 'N', 'peak', 'run ordinate', &
+      'wall', of_reactions, 'a mass; `shear_key`', 'largest force of the shear key', &
+      id%shear_key_force_max_over_m_w_g), &
+      quantity_t(id%tendon_force_max_over_m_w_g, 'tendon_force_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'cable', of_reactions, '', &
+      'largest force of the cable over weight of wall'), &
+      quantity_t(id%tendon_force_max_N, 'tendon_force_max_N', 'N', 'peak', 'run ordinate', &
+      'cable', of_reactions, 'a mass', 'largest force of the cable', &
       id%tendon_force_max_over_m_w_g), &
-      quantity_t(id%tendon_stress_max_Pa, 'tendon_stress_max_Pa', 'tendon_stress_max', 'Pa', &
-      'real', 'peak', 'run ordinate', 'cable', of_reactions, '`strands`', &
-      'largest stress of the strands of the cable'), &
-      quantity_t(id%tendon_strain_max, 'tendon_strain_max', 'tendon_strain_max', '1', 'real', &
-      'peak', 'run ordinate', 'cable', of_reactions, '`strands` or `rupture_strain`', &
+      quantity_t(id%tendon_stress_max_Pa, 'tendon_stress_max_Pa', 'Pa', 'peak', 'run ordinate', &
+      'cable', of_reactions, '`strands`', 'largest stress of the strands of the cable'), &
+      quantity_t(id%tendon_strain_max, 'tendon_strain_max', '1', 'peak', 'run ordinate', 'cable', &
+      of_reactions, '`strands` or `rupture_strain`', &
       'largest strain of the cable, that of the prestress included'), &
-      quantity_t(id%steps, 'steps', '', '1', 'int', 'work', 'run cost', '', of_nothing, '', &
-      'accepted steps of the integrator'), &
-      quantity_t(id%rhs_evaluations, 'rhs_evaluations', '', '1', 'int', 'work', &
-      'run spectrum cost', '', of_nothing, '', 'evaluations of the right-hand side'), &
-      quantity_t(id%seconds, 'seconds', '', 's', 'real', 'work', 'run spectrum cost', '', &
-      of_nothing, '', 'wall-clock time of the integration'), &
-      quantity_t(id%method, 'method', '', '', 'text', 'before', 'run spectrum cost', '', &
-      of_nothing, '', 'integrator, or procedure that is compared'), &
-      quantity_t(id%rtol, 'rtol', '', '1', 'real', 'before', 'run cost', '', of_nothing, '', &
-      'its relative tolerance'), &
-      quantity_t(id%estimated_relative_error, 'estimated_relative_error', '', '1', 'real', &
-      'error', 'run ordinate', '', of_verification, '`accuracy` or `verify` of `&solver`', &
-      'estimated error of the peak of `accuracy_of`, over it; absent: none can be made'), &
-      quantity_t(id%estimate_seconds, 'estimate_seconds', '', 's', 'real', 'work', 'run', '', &
-      of_nothing, '`accuracy` or `verify` of `&solver`', &
-      'wall-clock time that the estimate took beyond `seconds`'), &
-      quantity_t(id%sensitivity, 'sensitivity', '', '1', 'real', 'error', 'run ordinate', '', &
-      of_verification, '`verify` of `&solver`', &
-      'relative change of the same peak per relative change of the motion'), &
-      quantity_t(id%effects, 'effects', '', '', 'list', 'before', 'run', '', of_nothing, '', &
-      'names of the effects that are simulated'), &
-      quantity_t(id%warnings, 'warnings', '', '', 'list', 'end', 'run spectrum', '', of_events, &
-      '', 'what the user should know')]
+      quantity_t(id%steps, 'steps', '1', 'work', 'run cost', '', of_nothing, '', &
+      'accepted steps of the integrator', kind='int', name='-'), &
+      quantity_t(id%rhs_evaluations, 'rhs_evaluations', '1', 'work', 'run spectrum cost', '', &
+      of_nothing, '', 'evaluations of the right-hand side', kind='int', name='-'), &
+      quantity_t(id%seconds, 'seconds', 's', 'work', 'run spectrum cost', '', of_nothing, '', &
+      'wall-clock time of the integration', name='-'), &
+      quantity_t(id%method, 'method', '', 'before', 'run spectrum cost', '', of_nothing, '', &
+      'integrator, or procedure that is compared', kind='text', name='-'), &
+      quantity_t(id%rtol, 'rtol', '1', 'before', 'run cost', '', of_nothing, '', &
+      'its relative tolerance', name='-'), &
+      quantity_t(id%estimated_relative_error, 'estimated_relative_error', '1', 'error', &
+      'run ordinate', '', of_verification, '`accuracy` or `verify` of `&solver`', &
+      'estimated error of the peak of `accuracy_of`, over it; absent: none can be made', &
+      name='-'), &
+      quantity_t(id%estimate_seconds, 'estimate_seconds', 's', 'work', 'run', '', of_nothing, &
+      '`accuracy` or `verify` of `&solver`', &
+      'wall-clock time that the estimate took beyond `seconds`', name='-'), &
+      quantity_t(id%sensitivity, 'sensitivity', '1', 'error', 'run ordinate', '', of_verification, &
+      '`verify` of `&solver`', &
+      'relative change of the same peak per relative change of the motion', name='-'), &
+      quantity_t(id%effects, 'effects', '', 'before', 'run', '', of_nothing, '', &
+      'names of the effects that are simulated', kind='list', name='-'), &
+      quantity_t(id%warnings, 'warnings', '', 'end', 'run spectrum', '', of_events, '', &
+      'what the user should know', kind='list', name='-')]
 
    !> Demands of a run, used for the design of a building. The error of accelerations is at most
    !> 100 rtol times their value times their sensitivity to the motion (at least 1).
    type(quantity_t), parameter :: demands(*) = [ &
-      quantity_t(id%storey_i_drift_max, 'storey_{i}_drift_max', 'storey_{i}_drift_max', '1', &
-      'real', 'peak', 'run ordinate', 'storeys', of_demands, '', &
-      'largest drift of storey {i} over its height'), &
-      quantity_t(id%storey_drift_max, 'storey_drift_max', 'storey_drift_max', '1', 'real', 'peak', &
-      'run ordinate', 'storeys', of_demands, '', &
-      'largest drift of all storeys over their heights'), &
-      quantity_t(id%t_storey_drift_max_s, 't_storey_drift_max_s', 't_storey_drift_max', 's', &
-      'real', 'time', 'run ordinate', 'storeys', of_demands, '', &
-      'time of the largest drift of a storey'), &
-      quantity_t(id%roof_drift_max, 'roof_drift_max', 'roof_drift_max', '1', 'real', 'peak', &
-      'run ordinate', 'frame', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t(id%storey_i_drift_max, 'storey_{i}_drift_max', '1', 'peak', 'run ordinate', &
+      'storeys', of_demands, '', 'largest drift of storey {i} over its height'), &
+      quantity_t(id%storey_drift_max, 'storey_drift_max', '1', 'peak', 'run ordinate', 'storeys', &
+      of_demands, '', 'largest drift of all storeys over their heights'), &
+      quantity_t(id%t_storey_drift_max_s, 't_storey_drift_max_s', 's', 'time', 'run ordinate', &
+      'storeys', of_demands, '', 'time of the largest drift of a storey'), &
+      quantity_t(id%roof_drift_max, 'roof_drift_max', '1', 'peak', 'run ordinate', 'frame', &
+      of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'largest displacement of the roof over its height'), &
-      quantity_t(id%t_roof_drift_max_s, 't_roof_drift_max_s', 't_roof_drift_max', 's', 'real', &
-      'time', 'run ordinate', 'frame', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t(id%t_roof_drift_max_s, 't_roof_drift_max_s', 's', 'time', 'run ordinate', &
+      'frame', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'time of the largest drift of the roof'), &
-      quantity_t(id%storey_residual_drift_max, 'storey_residual_drift_max', &
-      'storey_residual_drift_max', '1', 'real', 'end', 'run ordinate', 'yielding', of_demands, &
-      '`&storeys`', 'largest drift of a storey that unloading would leave at the end'), &
-      quantity_t(id%roof_residual_drift, 'roof_residual_drift', 'roof_residual_drift', '1', &
-      'real', 'end', 'run ordinate', 'yielding', of_demands, &
-      'a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t(id%storey_residual_drift_max, 'storey_residual_drift_max', '1', 'end', &
+      'run ordinate', 'yielding', of_demands, '`&storeys`', &
+      'largest drift of a storey that unloading would leave at the end'), &
+      quantity_t(id%roof_residual_drift, 'roof_residual_drift', '1', 'end', 'run ordinate', &
+      'yielding', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'displacement of the roof that unloading would leave over its height'), &
-      quantity_t(id%roof_residual_drift_at_rest, 'roof_residual_drift_at_rest', &
-      'roof_residual_drift_at_rest', '1', 'real', 'end', 'run ordinate', 'frame', of_demands, &
-      '`&yielding` or `&fuse`; a height; an equilibrium', &
+      quantity_t(id%roof_residual_drift_at_rest, 'roof_residual_drift_at_rest', '1', 'end', &
+      'run ordinate', 'frame', of_demands, '`&yielding` or `&fuse`; a height; an equilibrium', &
       'drift of the roof in static equilibrium after the motion'), &
-      quantity_t(id%floor_i_acceleration_max_g, 'floor_{i}_acceleration_max_g', &
-      'floor_{i}_acceleration_max_g', '1', 'real', 'peak', 'run ordinate', 'frame', of_demands, &
-      '', 'largest absolute acceleration of floor {i} over g'), &
-      quantity_t(id%floor_acceleration_max_g, 'floor_acceleration_max_g', &
-      'floor_acceleration_max_g', '1', 'real', 'peak', 'run ordinate', 'frame', of_demands, '', &
+      quantity_t(id%floor_i_acceleration_max_g, 'floor_{i}_acceleration_max_g', '1', 'peak', &
+      'run ordinate', 'frame', of_demands, '', &
+      'largest absolute acceleration of floor {i} over g'), &
+      quantity_t(id%floor_acceleration_max_g, 'floor_acceleration_max_g', '1', 'peak', &
+      'run ordinate', 'frame', of_demands, '', &
       'largest absolute acceleration of all floors over g'), &
-      quantity_t(id%t_floor_acceleration_max_s, 't_floor_acceleration_max_s', &
-      't_floor_acceleration_max', 's', 'real', 'time', 'run ordinate', 'frame', of_demands, '', &
-      'time of the largest acceleration of a floor'), &
-      quantity_t(id%storey_i_shear_max_over_m_w_g, 'storey_{i}_shear_max_over_m_w_g', &
-      'storey_{i}_shear_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'storeys', &
-      of_demands, '', &
+      quantity_t(id%t_floor_acceleration_max_s, 't_floor_acceleration_max_s', 's', 'time', &
+      'run ordinate', 'frame', of_demands, '', 'time of the largest acceleration of a floor'), &
+      quantity_t(id%storey_i_shear_max_over_m_w_g, 'storey_{i}_shear_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'storeys', of_demands, '', &
       'largest shear of the columns of storey {i} over the weight that its mass is over'), &
       quantity_t(id%overturning_moment_max_over_weight_m, 'overturning_moment_max_over_weight_m', &
-      'overturning_moment_max_over_weight', 'm', 'real', 'peak', 'run ordinate', '', of_demands, &
-      'a height: `&wall`, `&storeys` or `h_f`', &
+      'm', 'peak', 'run ordinate', '', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
       'largest moment of all horizontal inertia about the ground over the weight'), &
-      quantity_t(id%t_overturning_moment_max_s, 't_overturning_moment_max_s', &
-      't_overturning_moment_max', 's', 'real', 'time', 'run ordinate', '', of_demands, &
-      'a height: `&wall`, `&storeys` or `h_f`', 'time of the largest overturning moment'), &
-      quantity_t(id%wall_shear_max_over_m_w_g, 'wall_shear_max_over_m_w_g', &
-      'wall_shear_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_demands, '', &
-      'largest shear inside the wall over its weight'), &
-      quantity_t(id%wall_shear_max_height_m, 'wall_shear_max_height_m', 'wall_shear_max_height', &
-      'm', 'real', 'peak', 'run ordinate', 'wall', of_demands, '', 'where, above the base'), &
-      quantity_t(id%wall_moment_max_over_m_w_g_m, 'wall_moment_max_over_m_w_g_m', &
-      'wall_moment_max_over_m_w_g', 'm', 'real', 'peak', 'run ordinate', 'wall', of_demands, '', &
+      quantity_t(id%t_overturning_moment_max_s, 't_overturning_moment_max_s', 's', 'time', &
+      'run ordinate', '', of_demands, 'a height: `&wall`, `&storeys` or `h_f`', &
+      'time of the largest overturning moment'), &
+      quantity_t(id%wall_shear_max_over_m_w_g, 'wall_shear_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'wall', of_demands, '', 'largest shear inside the wall over its weight'), &
+      quantity_t(id%wall_shear_max_height_m, 'wall_shear_max_height_m', 'm', 'peak', &
+      'run ordinate', 'wall', of_demands, '', 'where, above the base'), &
+      quantity_t(id%wall_moment_max_over_m_w_g_m, 'wall_moment_max_over_m_w_g_m', 'm', 'peak', &
+      'run ordinate', 'wall', of_demands, '', &
       'largest bending moment inside the wall over its weight'), &
-      quantity_t(id%wall_moment_max_height_m, 'wall_moment_max_height_m', &
-      'wall_moment_max_height', 'm', 'real', 'peak', 'run ordinate', 'wall', of_demands, '', &
-      'where, above the base'), &
-      quantity_t(id%storey_i_shear_max_N, 'storey_{i}_shear_max_N', 'storey_{i}_shear_max', 'N', &
-      'real', 'peak', 'run ordinate', 'storeys', of_demands, 'a mass', &
-      'largest shear of the columns of storey {i}', id%storey_i_shear_max_over_m_w_g), &
-      quantity_t(id%overturning_moment_max_N_m, 'overturning_moment_max_N_m', &
-      'overturning_moment_max', 'N m', 'real', 'peak', 'run ordinate', '', of_demands, &
-      'a mass; a height: `&wall`, `&storeys` or `h_f`', &
+      quantity_t(id%wall_moment_max_height_m, 'wall_moment_max_height_m', 'm', 'peak', &
+      'run ordinate', 'wall', of_demands, '', 'where, above the base'), &
+      quantity_t(id%storey_i_shear_max_N, 'storey_{i}_shear_max_N', 'N', 'peak', 'run ordinate', &
+      'storeys', of_demands, 'a mass', 'largest shear of the columns of storey {i}', &
+      id%storey_i_shear_max_over_m_w_g), &
+      quantity_t(id%overturning_moment_max_N_m, 'overturning_moment_max_N_m', 'N m', 'peak', &
+      'run ordinate', '', of_demands, 'a mass; a height: `&wall`, `&storeys` or `h_f`', &
       'largest moment of all horizontal inertia about the ground', &
       id%overturning_moment_max_over_weight_m), &
-      quantity_t(id%wall_shear_max_N, 'wall_shear_max_N', 'wall_shear_max', 'N', 'real', 'peak', &
-      'run ordinate', 'wall', of_demands, 'a mass', 'largest shear inside the wall', &
-      id%wall_shear_max_over_m_w_g), &
-      quantity_t(id%wall_moment_max_N_m, 'wall_moment_max_N_m', 'wall_moment_max', 'N m', 'real', &
-      'peak', 'run ordinate', 'wall', of_demands, 'a mass', &
-      'largest bending moment inside the wall', id%wall_moment_max_over_m_w_g_m)]
+      quantity_t(id%wall_shear_max_N, 'wall_shear_max_N', 'N', 'peak', 'run ordinate', 'wall', &
+      of_demands, 'a mass', 'largest shear inside the wall', id%wall_shear_max_over_m_w_g), &
+      quantity_t(id%wall_moment_max_N_m, 'wall_moment_max_N_m', 'N m', 'peak', 'run ordinate', &
+      'wall', of_demands, 'a mass', 'largest bending moment inside the wall', &
+      id%wall_moment_max_over_m_w_g_m)]
 
    !> Envelopes of a run: forces for the design of members, and related quantities.
    type(quantity_t), parameter :: envelopes(*) = [ &
-      quantity_t(id%wall_shear_base_max_over_m_w_g, 'wall_shear_base_max_over_m_w_g', &
-      'wall_shear_base_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', &
-      of_envelopes, '', 'largest shear in the wall at its base over its weight'), &
-      quantity_t(id%wall_moment_base_max_over_m_w_g_m, 'wall_moment_base_max_over_m_w_g_m', &
-      'wall_moment_base_max_over_m_w_g', 'm', 'real', 'peak', 'run ordinate', 'wall', &
-      of_envelopes, '', 'largest bending moment in the wall at its base over its weight'), &
-      quantity_t(id%wall_shear_mid_max_over_m_w_g, 'wall_shear_mid_max_over_m_w_g', &
-      'wall_shear_mid_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_envelopes, &
-      '', 'largest shear in the wall at mid-height over its weight'), &
-      quantity_t(id%wall_moment_mid_max_over_m_w_g_m, 'wall_moment_mid_max_over_m_w_g_m', &
-      'wall_moment_mid_max_over_m_w_g', 'm', 'real', 'peak', 'run ordinate', 'wall', &
-      of_envelopes, '', 'largest bending moment in the wall at mid-height over its weight'), &
-      quantity_t(id%wall_shear_i_max_over_m_w_g, 'wall_shear_{i}_max_over_m_w_g', &
-      'wall_shear_{i}_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'frame', &
-      of_envelopes, '`&wall`', 'largest shear in the wall just below floor {i} over its weight'), &
-      quantity_t(id%wall_shear_i_above_max_over_m_w_g, 'wall_shear_{i}_above_max_over_m_w_g', &
-      'wall_shear_{i}_above_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'frame', &
-      of_envelopes, '`&wall`', 'largest shear in the wall just above floor {i} over its weight'), &
-      quantity_t(id%wall_moment_i_max_over_m_w_g_m, 'wall_moment_{i}_max_over_m_w_g_m', &
-      'wall_moment_{i}_max_over_m_w_g', 'm', 'real', 'peak', 'run ordinate', 'frame', &
-      of_envelopes, '`&wall`', 'largest moment in the wall just below floor {i} over its weight'), &
+      quantity_t(id%wall_shear_base_max_over_m_w_g, 'wall_shear_base_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'wall', of_envelopes, '', &
+      'largest shear in the wall at its base over its weight'), &
+      quantity_t(id%wall_moment_base_max_over_m_w_g_m, 'wall_moment_base_max_over_m_w_g_m', 'm', &
+      'peak', 'run ordinate', 'wall', of_envelopes, '', &
+      'largest bending moment in the wall at its base over its weight'), &
+      quantity_t(id%wall_shear_mid_max_over_m_w_g, 'wall_shear_mid_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'wall', of_envelopes, '', &
+      'largest shear in the wall at mid-height over its weight'), &
+      quantity_t(id%wall_moment_mid_max_over_m_w_g_m, 'wall_moment_mid_max_over_m_w_g_m', 'm', &
+      'peak', 'run ordinate', 'wall', of_envelopes, '', &
+      'largest bending moment in the wall at mid-height over its weight'), &
+      quantity_t(id%wall_shear_i_max_over_m_w_g, 'wall_shear_{i}_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'frame', of_envelopes, '`&wall`', &
+      'largest shear in the wall just below floor {i} over its weight'), &
+      quantity_t(id%wall_shear_i_above_max_over_m_w_g, 'wall_shear_{i}_above_max_over_m_w_g', '1', &
+      'peak', 'run ordinate', 'frame', of_envelopes, '`&wall`', &
+      'largest shear in the wall just above floor {i} over its weight'), &
+      quantity_t(id%wall_moment_i_max_over_m_w_g_m, 'wall_moment_{i}_max_over_m_w_g_m', 'm', &
+      'peak', 'run ordinate', 'frame', of_envelopes, '`&wall`', &
+      'largest moment in the wall just below floor {i} over its weight'), &
       quantity_t(id%wall_moment_i_above_max_over_m_w_g_m, &
-      'wall_moment_{i}_above_max_over_m_w_g_m', 'wall_moment_{i}_above_max_over_m_w_g', 'm', &
-      'real', 'peak', 'run ordinate', 'frame', of_envelopes, '`&wall`', &
-      'largest moment in the wall just above floor {i} over its weight'), &
-      quantity_t(id%link_i_force_max_over_m_w_g, 'link_{i}_force_max_over_m_w_g', &
-      'link_{i}_force_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'frame', &
-      of_envelopes, '`&wall`', &
+      'wall_moment_{i}_above_max_over_m_w_g_m', 'm', 'peak', 'run ordinate', 'frame', &
+      of_envelopes, '`&wall`', 'largest moment in the wall just above floor {i} over its weight'), &
+      quantity_t(id%link_i_force_max_over_m_w_g, 'link_{i}_force_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'frame', of_envelopes, '`&wall`', &
       'largest axial force of the link at floor {i} over weight of wall'), &
-      quantity_t(id%pivot_normal_max_over_m_w_g, 'pivot_normal_max_over_m_w_g', &
-      'pivot_normal_max_over_m_w_g', '1', 'real', 'peak', 'run ordinate', 'wall', of_envelopes, &
-      '', 'largest pivot reaction over weight of wall'), &
-      quantity_t(id%fuse_stroke_max_m, 'fuse_stroke_max_m', 'fuse_stroke_max', 'm', 'real', &
-      'peak', 'run ordinate', 'fuse', of_envelopes, '', 'largest stroke of a fuse'), &
-      quantity_t(id%fuse_stroke_sum_m, 'fuse_stroke_sum_m', 'fuse_stroke_sum', 'm', 'real', &
-      'peak', 'run ordinate', 'fuse', of_envelopes, '', &
-      'travel of a fuse there and back, of both the longer one'), &
-      quantity_t(id%floor_i_velocity_max_m_s, 'floor_{i}_velocity_max_m_s', &
-      'floor_{i}_velocity_max', 'm/s', 'real', 'peak', 'run ordinate', 'frame', of_envelopes, '', &
-      'largest absolute velocity of floor {i}'), &
-      quantity_t(id%wall_shear_base_max_N, 'wall_shear_base_max_N', 'wall_shear_base_max', 'N', &
-      'real', 'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', &
-      'largest shear in the wall at its base', id%wall_shear_base_max_over_m_w_g), &
-      quantity_t(id%wall_moment_base_max_N_m, 'wall_moment_base_max_N_m', 'wall_moment_base_max', &
-      'N m', 'real', 'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', &
+      quantity_t(id%pivot_normal_max_over_m_w_g, 'pivot_normal_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'wall', of_envelopes, '', 'largest pivot reaction over weight of wall'), &
+      quantity_t(id%fuse_stroke_max_m, 'fuse_stroke_max_m', 'm', 'peak', 'run ordinate', 'fuse', &
+      of_envelopes, '', 'largest stroke of a fuse'), &
+      quantity_t(id%fuse_stroke_sum_m, 'fuse_stroke_sum_m', 'm', 'peak', 'run ordinate', 'fuse', &
+      of_envelopes, '', 'travel of a fuse there and back, of both the longer one'), &
+      quantity_t(id%floor_i_velocity_max_m_s, 'floor_{i}_velocity_max_m_s', 'm/s', 'peak', &
+      'run ordinate', 'frame', of_envelopes, '', 'largest absolute velocity of floor {i}'), &
+      quantity_t(id%wall_shear_base_max_N, 'wall_shear_base_max_N', 'N', 'peak', 'run ordinate', &
+      'wall', of_envelopes, 'a mass', 'largest shear in the wall at its base', &
+      id%wall_shear_base_max_over_m_w_g), &
+      quantity_t(id%wall_moment_base_max_N_m, 'wall_moment_base_max_N_m', 'N m', 'peak', &
+      'run ordinate', 'wall', of_envelopes, 'a mass', &
       'largest bending moment in the wall at its base', id%wall_moment_base_max_over_m_w_g_m), &
-      quantity_t(id%wall_shear_mid_max_N, 'wall_shear_mid_max_N', 'wall_shear_mid_max', 'N', &
-      'real', 'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', &
-      'largest shear in the wall at mid-height', id%wall_shear_mid_max_over_m_w_g), &
-      quantity_t(id%wall_moment_mid_max_N_m, 'wall_moment_mid_max_N_m', 'wall_moment_mid_max', &
-      'N m', 'real', 'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', &
+      quantity_t(id%wall_shear_mid_max_N, 'wall_shear_mid_max_N', 'N', 'peak', 'run ordinate', &
+      'wall', of_envelopes, 'a mass', 'largest shear in the wall at mid-height', &
+      id%wall_shear_mid_max_over_m_w_g), &
+      quantity_t(id%wall_moment_mid_max_N_m, 'wall_moment_mid_max_N_m', 'N m', 'peak', &
+      'run ordinate', 'wall', of_envelopes, 'a mass', &
       'largest bending moment in the wall at mid-height', id%wall_moment_mid_max_over_m_w_g_m), &
-      quantity_t(id%wall_shear_i_max_N, 'wall_shear_{i}_max_N', 'wall_shear_{i}_max', 'N', &
-      'real', 'peak', 'run ordinate', 'frame', of_envelopes, 'a mass; `&wall`', &
-      'largest shear in the wall just below floor {i}', id%wall_shear_i_max_over_m_w_g), &
-      quantity_t(id%wall_shear_i_above_max_N, 'wall_shear_{i}_above_max_N', &
-      'wall_shear_{i}_above_max', 'N', 'real', 'peak', 'run ordinate', 'frame', of_envelopes, &
-      'a mass; `&wall`', 'largest shear in the wall just above floor {i}', &
-      id%wall_shear_i_above_max_over_m_w_g), &
-      quantity_t(id%wall_moment_i_max_N_m, 'wall_moment_{i}_max_N_m', 'wall_moment_{i}_max', &
-      'N m', 'real', 'peak', 'run ordinate', 'frame', of_envelopes, 'a mass; `&wall`', &
+      quantity_t(id%wall_shear_i_max_N, 'wall_shear_{i}_max_N', 'N', 'peak', 'run ordinate', &
+      'frame', of_envelopes, 'a mass; `&wall`', 'largest shear in the wall just below floor {i}', &
+      id%wall_shear_i_max_over_m_w_g), &
+      quantity_t(id%wall_shear_i_above_max_N, 'wall_shear_{i}_above_max_N', 'N', 'peak', &
+      'run ordinate', 'frame', of_envelopes, 'a mass; `&wall`', &
+      'largest shear in the wall just above floor {i}', id%wall_shear_i_above_max_over_m_w_g), &
+      quantity_t(id%wall_moment_i_max_N_m, 'wall_moment_{i}_max_N_m', 'N m', 'peak', &
+      'run ordinate', 'frame', of_envelopes, 'a mass; `&wall`', &
       'largest moment in the wall just below floor {i}', id%wall_moment_i_max_over_m_w_g_m), &
-      quantity_t(id%wall_moment_i_above_max_N_m, 'wall_moment_{i}_above_max_N_m', &
-      'wall_moment_{i}_above_max', 'N m', 'real', 'peak', 'run ordinate', 'frame', of_envelopes, &
-      'a mass; `&wall`', 'largest moment in the wall just above floor {i}', &
-      id%wall_moment_i_above_max_over_m_w_g_m), &
-      quantity_t(id%link_i_force_max_N, 'link_{i}_force_max_N', 'link_{i}_force_max', 'N', &
-      'real', 'peak', 'run ordinate', 'frame', of_envelopes, 'a mass; `&wall`', &
-      'largest axial force of the link at floor {i}', id%link_i_force_max_over_m_w_g), &
-      quantity_t(id%pivot_normal_max_N, 'pivot_normal_max_N', 'pivot_normal_max', 'N', 'real', &
-      'peak', 'run ordinate', 'wall', of_envelopes, 'a mass', 'largest pivot reaction', &
-      id%pivot_normal_max_over_m_w_g), &
-      quantity_t(id%contact_length_min_m, 'contact_length_min_m', 'contact_length_min', 'm', &
-      'real', 'peak', 'run ordinate', 'base_section', of_envelopes, '', &
-      'smallest contact length of the base'), &
-      quantity_t(id%toe_stress_max_Pa, 'toe_stress_max_Pa', 'toe_stress_max', 'Pa', 'real', &
-      'peak', 'run ordinate', 'base_section', of_envelopes, '', &
-      'largest compressive stress at the toe of the wall'), &
-      quantity_t(id%toe_strain_max, 'toe_strain_max', 'toe_strain_max', '1', 'real', 'peak', &
-      'run ordinate', 'base_section', of_envelopes, '`E` or `length`', &
-      'largest compressive strain at the toe of the wall')]
+      quantity_t(id%wall_moment_i_above_max_N_m, 'wall_moment_{i}_above_max_N_m', 'N m', 'peak', &
+      'run ordinate', 'frame', of_envelopes, 'a mass; `&wall`', &
+      'largest moment in the wall just above floor {i}', id%wall_moment_i_above_max_over_m_w_g_m), &
+      quantity_t(id%link_i_force_max_N, 'link_{i}_force_max_N', 'N', 'peak', 'run ordinate', &
+      'frame', of_envelopes, 'a mass; `&wall`', 'largest axial force of the link at floor {i}', &
+      id%link_i_force_max_over_m_w_g), &
+      quantity_t(id%pivot_normal_max_N, 'pivot_normal_max_N', 'N', 'peak', 'run ordinate', 'wall', &
+      of_envelopes, 'a mass', 'largest pivot reaction', id%pivot_normal_max_over_m_w_g), &
+      quantity_t(id%contact_length_min_m, 'contact_length_min_m', 'm', 'peak', 'run ordinate', &
+      'base_section', of_envelopes, '', 'smallest contact length of the base'), &
+      quantity_t(id%toe_stress_max_Pa, 'toe_stress_max_Pa', 'Pa', 'peak', 'run ordinate', &
+      'base_section', of_envelopes, '', 'largest compressive stress at the toe of the wall'), &
+      quantity_t(id%toe_strain_max, 'toe_strain_max', '1', 'peak', 'run ordinate', 'base_section', &
+      of_envelopes, '`E` or `length`', 'largest compressive strain at the toe of the wall')]
 
    !> Parts of the energy ledger, and its residual. Their error is at most 100 rtol times the
    !> largest part times their sensitivity to the motion (at least 1).
    type(quantity_t), parameter :: energies(*) = [ &
-      quantity_t(id%energy_input_J_per_kg, 'energy_input_J_per_kg', 'energy_input_J_per_kg', &
-      'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, '', &
+      quantity_t(id%energy_input_J_per_kg, 'energy_input_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', '', of_energy, '', &
       'work of the ground (energies over m_w; no wall: over m_s, `full`: of the roof)'), &
-      quantity_t(id%energy_kinetic_J_per_kg, 'energy_kinetic_J_per_kg', 'energy_kinetic_J_per_kg', &
-      'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, '', &
-      'kinetic energy of wall and floors'), &
-      quantity_t(id%energy_strain_J_per_kg, 'energy_strain_J_per_kg', 'energy_strain_J_per_kg', &
-      'J/kg', 'real', 'end', 'history run ordinate', 'frame', of_energy, '', &
+      quantity_t(id%energy_kinetic_J_per_kg, 'energy_kinetic_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', '', of_energy, '', 'kinetic energy of wall and floors'), &
+      quantity_t(id%energy_strain_J_per_kg, 'energy_strain_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', 'frame', of_energy, '', &
       'energy that the springs of the frame hold'), &
-      quantity_t(id%energy_gravity_J_per_kg, 'energy_gravity_J_per_kg', 'energy_gravity_J_per_kg', &
-      'J/kg', 'real', 'end', 'history run ordinate', 'wall', of_energy, '', &
-      'potential energy of the wall'), &
-      quantity_t(id%energy_cable_J_per_kg, 'energy_cable_J_per_kg', 'energy_cable_J_per_kg', &
-      'J/kg', 'real', 'end', 'history run ordinate', 'cable', of_energy, '', &
-      'work stored in the cable'), &
-      quantity_t(id%energy_effects_J_per_kg, 'energy_effects_J_per_kg', 'energy_effects_J_per_kg', &
-      'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, &
-      'an effect that stores energy', 'energy stored in fuses and other effects'), &
-      quantity_t(id%energy_viscous_J_per_kg, 'energy_viscous_J_per_kg', 'energy_viscous_J_per_kg', &
-      'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, 'a frame or a further effect', &
+      quantity_t(id%energy_gravity_J_per_kg, 'energy_gravity_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', 'wall', of_energy, '', 'potential energy of the wall'), &
+      quantity_t(id%energy_cable_J_per_kg, 'energy_cable_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', 'cable', of_energy, '', 'work stored in the cable'), &
+      quantity_t(id%energy_effects_J_per_kg, 'energy_effects_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', '', of_energy, 'an effect that stores energy', &
+      'energy stored in fuses and other effects'), &
+      quantity_t(id%energy_viscous_J_per_kg, 'energy_viscous_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', '', of_energy, 'a frame or a further effect', &
       'energy dissipated by dampers'), &
-      quantity_t(id%energy_hysteretic_J_per_kg, 'energy_hysteretic_J_per_kg', &
-      'energy_hysteretic_J_per_kg', 'J/kg', 'real', 'end', 'history run ordinate', '', of_energy, &
-      'springs that yield or break', 'energy dissipated by yielding'), &
-      quantity_t(id%energy_impact_J_per_kg, 'energy_impact_J_per_kg', 'energy_impact_J_per_kg', &
-      'J/kg', 'real', 'end', 'history run ordinate', 'wall', of_energy, '`base = ''rocking''`', &
+      quantity_t(id%energy_hysteretic_J_per_kg, 'energy_hysteretic_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', '', of_energy, 'springs that yield or break', &
+      'energy dissipated by yielding'), &
+      quantity_t(id%energy_impact_J_per_kg, 'energy_impact_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', 'wall', of_energy, '`base = ''rocking''`', &
       'energy dissipated by impacts'), &
-      quantity_t(id%energy_bending_J_per_kg, 'energy_bending_J_per_kg', &
-      'energy_bending_J_per_kg', 'J/kg', 'real', 'end', 'history run ordinate', 'bending', &
-      of_energy, '', 'strain energy of the wall that bends'), &
-      quantity_t(id%energy_bending_damping_J_per_kg, 'energy_bending_damping_J_per_kg', &
-      'energy_bending_damping_J_per_kg', 'J/kg', 'real', 'end', 'history run ordinate', 'bending', &
-      of_energy, '', 'energy dissipated by the modes of the wall'), &
-      quantity_t(id%energy_balance_relative, 'energy_balance_relative', 'energy_balance_relative', &
-      '1', 'real', 'error', 'run ordinate', '', of_energy, '', 'residual of the energy ledger')]
+      quantity_t(id%energy_bending_J_per_kg, 'energy_bending_J_per_kg', 'J/kg', 'end', &
+      'history run ordinate', 'bending', of_energy, '', 'strain energy of the wall that bends'), &
+      quantity_t(id%energy_bending_damping_J_per_kg, 'energy_bending_damping_J_per_kg', 'J/kg', &
+      'end', 'history run ordinate', 'bending', of_energy, '', &
+      'energy dissipated by the modes of the wall'), &
+      quantity_t(id%energy_balance_relative, 'energy_balance_relative', '1', 'error', &
+      'run ordinate', '', of_energy, '', 'residual of the energy ledger')]
 
    !> Additional results of spectra, sweeps and method comparisons.
    type(quantity_t), parameter :: others(*) = [ &
-      quantity_t(id%b_m, 'b_m', '', 'm', 'real', 'axis', 'spectrum', 'wall', of_nothing, '', &
+      quantity_t(id%b_m, 'b_m', 'm', 'axis', 'spectrum', 'wall', of_nothing, '', &
       'half width of the wall'), &
-      quantity_t(id%gamma, 'gamma', '', '1', 'real', 'axis', 'spectrum', 'frame', of_nothing, &
-      '`&wall`', 'mass ratio'), &
-      quantity_t(id%status, 'status', '', '', 'text', 'end', 'spectrum sweep cost', '', &
-      of_nothing, '', 'how the run ended'), &
-      quantity_t(id%threads, 'threads', '', '1', 'int', 'work', 'spectrum', '', of_nothing, '', &
-      'threads of the kernel'), &
-      quantity_t(id%theta_max_rad, 'theta_max_rad', '', 'rad', 'real', 'peak', 'cost', 'wall', &
-      of_nothing, '', 'largest rotation of the wall'), &
-      quantity_t(id%theta_end_rad, 'theta_end_rad', '', 'rad', 'real', 'end', 'cost', 'wall', &
-      of_nothing, '', 'rotation of the wall at the end'), &
-      quantity_t(id%theta_dot_end_rad_s, 'theta_dot_end_rad_s', '', 'rad/s', 'real', 'end', &
-      'cost', 'wall', of_nothing, '', 'angular velocity of the wall at the end'), &
-      quantity_t(id%t_end_s, 't_end_s', '', 's', 'real', 'end', 'cost', '', of_nothing, '', &
+      quantity_t(id%gamma, 'gamma', '1', 'axis', 'spectrum', 'frame', of_nothing, '`&wall`', &
+      'mass ratio'), &
+      quantity_t(id%status, 'status', '', 'end', 'spectrum sweep cost', '', of_nothing, '', &
+      'how the run ended', kind='text'), &
+      quantity_t(id%threads, 'threads', '1', 'work', 'spectrum', '', of_nothing, '', &
+      'threads of the kernel', kind='int'), &
+      quantity_t(id%theta_max_rad, 'theta_max_rad', 'rad', 'peak', 'cost', 'wall', of_nothing, '', &
+      'largest rotation of the wall'), &
+      quantity_t(id%theta_end_rad, 'theta_end_rad', 'rad', 'end', 'cost', 'wall', of_nothing, '', &
+      'rotation of the wall at the end'), &
+      quantity_t(id%theta_dot_end_rad_s, 'theta_dot_end_rad_s', 'rad/s', 'end', 'cost', 'wall', &
+      of_nothing, '', 'angular velocity of the wall at the end'), &
+      quantity_t(id%t_end_s, 't_end_s', 's', 'end', 'cost', '', of_nothing, '', &
       'end of the simulation'), &
-      quantity_t(id%relative_error, 'relative_error', '', '1', 'real', 'error', 'cost', '', &
-      of_nothing, '', 'of the peak, against the reference'), &
-      quantity_t(id%theta_max_relative_error, 'theta_max_relative_error', '', '1', 'real', &
-      'error', 'cost', 'wall', of_nothing, '', &
-      'of the largest rotation, against the reference'), &
-      quantity_t(id%impact_time_error_s, 'impact_time_error_s', '', 's', 'real', 'error', 'cost', &
-      'wall', of_nothing, '`base = ''rocking''`', &
+      quantity_t(id%relative_error, 'relative_error', '1', 'error', 'cost', '', of_nothing, '', &
+      'of the peak, against the reference'), &
+      quantity_t(id%theta_max_relative_error, 'theta_max_relative_error', '1', 'error', 'cost', &
+      'wall', of_nothing, '', 'of the largest rotation, against the reference'), &
+      quantity_t(id%impact_time_error_s, 'impact_time_error_s', 's', 'error', 'cost', 'wall', &
+      of_nothing, '`base = ''rocking''`', &
       'largest distance of an impact from that of the reference, chatter left out'), &
-      quantity_t(id%end_state_relative_error, 'end_state_relative_error', '', '1', 'real', &
-      'error', 'cost', '', of_nothing, '', &
+      quantity_t(id%end_state_relative_error, 'end_state_relative_error', '1', 'error', 'cost', &
+      '', of_nothing, '', &
       'of the state at the end, over the largest rotation and angular velocity'), &
-      quantity_t(id%error_estimate, 'error_estimate', '', '', 'text', 'before', 'cost', '', &
-      of_nothing, '', 'how the error of the reference is estimated'), &
-      quantity_t(id%peak, 'peak', '', '', 'text', 'before', 'cost', '', of_nothing, '', &
-      'key of the peak whose error is compared'), &
-      quantity_t(id%good_enough, 'good_enough', '', '1', 'logical', 'whether', 'cost', '', &
-      of_nothing, '', 'whether the reference is two digits better than the best method')]
+      quantity_t(id%error_estimate, 'error_estimate', '', 'before', 'cost', '', of_nothing, '', &
+      'how the error of the reference is estimated', kind='text'), &
+      quantity_t(id%peak, 'peak', '', 'before', 'cost', '', of_nothing, '', &
+      'key of the peak whose error is compared', kind='text'), &
+      quantity_t(id%good_enough, 'good_enough', '1', 'whether', 'cost', '', of_nothing, '', &
+      'whether the reference is two digits better than the best method', kind='logical')]
 
    !> All quantities. A summary and the columns of a history have this order. Sensitivities follow,
    !> see `sensitivity_row`.
@@ -749,8 +682,30 @@ contains
       place = 0
       if (key == '') return
       place = findloc(to_lower(all_quantities%key) == key, .true., dim=1)
-      if (place == 0) place = findloc(to_lower(all_quantities%name) == key, .true., dim=1)
+      if (place == 0) place = findloc(to_lower(name_of(all_quantities)) == key, .true., dim=1)
    end function place_of
+
+   !> Variable of a run's dataset in Python: the key without its unit; '' for an attribute, or
+   !> outside runs.
+   elemental character(key_length) function name_of(quantity) result(name)
+      type(quantity_t), intent(in) :: quantity
+      character(9) :: suffix
+      integer :: i, n
+
+      name = quantity%name
+      if (name == '-') name = ''
+      if (quantity%name /= '' .or. index(quantity%outputs, 'history') + index(quantity%outputs, &
+         'run') == 0) return
+      name = quantity%key
+      suffix = '_'//quantity%unit
+      do i = 1, len_trim(suffix)
+         if (scan(suffix(i:i), ' /') == 1) suffix(i:i) = '_'
+      end do
+      n = len_trim(name) - len_trim(suffix)
+      if (n > 0 .and. quantity%unit /= '') then
+         if (name(n + 1:) == suffix) name = name(:n)
+      end if
+   end function name_of
 
    !> Find the number of a floor or storey in a key: the first number between underscores.
    pure subroutine find_number(key, first, behind)
@@ -823,10 +778,10 @@ contains
    elemental type(quantity_t) function sensitivity_row(peak) result(row)
       type(quantity_t), intent(in) :: peak
 
-      row = quantity_t(sensitivity_id(peak%id), prefix//trim(peak%key), prefix//trim(peak%name), &
-         '1', 'real', 'error', 'run ordinate', peak%group, peak%observed, &
-         '`conditioning` of `&output`; a motion', &
-         'relative change of this peak per relative change of the motion')
+      row = quantity_t(sensitivity_id(peak%id), prefix//trim(peak%key), '1', 'error', &
+         'run ordinate', peak%group, peak%observed, '`conditioning` of `&output`; a motion', &
+         'relative change of this peak per relative change of the motion', &
+         name=prefix//name_of(peak))
    end function sensitivity_row
 
    !> Key of the peak of a sensitivity; any other key is unchanged.
@@ -872,8 +827,8 @@ contains
       character(:), allocatable, intent(inout) :: text
       character(*), parameter :: tab = achar(9)
 
-      text = text//trim(row%key)//tab//trim(row%name)//tab//trim(row%unit)//tab//trim(row%kind) &
-         //tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group)//tab &
+      text = text//trim(row%key)//tab//trim(name_of(row))//tab//trim(row%unit)//tab &
+         //trim(row%kind)//tab//trim(row%found)//tab//trim(row%outputs)//tab//trim(row%group)//tab &
          //trim(requested_by(row))//tab//trim(row%needs)//tab//trim(row%meaning)//new_line('a')
    end subroutine append_line
 

@@ -7,6 +7,14 @@ module rwmf_problem_record
    private
 
    public :: record_t, record_source_t, fill_source, set_factor
+   public :: horizontal_group, upward_group, sets_motion, read_once
+
+   character(*), parameter :: horizontal_group = 'motion'
+   !! group of the horizontal ground motion
+   character(*), parameter :: upward_group = 'vertical'
+   !! group of the vertical ground motion
+   character(*), parameter :: read_once = 'its record is read there'
+   !! reason why the interval of a record cannot change after it has been read
 
    !> Source of a record.
    type :: record_source_t
@@ -50,6 +58,14 @@ module rwmf_problem_record
    end type record_t
 
 contains
+
+   !> True if a group describes the ground motion.
+   elemental logical function sets_motion(group)
+      character(*), intent(in) :: group
+      !! name of the group, without &
+
+      sets_motion = group == horizontal_group .or. group == upward_group
+   end function sets_motion
 
    !> Set the source of a record from a group of the case.
    subroutine fill_source(values, group, source)

@@ -2,7 +2,7 @@
 !> meaning in that scene.
 module rwmf_problem_scene_axes
    use rwmf_core_kinds, only: wp
-   use rwmf_problem_case, only: structure_t
+   use rwmf_problem_case, only: has_floors, structure_t
    use rwmf_problem_shear_frame, only: scale_masses
    use rwmf_problem_wall_size, only: block_period, scale_to_period
    implicit none
@@ -51,7 +51,7 @@ contains
          return
       end if
       if (present(gamma) .and. allocated(structure%wall)) then
-         if (allocated(structure%storeys)) call scale_masses(structure%storeys%frame, &
+         if (has_floors(structure)) call scale_masses(structure%frame%floors, &
             gamma/structure%frame%gamma)
          structure%frame%gamma = gamma
       end if
@@ -79,7 +79,7 @@ contains
          if (T_s%has_value) T_s%value = structure%frame%T_s
          gamma%has_value = allocated(structure%frame%gamma)
          if (gamma%has_value) gamma%value = structure%frame%gamma
-         if (allocated(structure%storeys)) call name_axes_of_storeys(structure, T_s, gamma)
+         if (has_floors(structure)) call name_axes_of_floors(structure, T_s, gamma)
          if (structure%follows_size) then
             gamma%is_plain = .false.
             gamma%meaning = trim(gamma%meaning)//'; if not asked for, at the width of the case'
@@ -99,8 +99,8 @@ contains
       end if
    end subroutine list_axes
 
-   !> Describe period and mass ratio according to the coupling between storeys and wall.
-   pure subroutine name_axes_of_storeys(structure, T_s, gamma)
+   !> Describe period and mass ratio according to the coupling between floors and wall.
+   pure subroutine name_axes_of_floors(structure, T_s, gamma)
       class(structure_t), intent(in) :: structure
       type(axis_t), intent(inout) :: T_s
       type(axis_t), intent(inout) :: gamma
@@ -108,20 +108,19 @@ contains
 
       T_s%is_plain = .false.
       gamma%is_plain = .false.
-      T_s%meaning = 'first period of the storeys; all stiffnesses follow'
-      select case (structure%storeys%coupling)
+      T_s%meaning = 'first period of the frame; all stiffnesses follow'
+      select case (structure%frame%coupling)
       case ('full')
          gamma%meaning = 'mass of the roof over that of the wall'//scaled
       case ('springs')
-         T_s%meaning = 'first period of the storeys alone; the stiffnesses of storeys follow'
-         gamma%meaning = 'mass of all floors over that of the wall; the stiffnesses of storeys ' &
-            //'follow'
+         T_s%meaning = 'first period of the frame alone; its stiffnesses follow'
+         gamma%meaning = 'mass of all floors over that of the wall; their stiffnesses follow'
       case ('every_floor')
-         T_s%meaning = 'period of the storeys on a straight line; all stiffnesses follow'
-         gamma%meaning = 'mass ratio of the storeys on a straight line'//scaled
+         T_s%meaning = 'period of the frame on a straight line; all stiffnesses follow'
+         gamma%meaning = 'mass ratio of the frame on a straight line'//scaled
       case default
-         gamma%meaning = 'mass ratio of the first mode of the storeys'//scaled
+         gamma%meaning = 'mass ratio of the first mode of the frame'//scaled
       end select
-   end subroutine name_axes_of_storeys
+   end subroutine name_axes_of_floors
 
 end module rwmf_problem_scene_axes

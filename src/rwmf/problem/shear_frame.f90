@@ -7,8 +7,11 @@ module rwmf_problem_shear_frame
    implicit none
    private
 
-   public :: shear_frame_t, find_modes, enforce_straight_line, scale_masses
+   public :: floors_group, shear_frame_t, find_modes, enforce_straight_line, scale_masses
    public :: modal_mass, modal_height, roof_factor, base_shear_share, damping_matrix
+
+   character(*), parameter :: floors_group = 'storeys'
+   !! group that describes the floors of a frame
 
    !> Shear frame; floors and storeys are numbered from the ground to the roof.
    type :: shear_frame_t

@@ -2,10 +2,15 @@
 module rwmf_problem_units
    use rwmf_core_kinds, only: wp
    use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, real_of
+   use rwmf_problem_shear_frame, only: floors_group
    implicit none
    private
 
-   public :: unit_of, unit_mass, mass_of_frame
+   public :: unit_of, unit_mass, mass_of_frame, mass_keys
+
+   character(*), parameter :: mass_keys = '&frame m_s or &'//floors_group//' m (with &wall its ' &
+      //'ratio as well)'
+   !! keys that give the mass of the frame, for messages
 
 contains
 
@@ -26,8 +31,8 @@ contains
 
       if (has_group(values, 'wall')) then
          mass = real_of(values, 'wall', 'm_w')
-      else if (has_group(values, 'storeys')) then
-         mass = merge(1, 0, has_key(values, 'storeys', 'm'))
+      else if (has_group(values, floors_group)) then
+         mass = merge(1, 0, has_key(values, floors_group, 'm'))
       else
          mass = real_of(values, 'frame', 'm_s')
       end if
@@ -39,8 +44,8 @@ contains
       real(wp), allocatable :: m(:)
 
       mass = unit_mass(values)
-      if (has_group(values, 'storeys')) then
-         call get_list(values, 'storeys', 'm_over_m_w', m)
+      if (has_group(values, floors_group)) then
+         call get_list(values, floors_group, 'm_over_m_w', m)
          if (allocated(m)) mass = sum(m)*mass
       else if (has_group(values, 'wall')) then
          mass = real_of(values, 'frame', 'gamma')*mass

@@ -107,13 +107,12 @@ contains
          row%usual(2))
    end function is_usual
 
-   !> True for ratios of storeys without a wall, whose reference mass is arbitrary.
+   !> True for ratios to the mass of a wall that is absent: their reference mass is arbitrary.
    pure logical function is_over_any_mass(values, row)
       type(group_values_t), intent(in) :: values
       type(key_values_t), intent(in) :: row
 
-      is_over_any_mass = row%group == 'storeys' .and. index(row%key, '_over_m_w') > 0 &
-         .and. .not. has_group(values, 'wall')
+      is_over_any_mass = index(row%key, '_over_m_w') > 0 .and. .not. has_group(values, 'wall')
    end function is_over_any_mass
 
 end module rwmf_problem_usual_ranges

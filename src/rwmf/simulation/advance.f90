@@ -5,7 +5,7 @@ module rwmf_simulation_advance
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_interface_integrator, only: integrator_t
-   use rwmf_model_assembly, only: equation_t
+   use rwmf_model_system_assembly, only: equation_t
    use rwmf_simulation_hybrid_hybrid_loop, only: advance_hybrid
    use rwmf_simulation_lanes_batch, only: create_batch, tabulate_lines, batch_t
    use rwmf_simulation_lanes_loop, only: advance_lane

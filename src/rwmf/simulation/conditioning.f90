@@ -113,7 +113,7 @@ contains
    pure logical function has_motion(case)
       type(case_t), intent(in) :: case
 
-      has_motion = allocated(case%vertical)
+      has_motion = allocated(case%upward)
       if (allocated(case%motion)) has_motion = has_motion .or. case%motion%kind /= 'none'
    end function has_motion
 

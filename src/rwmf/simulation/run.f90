@@ -5,21 +5,23 @@ module rwmf_simulation_run
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_factory, only: new_integrator, run_method
    use rwmf_integrator_interface_integrator, only: integrator_t, tolerance_t
-   use rwmf_model_assembly, only: build_equation, cable_at, equation_t
+   use rwmf_model_system_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t, cable_strain
-   use rwmf_model_contributions, only: state_sizes
-   use rwmf_model_demands, only: building_t
-   use rwmf_model_effects_storeys_yielding_storeys, only: storey_residuals
+   use rwmf_model_system_contributions, only: state_sizes
+   use rwmf_model_system_demands, only: building_t
+   use rwmf_model_floors_yielding_storeys, only: storey_residuals
    use rwmf_model_equation, only: discrete_state_t, frame_displacement, frame_travel
-   use rwmf_model_energy, only: dissipates_hysteretically
+   use rwmf_model_system_energy, only: dissipates_hysteretically
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
    use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
-      storey_strengths, tendon_is_broken, yield_displacement
+      tendon_is_broken
    use rwmf_model_impact_rule, only: balanced_restitution, impact_law
-   use rwmf_model_rest, only: inverse_inertia
+   use rwmf_model_system_rest, only: inverse_inertia
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_frame_strength, only: has_strength, storey_strengths, yield_displacement, &
+      storeys_have_strengths
    use rwmf_problem_quantity_table, only: all_quantities, key_length
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_advance, only: advance, begin_advance
@@ -310,10 +312,7 @@ contains
       if (dissipates_hysteretically(equation)) then
          call fill_hysteresis(case, equation, hybrid, result)
       end if
-      if (allocated(case%yielding) .and. allocated(case%storeys)) then
-         if (allocated(case%yielding%storey_u_y)) call fill_storeys(case, equation, hybrid, &
-            recorder, result)
-      end if
+      if (storeys_have_strengths(case)) call fill_storeys(case, equation, hybrid, recorder, result)
       if (equation%has_wall) call fill_wall(case, equation, hybrid, recorder, result)
       if (recorder%keeps_energy) result%energy = recorder%energy
       if (allocated(recorder%forces)) then
@@ -326,7 +325,7 @@ contains
          if (.not. allocated(result%demands)) allocate (result%demands)
          call demand_extremes(recorder%demands, equation, recorder%u_max, recorder%t_u_max, &
             result%demands)
-         if (allocated(case%yielding)) call fill_residuals(recorder%demands%building, result)
+         if (has_strength(case)) call fill_residuals(recorder%demands%building, result)
       end if
       if (allocated(recorder%envelopes)) then
          if (.not. allocated(result%envelopes)) allocate (result%envelopes)
@@ -375,8 +374,8 @@ contains
          result%has_ruptured = tendon_is_broken(equation)
       end if
       if (allocated(case%fuse)) result%theta_end_over_alpha = hybrid%y(1)/equation%p%alpha
-      if (allocated(case%yielding)) then
-         if (.not. allocated(case%yielding%storey_u_y)) result%ductility = result%u_s_max &
+      if (has_strength(case)) then
+         if (.not. storeys_have_strengths(case)) result%ductility = result%u_s_max &
             /yield_displacement(case)
          if (equation%floors%yields) then
             result%residual_displacement = sum(storey_residuals(equation, hybrid%y))
@@ -415,10 +414,10 @@ contains
       type(hybrid_t), intent(in) :: hybrid
       type(recorder_t), intent(in) :: recorder
       type(result_t), intent(inout) :: result
-      real(wp) :: share(size(case%storeys%frame%m))
+      real(wp) :: share(size(case%frame%floors%m))
       !! share of each storey in the height [-]
 
-      associate (height => case%storeys%frame%height)
+      associate (height => case%frame%floors%height)
          if (equation%floors%yields) then
             result%storey_ductility = recorder%drifts/storey_strengths(case)
             result%storey_residual_drift = storey_residuals(equation, hybrid%y)
@@ -453,7 +452,7 @@ contains
       end if
       if (has_ended(hybrid)) return
       of_storeys = allocated(result%storey_residual_drift)
-      of_roof = allocated(recorder%demands) .and. (allocated(case%yielding) &
+      of_roof = allocated(recorder%demands) .and. (has_strength(case) &
          .or. allocated(case%fuse))
       if (of_roof) of_roof = recorder%demands%building%roof_height > 0
       if (.not. (of_storeys .or. of_roof)) return
@@ -464,7 +463,7 @@ contains
       u = frame_displacement(equation, state%side, y)
       if (of_roof) result%demands%roof_at_rest = u/recorder%demands%building%roof_height
       if (.not. of_storeys) return
-      associate (heights => case%storeys%frame%height)
+      associate (heights => case%frame%floors%height)
          height = sum(heights)
          result%storey_at_rest = spread(u/height, 1, size(heights))
          if (.not. equation%floors%yields) return

@@ -5,9 +5,9 @@
 module rwmf_simulation_scalars
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_problem_case, only: case_t, storeys_t
+   use rwmf_problem_case, only: case_t, has_floors
    use rwmf_problem_quantity_table, only: all_quantities, id, sensitivity_id
-   use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor
+   use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor, shear_frame_t
    use rwmf_simulation_state_newtons, only: weight_under
    use rwmf_simulation_state_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
       reaction_extremes_t, result_t
@@ -46,8 +46,8 @@ contains
       if (allocated(result%demands)) call keep_demands(result%demands, values)
       if (allocated(result%envelopes)) call keep_envelopes(result%envelopes, values)
       if (allocated(result%energy)) call keep_energies(result%energy, values)
-      if (allocated(case%storeys)) then
-         call keep_storeys(case%storeys, values)
+      if (has_floors(case)) then
+         call keep_first_mode(case%frame%floors, values)
          call keep(values, id%T_s_s, case%frame%T_s)
       end if
       if (case%unit_mass > 0) call keep_newtons(case, values)
@@ -225,17 +225,15 @@ contains
    end subroutine keep_energies
 
    !> Store the properties of the frame's first mode, including its modal mass ratio.
-   pure subroutine keep_storeys(storeys, values)
-      type(storeys_t), intent(in) :: storeys
+   pure subroutine keep_first_mode(frame, values)
+      type(shear_frame_t), intent(in) :: frame
       type(values_t), intent(inout) :: values
 
-      associate (frame => storeys%frame)
-         call keep(values, id%modal_mass_over_m_w, modal_mass(frame, 1))
-         call keep(values, id%mass_participation, modal_mass(frame, 1)/sum(frame%m))
-         call keep(values, id%modal_height_m, modal_height(frame, 1))
-         call keep(values, id%roof_factor, roof_factor(frame, 1))
-      end associate
-   end subroutine keep_storeys
+      call keep(values, id%modal_mass_over_m_w, modal_mass(frame, 1))
+      call keep(values, id%mass_participation, modal_mass(frame, 1)/sum(frame%m))
+      call keep(values, id%modal_height_m, modal_height(frame, 1))
+      call keep(values, id%roof_factor, roof_factor(frame, 1))
+   end subroutine keep_first_mode
 
    !> Convert force ratios to N and moment ratios to N m.
    pure subroutine keep_newtons(case, values)

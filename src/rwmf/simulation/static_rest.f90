@@ -11,14 +11,14 @@ module rwmf_simulation_static_rest
    use rwmf_core_kinds, only: wp
    use rwmf_model_bent_wall, only: bent_mass_matrix
    use rwmf_model_effects_loops, only: lane_rates
-   use rwmf_model_effects_storeys_yielding_storeys, only: pass_storey_limit, settle_storeys
    use rwmf_model_equation, only: discrete_state_t, enter_side, frame_travel, model_t
    use rwmf_model_floor_motion, only: storey_motion
+   use rwmf_model_floors_yielding_storeys, only: pass_storey_limit, settle_storeys
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
    use rwmf_model_hysteresis_laws, only: loading_direction, spring_limits
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, turn_back
    use rwmf_model_lanes, only: lane_motion_t
-   use rwmf_model_rest, only: hold_wall, release_wall
+   use rwmf_model_system_rest, only: hold_wall, release_wall
    implicit none
    private
 
@@ -194,7 +194,7 @@ contains
       !! (states)
 
       motion%ground = 0
-      motion%vertical = 0
+      motion%upward = 0
       call lane_rates(model%scene, state%coef, y, motion, rates)
    end subroutine still_rates
 

@@ -1,10 +1,9 @@
 !> Warnings about a case or a run: unusual input, and behaviour outside the model.
 module rwmf_simulation_warnings
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_vertical_motion, only: lowest_vertical
    use rwmf_model_impact_rule, only: balanced_restitution, mass_ratio, restitution
-   use rwmf_motion_ground_motion, only: motion_t
-   use rwmf_problem_case, only: case_t, has_numbers
+   use rwmf_motion_ground_motion, only: lowest_vertical, motion_t
+   use rwmf_problem_case, only: case_t, has_floors, has_numbers
    use rwmf_problem_usual_ranges, only: list_unusual, unusual_text
    use rwmf_simulation_state_result, only: add_warning, result_t
    use rwmf_text_strings, only: real_to_text
@@ -81,7 +80,7 @@ contains
       real(wp), allocatable :: gamma(:), b(:)
 
       call list_unusual(case%values, lines)
-      if (allocated(case%storeys) .and. size(lines) == 0) then
+      if (has_floors(case) .and. size(lines) == 0) then
          if (allocated(case%frame%T_s)) call add_line(unusual_text(case%values, 'frame', 'T_s', &
             case%frame%T_s), lines)
       end if
@@ -90,7 +89,7 @@ contains
          if (any(comes_from_landings(keys))) call add_line('forces near the base come from the ' &
             //'shocks of landings: base shear, lowest links and lowest floors depend on the ' &
             //'number of modes, the stiffness of the links, shear and damping', lines)
-      else if (allocated(case%storeys) .and. any(depends_on_bending(keys))) then
+      else if (has_floors(case) .and. any(depends_on_bending(keys))) then
          call add_line('the wall is rigid: accelerations of linked floors, link forces, and ' &
             //'shear and moment in the wall are 1.4 to 3.6 times too small; &bending gives them', &
             lines)
@@ -151,7 +150,7 @@ contains
       real(wp) :: lowest
       !! [m/s2]
 
-      if (.not. allocated(case%vertical)) return
+      if (.not. allocated(case%upward)) return
       lowest = lowest_vertical(motion, case%solver%t_end)
       if (case%model%g*(1 + prestress(case)) + lowest > 0) return
       call add_line('v_g'''' falls to '//trim(real_to_text(lowest)) &

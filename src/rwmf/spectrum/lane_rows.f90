@@ -11,11 +11,11 @@ module rwmf_spectrum_lane_rows
    use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, batch_width
    use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, &
       tsitouras_papakostas_64, tsitouras_papakostas_75
-   use rwmf_model_assembly, only: build_equation, equation_t
    use rwmf_model_scene, only: is_same_scene, scene_t
+   use rwmf_model_system_assembly, only: build_equation, equation_t
    use rwmf_motion_ground_motion, only: is_piecewise_linear, motion_t, refined_motion, &
       scaled_motion
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_floors
    use rwmf_simulation_conditioning, only: perturb
    use rwmf_simulation_finite_check, only: is_finite
    use rwmf_simulation_lanes_batch, only: create_batch, lane_state_t, leave_batch, &
@@ -130,8 +130,8 @@ contains
       next = 0
       width = 1
       if (size(ordinates) >= 2*threads) width = batch_width
-      if (allocated(queue%rows%case%storeys)) then
-         if (size(queue%rows%case%storeys%frame%m) > most_storeys) width = 1
+      if (has_floors(queue%rows%case)) then
+         if (size(queue%rows%case%frame%floors%m) > most_storeys) width = 1
       end if
       !$omp parallel num_threads(min(threads, size(ordinates))) default(shared)
       call run_batch(queue, control, width, next, ordinates)

@@ -6,6 +6,7 @@ module rwmf_spectrum_quantities
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t, has_numbers, output_t, structure_t
+   use rwmf_problem_frame_strength, only: has_strength
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_quantity_table, only: all_quantities, is_of_ordinate, is_peak, key_length, &
       look_up, of_demands, of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, &
@@ -225,7 +226,7 @@ contains
       if (allocated(result%collapsed)) result%t_collapse = 0
       if (allocated(result%storey_residual_drift)) result%storey_at_rest = &
          result%storey_residual_drift
-      if (allocated(result%demands%roof_drift_max) .and. (allocated(case%yielding) .or. &
+      if (allocated(result%demands%roof_drift_max) .and. (has_strength(case) .or. &
          allocated(case%fuse))) result%demands%roof_at_rest = 0
       if (allocated(asking%solver%accuracy) .or. asking%solver%verify) then
          result%estimated_relative_error = 0

@@ -8,8 +8,8 @@ module rwmf_spectrum_rows
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_change, only: change_case, changes_t, find_changes
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t, spectrum_spec_t, wall_t
-   use rwmf_problem_record, only: set_factor
+   use rwmf_problem_case, only: case_t, has_floors, spectrum_spec_t, wall_t
+   use rwmf_problem_record, only: set_factor, sets_motion
    use rwmf_problem_scene_axes, only: axis_t, list_axes, set_axes
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_problem_wall_size, only: scale_to_period
@@ -17,7 +17,7 @@ module rwmf_spectrum_rows
    implicit none
    private
 
-   public :: rows_t, rows_of_grid, rows_of_table, take_row, scene_of, period_of, spectrum_periods
+   public :: rows_t, rows_of_grid, rows_of_table, take_row, period_of, spectrum_periods
    public :: row_motion
 
    character(*), parameter :: axes(4) = [character(5) :: 'b', 'gamma', 'T_s', 'scale']
@@ -56,14 +56,8 @@ module rwmf_spectrum_rows
       !! columns of height and width, 0 for none
       logical :: has_own_motion = .false.
       !! the motion differs between rows
-      logical :: has_own_shape = .false.
-      !! the motion differs in more than its amplitude
-      logical :: has_own_method = .false.
-      !! the solver settings differ between rows
       logical :: has_own_estimate = .false.
       !! the requested accuracy or the use of error estimates differs between rows
-      logical :: is_one_scene = .false.
-      !! rows differ only in the period and the amplitude of the motion
    end type rows_t
 
 contains
@@ -114,7 +108,6 @@ contains
       rows%origin => case
       rows%table => values
       rows%n = size(values, 2)
-      rows%is_one_scene = .true.
       allocate (rows%key_columns(0))
       do i = 1, size(columns)
          axis = findloc(axes == columns(i), .true., dim=1)
@@ -179,8 +172,6 @@ contains
       end if
       if (allocated(error)) return
       rows%axis_column(axis) = column
-      rows%is_one_scene = rows%is_one_scene .and. (axis == axis_scale .or. (axis == axis_period &
-         .and. allocated(case%frame)))
       rows%has_own_motion = rows%has_own_motion .or. axis == axis_scale
    end subroutine add_axis
 
@@ -212,18 +203,12 @@ contains
       !! 'group.key' in lower case
       type(rows_t), intent(inout) :: rows
 
-      rows%is_one_scene = rows%is_one_scene .and. (key == 'frame.t_s' .or. key == 'motion.scale' &
-         .or. key == 'motion.a_max_g' .or. key == 'motion.v_p')
-      rows%has_own_method = rows%has_own_method .or. index(key, 'solver.') == 1 &
-         .or. index(key, 'output.') == 1
       rows%has_own_estimate = rows%has_own_estimate .or. key == 'solver.accuracy' &
          .or. key == 'solver.verify'
       if (key == 'model.g') then
          rows%has_own_motion = rows%has_own_motion .or. allocated(case%motion)
-      else if (index(key, 'motion.') == 1 .or. index(key, 'vertical.') == 1) then
+      else if (sets_motion(key(:index(key, '.') - 1))) then
          rows%has_own_motion = .true.
-         rows%has_own_shape = rows%has_own_shape .or. .not. (key == 'motion.scale' &
-            .or. key == 'motion.a_max_g' .or. key == 'motion.v_p' .or. key == 'vertical.ratio')
       end if
    end subroutine note_key
 
@@ -264,19 +249,6 @@ contains
          T_s = rows%table(rows%axis_column(axis_period), number)
       end if
    end function period_of
-
-   !> Number of the scene of a row.
-   !>
-   !> Rows of one scene differ only in the period and the amplitude of the motion.
-   pure integer function scene_of(rows, number) result(scene)
-      type(rows_t), intent(in) :: rows
-      integer, intent(in) :: number
-      !! number of the row
-
-      scene = number
-      if (.not. associated(rows%table)) scene = (number - 1)/size(rows%T_s) + 1
-      if (rows%is_one_scene) scene = 1
-   end function scene_of
 
    !> Construct the case of a row: structure, solver and, if it varies, motion.
    !>
@@ -419,7 +391,7 @@ contains
       is_allowed = ieee_is_finite(value)
       if (.not. is_allowed .or. axis == axis_scale) return
       is_allowed = value > 0 .or. (axes(axis) == 'gamma' .and. value >= 0 &
-         .and. .not. allocated(case%storeys))
+         .and. .not. has_floors(case))
    end function is_allowed
 
    !> Copy the description of the motion, without the samples of its records.
@@ -428,9 +400,9 @@ contains
       type(case_t), intent(inout) :: row
 
       row%motion = case%motion
-      if (.not. allocated(case%vertical_record)) return
-      if (.not. allocated(row%vertical_record)) allocate (row%vertical_record)
-      row%vertical_record%factor = case%vertical_record%factor
+      if (.not. allocated(case%upward_record)) return
+      if (.not. allocated(row%upward_record)) allocate (row%upward_record)
+      row%upward_record%factor = case%upward_record%factor
    end subroutine take_motion
 
    !> Apply a factor to the horizontal motion: to the scale of a record or the size of a pulse.

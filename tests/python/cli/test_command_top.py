@@ -162,6 +162,18 @@ def test_messages_that_cannot_be_written(place: str, folder: Path) -> None:
     assert (done.returncode, done.stdout[:1]) == (0, b"{")
 
 
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_warnings_stand_before_the_results(unbuffered: str, folder: Path) -> None:
+    """In a pipe for both streams as well, whatever Python buffers."""
+    coupled(model={"formulation": "published"}, solver=QUICK).to_namelist(folder / "old.nml")
+    done = _shell(f"PYTHONUNBUFFERED={unbuffered} rwmf run old.nml 2>&1")
+    lines = done.stdout.decode().splitlines()
+    warned = [line.startswith("rwmf: old.nml: warning: ") for line in lines]
+    assert any(warned)
+    assert warned == sorted(warned, reverse=True)
+    assert lines[-1].split() == ["warnings", str(sum(warned))]
+
+
 def test_names_that_are_no_utf8(folder: Path) -> None:
     """They are shown as they are; a terminal without the letters gets numbers."""
     name = os.fsdecode(b"caf\xe9.nml")

@@ -350,6 +350,7 @@ def _command() -> Iterator[tuple[subprocess.Popen[str], Client]]:
         try:
             assert process.stdout is not None
             address = process.stdout.readline().strip()
+            assert process.stdout.readline() == "Ctrl-C ends it\n"
             port, token = address.removeprefix("http://127.0.0.1:").split("/#")
             yield process, Client(int(port), token)
         finally:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import importlib.metadata
 import re
 import tomllib
+from pathlib import Path
 
 import pytest
-from checkout import ROOT
+from checkout import ROOT, run_words
 from packaging.markers import default_environment
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
@@ -95,3 +96,14 @@ def test_tools_install_packages_of_locks_only(tool: str) -> None:
     assert len(tried) == (tool == "wheel")
     for line in calls:
         assert line in tried or "--require-hashes --requirement" in " ".join(line.split())
+
+
+def test_meson_calls_the_ninja_of_the_environment(tmp_path: Path) -> None:
+    """Another one on the PATH does not read the log of the build and compiles everything again."""
+    (tmp_path / "ninja").write_text("#!/bin/sh\necho 1.11.1\n", encoding="ascii")
+    (tmp_path / "ninja").chmod(0o755)
+    program = ROOT / ".venv" / "bin"
+    words = [program / "meson", "compile", "-C", ROOT / "build", "--ninja-args=-n"]
+    found = run_words(words, tmp_path, PATH=f"{tmp_path}:/usr/bin:/bin")
+    assert found.returncode == 0, found.stderr
+    assert f" {program / 'ninja'} " in found.stdout

@@ -164,7 +164,7 @@ def test_what_axes_are_called(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.chdir(tmp_path)
     meanings = {
         "reduced": "mass ratio of the first mode",
-        "every_floor": "mass ratio of the storeys on a straight line",
+        "every_floor": "mass ratio of the frame on a straight line",
         "full": "mass of the roof over that of the wall",
     }
     for coupling, meaning in meanings.items():

@@ -84,8 +84,8 @@ contains
       type(case_t) :: case
 
       case = scene('exact', 'truss')
-      allocate (case%vertical)
-      case%vertical%ratio = 0.65_wp
+      allocate (case%upward)
+      case%upward%ratio = 0.65_wp
    end function shaken_vertically
 
    !> Scene with a tendon that yields below the rotation of the test.
@@ -105,11 +105,11 @@ contains
 
       case = scene(formulation, 'linear')
       allocate (case%yielding)
-      case%yielding%law = 'bouc_wen'
+      case%yielding%law%name = 'bouc_wen'
       case%yielding%u_y = 0.1_wp
       case%yielding%hardening = 0.07_wp
-      case%yielding%exponent = 2
-      case%yielding%beta = 0.6_wp
+      case%yielding%law%exponent = 2
+      case%yielding%law%beta = 0.6_wp
    end function hysteretic
 
    !> Scene with three unequal storeys under the roof at the wall's top.
@@ -145,7 +145,7 @@ contains
       type(case_t) :: case
 
       case = hysteretic('exact')
-      case%yielding%law = law
+      case%yielding%law%name = law
       call add_storeys(case, 'every_floor')
    end function yielding_storeys
 
@@ -155,7 +155,7 @@ contains
       type(case_t) :: case
 
       case = hysteretic('exact')
-      case%yielding%law = 'elastic_plastic'
+      case%yielding%law%name = 'elastic_plastic'
       deallocate (case%yielding%u_y)
       case%yielding%storey_u_y = [0.02_wp, 0.05_wp, 0.01_wp]
       call add_storeys(case, 'every_floor')
@@ -166,11 +166,11 @@ contains
       character(*), intent(in) :: coupling
       type(error_t), allocatable :: error
 
-      allocate (case%storeys)
-      case%storeys%coupling = coupling
-      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.5_wp]
-      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
-      case%storeys%frame%height = [2.0_wp, 1.5_wp, 0.5_wp]
+      allocate (case%frame%floors)
+      case%frame%coupling = coupling
+      case%frame%floors%m = [3.0_wp, 2.0_wp, 1.5_wp]
+      case%frame%floors%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%frame%floors%height = [2.0_wp, 1.5_wp, 0.5_wp]
       call set_equivalent_frame(case, error)
       if (allocated(error)) error stop 'storeys of the tests'
    end subroutine add_storeys

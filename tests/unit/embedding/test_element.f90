@@ -345,7 +345,7 @@ contains
       case%impact%rule = 'table'
       call create_element(element, case, error)
       call checks%has_error(error, err_input, "rule = 'table'", 'losses by a table')
-      allocate (case%vertical, case%vertical_record)
+      allocate (case%upward, case%upward_record)
       call create_element(element, case, error)
       call checks%has_error(error, err_input, '&vertical', 'vertical record')
       deallocate (case%wall)

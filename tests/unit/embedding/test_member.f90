@@ -11,12 +11,11 @@ program test_member
       wall_element_t, wall_member_t, wp
    use rwmf, only: advance_stepping, create_stepping, destroy_stepping, event_branch, &
       event_impact, event_lift_off, event_peak, event_rest, event_t, query_events, stepping_t
-   use rwmf_model_assembly, only: rates_at
-   use rwmf_model_bent_wall, only: forces_of_linked_floors
-   use rwmf_model_effects_storeys_shear_building, only: link_pulls
    use rwmf_model_equation, only: equation_t, frame_acceleration, frame_motion, ground, &
       kinematics_at, straight_displacement, vertical_ground
-   use rwmf_model_reactions, only: link_force
+   use rwmf_model_floors_floor_forces, only: forces_of_linked_floors, link_pulls
+   use rwmf_model_system_assembly, only: rates_at
+   use rwmf_model_system_reactions, only: link_force
    use rwmf_simulation_state_hybrid_state, only: has_ended, is_at_rest
    implicit none
 

@@ -148,13 +148,13 @@ contains
       n = size(wall%share)
       frame%is_free = allocated(wall%k_link)
       allocate (frame%m(n, n), frame%c(n, n), frame%k(n, n), source=0.0_wp)
-      if (.not. allocated(case%storeys)) then
+      if (.not. allocated(case%frame%floors)) then
          frame%m = m_w*case%frame%gamma
          frame%k = frame%m*omega**2
          frame%c = 2*case%frame%xi_s*omega*frame%m
          return
       end if
-      associate (storeys => case%storeys%frame)
+      associate (storeys => case%frame%floors)
          do j = 1, n
             frame%m(j, j) = m_w*storeys%m(j)
             frame%k(j, j) = m_w*storeys%k(j)

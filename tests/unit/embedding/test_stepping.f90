@@ -131,8 +131,8 @@ contains
 
       case = record_scene(method)
       if (ratio > 0) then
-         allocate (case%vertical)
-         case%vertical%ratio = ratio
+         allocate (case%upward)
+         case%upward%ratio = ratio
       end if
       call simulate(case, whole, error)
       call checks%no_error(error, method//': one run')
@@ -329,8 +329,8 @@ contains
       if (has_corners) then
          case%damper = damper_t(3.0_wp)
          case%inerter = inerter_t(1.5_wp)
-         allocate (case%vertical)
-         case%vertical%ratio = 0.65_wp
+         allocate (case%upward)
+         case%upward%ratio = 0.65_wp
       end if
       call create_element(element, case, error)
       call create_stepping(wall, case, error)

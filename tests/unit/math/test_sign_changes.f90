@@ -3,7 +3,7 @@ program test_sign_changes
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
    use rwmf_math_sign_changes, only: change_at_begin, changes_of, no_change, one_change, &
-      polygon_t, rate_polygon, root_of, roughness, unclear, value_polygon
+      is_positive, polygon_t, rate_polygon, root_of, roughness, unclear, value_polygon
    implicit none
 
    integer, parameter :: scenes = 4000, samples = 400
@@ -47,9 +47,11 @@ contains
    subroutine check_vibrations()
       real(wp) :: chance(7), f(0:2, 0:samples), angle, rough
       type(polygon_t) :: polygon
-      integer :: i, k, order, verdict, changes, wrong, quiet
+      integer :: i, k, order, verdict, changes, wrong, quiet, positive, without_change
 
       wrong = 0
+      positive = 0
+      without_change = 0
       quiet = 0
       call start_chance()
       do i = 1, scenes
@@ -67,11 +69,17 @@ contains
             changes = count(f(order, 1:)*f(order, :samples - 1) < 0)
             if (verdict == no_change .and. changes > 0) wrong = wrong + 1
             if (verdict == one_change .and. changes /= 1) wrong = wrong + 1
+            if (is_positive(1.0_wp, f(:, 0), f(:, samples), rough, 0.0_wp, order)) then
+               positive = positive + 1
+               if (verdict /= no_change) wrong = wrong + 1
+            end if
+            if (verdict == no_change) without_change = without_change + 1
             if (verdict /= unclear) quiet = quiet + 1
          end do
       end do
       call checks%that(wrong == 0, 'no verdict is wrong')
       call checks%that(quiet > 3*scenes/2, 'most spans are decided at once')
+      call checks%that(positive > 0.8_wp*without_change, 'the short test decides most of them')
    end subroutine check_vibrations
 
    !> Random numbers that are the same in every run.

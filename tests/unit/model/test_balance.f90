@@ -6,21 +6,22 @@ program test_balance
       pinned, pinned_with_corners, scene, shaken_vertically, storeys, storeys_of_pinned_wall, &
       uneven_storeys, with_inerter, with_tendon, yielding_storeys
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
-      kinematics_at, rates_at, second_derivative
-   use rwmf_model_demands, only: building_of, building_t, links_of
-   use rwmf_model_demands_loop, only: demand_constants, lane_demands
-   use rwmf_model_energy, only: powers_at
    use rwmf_model_equation, only: ground, vertical_ground
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: load_to, plastic_parts
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: of_viscous, power_count
-   use rwmf_model_reactions, only: cable_force, corner_force, friction_demand, &
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      kinematics_at, rates_at, second_derivative
+   use rwmf_model_system_demands, only: building_of, building_t, links_of
+   use rwmf_model_system_demands_loop, only: demand_constants, lane_demands, section_terms, &
+      sections
+   use rwmf_model_system_energy, only: powers_at
+   use rwmf_model_system_reactions, only: cable_force, corner_force, friction_demand, &
       link_force, reactions_at, reactions_t
-   use rwmf_model_reactions_loop, only: demand, lane_reactions, low_normal, &
+   use rwmf_model_system_reactions_loop, only: demand, lane_reactions, low_normal, &
       reaction_count, shear_of_base => shear
-   use rwmf_model_wall_sections, only: find_forces_beside, links_t
+   use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_shear_frame, only: damping_matrix
@@ -172,9 +173,9 @@ contains
          acceleration, found)
       call checks%close_to(found(1, low_normal), -reactions%normal, 'N of the loop, '//name, &
          rtol=round_off)
-      call checks%close_to(found(1, demand), friction_demand(reactions), 'demand of the loop, ' &
-         //name, rtol=10*round_off)
-      call checks%close_to(found(1, shear_of_base), abs(reactions%base_shear), 'shear of the ' &
+      call checks%close_to(abs(found(1, demand)), friction_demand(reactions), 'demand of the ' &
+         //'loop, '//name, rtol=10*round_off)
+      call checks%close_to(found(1, shear_of_base), reactions%base_shear, 'shear of the ' &
          //'loop, '//name, rtol=10*round_off)
    end subroutine check_loop
 
@@ -200,17 +201,38 @@ contains
          call search_state(recorder, equation, t, y, y_dot)
          acceleration(1, :) = [ground(equation, t), 0.0_wp]
          if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
-         allocate (found(1, reaction_count + size(recorder%largest)))
+         allocate (found(1, reaction_count + size(recorder%largest) + sections*section_terms))
          allocate (constants(1, demand_constants(floors, storeys)))
          call put_constants(recorder, constants(1, :))
          call lane_demands(equation%parts, floors, storeys, constants, equation%state%coef, &
             reshape(y, [1, size(y)]), acceleration, found)
       end associate
-      do q = 1, size(recorder%largest)
-         call checks%close_to(found(1, reaction_count + q), recorder%largest(q), &
-            'demand of the loop, '//name, rtol=1.0e-11_wp)
-      end do
+      associate (n => reaction_count + size(recorder%largest))
+         ! the last two are magnitudes, and -1 without a wall
+         found(1, reaction_count + 1:n - sections) = abs(found(1, reaction_count + 1:n - sections))
+         do q = reaction_count + 1, n
+            call checks%close_to(found(1, q), recorder%largest(q - reaction_count), &
+               'demand of the loop, '//name, rtol=1.0e-11_wp)
+         end do
+         if (.not. equation%has_wall) return
+         call check_coefficients(found(1, n - 1), found(1, n + 1:n + section_terms), &
+            'shear, '//name)
+         call check_coefficients(found(1, n), found(1, n + section_terms + 1:), 'moment, '//name)
+      end associate
    end subroutine check_demands
+
+   !> Check that the coefficients of a section force enclose its maximum along the wall, and that
+   !> the first and the last are its values at both ends.
+   subroutine check_coefficients(largest, c, name)
+      real(wp), intent(in) :: largest
+      !! [m/s2] or [m2/s2], as the coefficients
+      real(wp), intent(in) :: c(:)
+      character(*), intent(in) :: name
+
+      call checks%that(largest <= maxval(abs(c))*(1 + round_off), 'coefficients enclose '//name)
+      call checks%that(largest >= max(abs(c(1)), abs(c(size(c))))*(1 - round_off), &
+         'ends of '//name)
+   end subroutine check_coefficients
 
    !> Compare the demands of the loop over lanes with the scalar ones for a case without wall.
    subroutine check_bare_frame(case, name)
@@ -288,7 +310,7 @@ contains
       force = link_force(equation, kinematics_at(equation, y(1)), t, y, y_dot)
       moment = turn(link_corner(equation, case, y), force, equation, y)
       if (.not. has_all_links(case)) return
-      associate (frame => case%storeys%frame)
+      associate (frame => case%frame%floors)
          share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
          forces = resisting_roof(equation, case, y)*frame%k*frame%height/sum(frame%height)
          pulls = frame%m*(share*roof_ddot_of(equation, y, y_dot(2)) + ground(equation, t)) + forces
@@ -308,7 +330,7 @@ contains
       type(equation_t), intent(in) :: equation
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: y(:)
-      real(wp) :: u(size(case%storeys%frame%m))
+      real(wp) :: u(size(case%frame%floors%m))
       type(kinematics_t) :: kin
       real(wp), allocatable :: parts(:)
 
@@ -423,15 +445,15 @@ contains
       shear = equation%p%gamma*equation%p%omega_s*(equation%p%omega_s*u &
          + 2*equation%p%xi_s*slope*y(2))
       if (has_all_links(case)) then
-         shear = case%storeys%frame%k(1)*case%storeys%frame%height(1) &
-            /sum(case%storeys%frame%height)*sum(resisting_roof(equation, case, y), &
+         shear = case%frame%floors%k(1)*case%frame%floors%height(1) &
+            /sum(case%frame%floors%height)*sum(resisting_roof(equation, case, y), &
             [.true., .false., .false.])
       else if (allocated(case%yielding)) then
          associate (law => case%yielding)
             shear = shear + equation%p%gamma*equation%p%omega_s**2*(1 - law%hardening) &
                *(law%u_y*y(3) - u)
          end associate
-      else if (allocated(case%storeys)) then
+      else if (allocated(case%frame%floors)) then
          shear = storey_shear(equation, case, y, u, slope*y(2))
       end if
    end function frame_shear
@@ -440,7 +462,7 @@ contains
       type(case_t), intent(in) :: case
 
       has_all_links = .false.
-      if (allocated(case%storeys)) has_all_links = case%storeys%coupling == 'every_floor'
+      if (allocated(case%frame%floors)) has_all_links = case%frame%coupling == 'every_floor'
    end function has_all_links
 
    !> Shear of the columns of the lowest storey and of all dampers. With one mode it is the force on
@@ -457,8 +479,8 @@ contains
       real(wp) :: roof_ddot
       type(kinematics_t) :: kin
 
-      associate (frame => case%storeys%frame)
-         if (case%storeys%coupling == 'full') then
+      associate (frame => case%frame%floors)
+         if (case%frame%coupling == 'full') then
             shear = frame%k(1)*y(3) + sum(matmul(damping_matrix(frame, case%frame%xi_s), &
                [y(5:6), rate]))
             return

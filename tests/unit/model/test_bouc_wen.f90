@@ -54,9 +54,9 @@ contains
       allocate (case%yielding)
       case%yielding%u_y = u_y
       case%yielding%hardening = hardening
-      case%yielding%exponent = exponent
-      case%yielding%beta = beta
-      case%yielding%law = 'bouc_wen'
+      case%yielding%law%exponent = exponent
+      case%yielding%law%beta = beta
+      case%yielding%law%name = 'bouc_wen'
    end function hysteretic
 
    !> Check the closed forms of the first loading, from far below yielding to far beyond, and their
@@ -254,7 +254,7 @@ contains
          case%solver%rtol = 1.0e-10_wp
          call simulate(case, result, error)
          call checks%no_error(error, 'natural exponent')
-         case%yielding%exponent = exponents(i) + 1.0e-8_wp
+         case%yielding%law%exponent = exponents(i) + 1.0e-8_wp
          call simulate(case, neighbour, error)
          call checks%close_to(neighbour%residual_displacement, result%residual_displacement, &
             'a natural exponent and its neighbour', atol=1.0e-8_wp*result%u_s_max)
@@ -336,13 +336,13 @@ contains
       if (with_wall) case = rwmf_scene('exact', 5.0_wp, 0.7_wp, 'dop853')
       case = hysteretic(case, 0.03_wp, 0.05_wp, 1.0_wp, 0.5_wp)
       case%solver%t_end = 2
-      case%yielding%law = 'elastic_plastic'
+      case%yielding%law%name = 'elastic_plastic'
       call simulate(case, sharp, error)
       call checks%no_error(error, 'elastic-plastic')
       call checks%that(sharp%ductility > 1.5_wp, 'it yields, '//name)
-      case%yielding%law = 'bouc_wen'
+      case%yielding%law%name = 'bouc_wen'
       do i = 1, 2
-         case%yielding%exponent = 200.0_wp*2**i
+         case%yielding%law%exponent = 200.0_wp*2**i
          call simulate(case, result, error)
          call checks%no_error(error, 'sharp knee')
          difference(i) = result%u_s_max - sharp%u_s_max

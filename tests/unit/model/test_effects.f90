@@ -6,10 +6,10 @@ program test_effects
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
       query_state, stepping_t, wall_state_t
-   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
-      kinematics_at, second_derivative
-   use rwmf_model_jacobian, only: jacobian
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      kinematics_at, second_derivative
+   use rwmf_model_system_jacobian, only: jacobian
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_motion_polyline, only: merged_times
    use rwmf_problem_case, only: case_t, damper_t, inerter_t, link_t
@@ -90,8 +90,8 @@ contains
       type(case_t) :: case
 
       case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-      allocate (case%vertical)
-      case%vertical%ratio = ratio
+      allocate (case%upward)
+      case%upward%ratio = ratio
    end function shaken_vertically
 
    !> Check that a group absent from a case adds no loop, state or coefficient to its equation.
@@ -140,10 +140,10 @@ contains
       call checks%that(all(abs([state%theta, state%theta_dot] - whole%final_state) <= 0), &
          'a host gets the bits of one run')
       call destroy_stepping(wall)
-      deallocate (case%vertical%ratio)
-      allocate (case%vertical_record)
-      case%vertical_record%t = [0.0_wp, 1.0_wp]
-      case%vertical_record%a = [0.0_wp, 1.0_wp]
+      deallocate (case%upward%ratio)
+      allocate (case%upward_record)
+      case%upward_record%t = [0.0_wp, 1.0_wp]
+      case%upward_record%a = [0.0_wp, 1.0_wp]
       call create_stepping(wall, case, error)
       call advance_stepping(wall, [0.0_wp, 1.0_wp], [0.0_wp, 1.0_wp], error)
       call checks%has_error(error, err_input, '&vertical', 'samples of a host')

@@ -2,12 +2,12 @@
 program test_equation
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: build_equation, cable_at, enter_interval, enter_side, &
-      equation_t, interval_of, kinematics_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_jacobian, only: jacobian
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_parameters, only: parameters_t
+   use rwmf_model_system_assembly, only: build_equation, cable_at, enter_interval, enter_side, &
+      equation_t, interval_of, kinematics_at, second_derivative
+   use rwmf_model_system_jacobian, only: jacobian
    use published, only: coefficients_a, coefficients_b
    use rwmf_motion_ground_motion, only: acceleration, interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t

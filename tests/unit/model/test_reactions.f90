@@ -5,9 +5,9 @@ program test_reactions
    use reaction_scenes, only: add_storeys, column, scene
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       rates_at
-   use rwmf_model_reactions, only: reactions_at, reactions_t
+   use rwmf_model_system_reactions, only: reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, initial_t, output_t
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
@@ -58,7 +58,7 @@ contains
       call simulate(case, result, error)
       call checks%no_error(error, 'base shear of '//coupling)
       modes = merge(3, 1, coupling == 'full')
-      associate (frame => case%storeys%frame)
+      associate (frame => case%frame%floors)
          shear = (sum(frame%m) - sum([(modal_mass(frame, j), j=1, modes)])) &
             *column(result, 'u_g_ddot_m_s2')
          do j = 1, modes
@@ -94,11 +94,11 @@ contains
       do i = 1, size(couplings)
          case = scene('exact', 'linear')
          case%motion%a_max_g = 0.01_wp
-         allocate (case%storeys)
-         case%storeys%coupling = trim(couplings(i))
-         case%storeys%frame%m = [3.0_wp, 2.0_wp]
-         case%storeys%frame%k = [600.0_wp, 500.0_wp]
-         case%storeys%frame%height = [2.0_wp, 2.0_wp]
+         allocate (case%frame%floors)
+         case%frame%coupling = trim(couplings(i))
+         case%frame%floors%m = [3.0_wp, 2.0_wp]
+         case%frame%floors%k = [600.0_wp, 500.0_wp]
+         case%frame%floors%height = [2.0_wp, 2.0_wp]
          call set_equivalent_frame(case, error)
          case%frame%xi_s = 0
          case%solver%t_end = 0.999_wp

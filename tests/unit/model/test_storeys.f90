@@ -79,11 +79,11 @@ contains
       type(error_t), allocatable :: error
 
       case = rwmf_scene(formulation, 0.0_wp, 1.0_wp, method)
-      allocate (case%storeys)
-      case%storeys%coupling = coupling
-      case%storeys%frame%m = spread(m, 1, n)
-      case%storeys%frame%k = spread(m*(pi/T_1/sin(pi/(4*n + 2)))**2, 1, n)
-      case%storeys%frame%height = spread(2*case%wall%h/n, 1, n)
+      allocate (case%frame%floors)
+      case%frame%coupling = coupling
+      case%frame%floors%m = spread(m, 1, n)
+      case%frame%floors%k = spread(m*(pi/T_1/sin(pi/(4*n + 2)))**2, 1, n)
+      case%frame%floors%height = spread(2*case%wall%h/n, 1, n)
       call set_equivalent_frame(case, error)
       call checks%no_error(error, 'equivalent frame')
    end function uniform_case
@@ -152,7 +152,7 @@ contains
       call checks%close_to(case%frame%gamma, 5.0_wp, 'mass of one storey', rtol=1.0e-14_wp)
       call simulate(case, storey, error)
       call checks%no_error(error, 'one storey')
-      deallocate (case%storeys)
+      deallocate (case%frame%floors)
       call simulate(case, ordinary, error)
       call checks%close_to(storey%u_s_max, ordinary%u_s_max, 'one storey, '//coupling//', ' &
          //formulation, rtol=1.0e-10_wp)
@@ -170,12 +170,12 @@ contains
       real(wp) :: z(3)
 
       case = uniform_case(3, 2.0_wp, 1.0_wp, 'every_floor', 'exact', 'dop853')
-      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.0_wp]
-      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
-      case%storeys%frame%height = [2.0_wp, 1.5_wp, 0.5_wp]
+      case%frame%floors%m = [3.0_wp, 2.0_wp, 1.0_wp]
+      case%frame%floors%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%frame%floors%height = [2.0_wp, 1.5_wp, 0.5_wp]
       call set_equivalent_frame(case, error)
       call checks%no_error(error, 'every floor')
-      frame = case%storeys%frame
+      frame = case%frame%floors
       z = [2.0_wp, 3.5_wp, 4.0_wp]
       call checks%close_to((2*pi/case%frame%T_s)**2, sum(frame%k*frame%height**2) &
          /sum(frame%m*z**2), 'period', rtol=1.0e-14_wp)
@@ -202,9 +202,9 @@ contains
 
       case = uniform_case(3, 2.0_wp, 1.0_wp, 'every_floor', 'exact', 'dop853')
       case%wall%m_w = 1000
-      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.0_wp]
-      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
-      case%storeys%frame%height = [2.0_wp, 1.5_wp, 0.5_wp]
+      case%frame%floors%m = [3.0_wp, 2.0_wp, 1.0_wp]
+      case%frame%floors%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%frame%floors%height = [2.0_wp, 1.5_wp, 0.5_wp]
       call set_equivalent_frame(case, error)
       call checks%no_error(error, 'every floor')
       call create_stepping(stepping, case, error)
@@ -216,7 +216,7 @@ contains
       shear = 600*share(1)*(state%u_s + case%frame%xi_s*case%frame%T_s/pi*state%u_s_dot)
       call checks%close_to(forces%frame_shear, 1000*shear, 'shear of the lowest storey', &
          rtol=1.0e-13_wp)
-      call checks%close_to(forces%link, 1000*(sum(case%storeys%frame%m*(share*state%u_s_ddot &
+      call checks%close_to(forces%link, 1000*(sum(case%frame%floors%m*(share*state%u_s_ddot &
          + a)) + shear), 'all links', rtol=1.0e-13_wp)
       call destroy_stepping(stepping)
    end subroutine check_links_of_every_floor
@@ -235,7 +235,7 @@ contains
       case = uniform_case(1, 2.0_wp, 1.0_wp, 'springs', 'exact', 'dop853')
       case%wall%m_w = 1000
       case%frame%xi_s = 0
-      case%storeys%k_link = [k_link]
+      case%frame%k_link = [k_link]
       deallocate (case%cable)
       call create_stepping(stepping, case, error)
       call advance_stepping(stepping, [0.0_wp, 0.2_wp], [a, a], error)
@@ -250,7 +250,7 @@ contains
       moment = case%model%g*R*sin(alpha + state%theta) - a*R*cos(alpha + state%theta) &
          - 4*R**2/3*state%theta_ddot
       call checks%close_to(forces%link*slope, 1000*moment, 'force of the spring', rtol=1.0e-12_wp)
-      call checks%close_to(forces%frame_shear, 1000*case%storeys%frame%k(1)*(state%u_s &
+      call checks%close_to(forces%frame_shear, 1000*case%frame%floors%k(1)*(state%u_s &
          - forces%link/(1000*k_link)), 'shear of the storey', rtol=1.0e-12_wp)
       call destroy_stepping(stepping)
    end subroutine check_link_spring
@@ -271,10 +271,10 @@ contains
       call checks%no_error(error, 'bare frame')
       roof = 0
       do j = 1, 3
-         mode = frame_scene(2*pi/case%storeys%frame%omega(j), 'dop853')
+         mode = frame_scene(2*pi/case%frame%floors%omega(j), 'dop853')
          mode%solver = case%solver
          call simulate(mode, part, error)
-         roof = roof + roof_factor(case%storeys%frame, j)*part%final_state(:2)
+         roof = roof + roof_factor(case%frame%floors, j)*part%final_state(:2)
       end do
       call checks%close_to(result%final_state(1), roof(1), 'modal superposition', rtol=1.0e-8_wp)
       call checks%close_to(result%final_state(2), roof(2), 'velocity of it', rtol=1.0e-8_wp)
@@ -292,10 +292,10 @@ contains
       case = bare_case('reduced')
       call simulate(case, result, error)
       call checks%no_error(error, 'reduced bare frame')
-      mode = frame_scene(2*pi/case%storeys%frame%omega(1), 'dop853')
+      mode = frame_scene(2*pi/case%frame%floors%omega(1), 'dop853')
       mode%solver = case%solver
       call simulate(mode, part, error)
-      call checks%close_to(result%u_s_max, roof_factor(case%storeys%frame, 1)*part%u_s_max, &
+      call checks%close_to(result%u_s_max, roof_factor(case%frame%floors, 1)*part%u_s_max, &
          'reduced bare frame', rtol=1.0e-9_wp)
    end subroutine check_reduced_bare_frame
 
@@ -307,11 +307,11 @@ contains
       case = frame_scene(1.0_wp, 'dop853')
       case%solver%t_end = 1.7_wp
       case%solver%rtol = 1.0e-11_wp
-      allocate (case%storeys)
-      case%storeys%coupling = coupling
-      case%storeys%frame%m = [3.0_wp, 2.0_wp, 1.0_wp]
-      case%storeys%frame%k = [600.0_wp, 500.0_wp, 300.0_wp]
-      case%storeys%frame%height = [3.0_wp, 3.0_wp, 3.0_wp]
+      allocate (case%frame%floors)
+      case%frame%coupling = coupling
+      case%frame%floors%m = [3.0_wp, 2.0_wp, 1.0_wp]
+      case%frame%floors%k = [600.0_wp, 500.0_wp, 300.0_wp]
+      case%frame%floors%height = [3.0_wp, 3.0_wp, 3.0_wp]
       call set_equivalent_frame(case, error)
       call checks%no_error(error, 'bare frame')
    end function bare_case
@@ -328,7 +328,7 @@ contains
 
       do i = 1, 2
          case = uniform_case(3, 2.0_wp, 1.0_wp, 'full', 'exact', 'dop853')
-         case%storeys%frame%k = [240.0_wp, 60000.0_wp*4**i, 60000.0_wp*4**i]
+         case%frame%floors%k = [240.0_wp, 60000.0_wp*4**i, 60000.0_wp*4**i]
          call set_equivalent_frame(case, error)
          case%frame%xi_s = 0
          case%impact%e = 1
@@ -336,7 +336,7 @@ contains
          call simulate(case, result, error)
          call checks%no_error(error, 'stiff storeys')
          difference(i) = result%u_s_max
-         deallocate (case%storeys)
+         deallocate (case%frame%floors)
          case%frame%gamma = 6
          case%frame%T_s = 2*pi*sqrt(6/240.0_wp)
          call simulate(case, result, error)
@@ -366,7 +366,7 @@ contains
       first = findloc(result%events%kind, event_lift_off, 1)
       call checks%that(first == 1, 'the wall lifts off first')
       t = result%events(1)%t
-      associate (k => case%storeys%frame%k, m => case%storeys%frame%m, alpha => atan(0.25_wp), &
+      associate (k => case%frame%floors%k, m => case%frame%floors%m, alpha => atan(0.25_wp), &
          g => case%model%g)
          omega = sqrt((k(1) + k(2))/m(1))
          rate = case%motion%omega_p
@@ -477,7 +477,7 @@ contains
 
       case = yielding_case(4, 'full', 'exact', [1.0e9_wp], 0.1_wp)
       ! equal drifts, exactly: each storey has a quarter of the roof's displacement
-      case%storeys%frame%k = 64*[4.0_wp, 3.0_wp, 2.0_wp, 1.0_wp]
+      case%frame%floors%k = 64*[4.0_wp, 3.0_wp, 2.0_wp, 1.0_wp]
       call set_equivalent_frame(case, error)
       call checks%no_error(error, 'equivalent frame')
       call simulate(case, result, error)
@@ -503,11 +503,11 @@ contains
 
       if (.not. checks%wants('one_yielding_storey, '//law)) return
       case = yielding_case(1, coupling, formulation, [0.03_wp], 0.1_wp)
-      case%yielding%law = law
+      case%yielding%law%name = law
       case%solver%rtol = 1.0e-11_wp
       call simulate(case, result, error)
       call checks%no_error(error, 'one storey')
-      deallocate (case%storeys, case%yielding%storey_u_y)
+      deallocate (case%frame%floors, case%yielding%storey_u_y)
       case%yielding%u_y = 0.03_wp
       call simulate(case, frame, error)
       call checks%no_error(error, 'ordinary frame')
@@ -577,7 +577,7 @@ contains
 
       if (.not. checks%wants('yielding_mirror, '//law)) return
       case = yielding_case(3, 'full', 'symmetric', [0.01_wp, 0.02_wp, 0.02_wp], 0.0_wp)
-      case%yielding%law = law
+      case%yielding%law%name = law
       call simulate(case, result, error)
       case%motion%a_max_g = -case%motion%a_max_g
       call simulate(case, mirrored, error)
@@ -599,7 +599,7 @@ contains
 
       if (.not. checks%wants('yielding_energy, '//law)) return
       case = yielding_case(4, 'full', formulation, [0.01_wp, 0.015_wp, 0.02_wp, 0.01_wp], 0.02_wp)
-      case%yielding%law = law
+      case%yielding%law%name = law
       case%impact%e = e
       allocate (case%output)
       case%output%dt = 0.1_wp
@@ -617,7 +617,7 @@ contains
 
       if (.not. checks%wants('yielding_stepping, '//law)) return
       case = yielding_case(3, 'full', 'exact', [0.01_wp], 0.05_wp)
-      case%yielding%law = law
+      case%yielding%law%name = law
       case%impact%e = 0.3_wp
       call checks%that(repeats_the_bits(case, 0.02_wp, 200), 'yielding storeys in repeated steps')
    end subroutine check_yielding_stepping

@@ -3,7 +3,7 @@ program test_scene_axes
    use check, only: checks_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_problem_case, only: case_t, frame_t, storeys_t, wall_t
+   use rwmf_problem_case, only: case_t, frame_t, wall_t
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_problem_scene_axes, only: axis_t, list_axes, set_axes
    implicit none
@@ -86,13 +86,14 @@ contains
       real(wp) :: T_s
 
       case = scene(.true.)
-      case%storeys = storeys_t(coupling=coupling)
-      case%storeys%frame%m = [1.0_wp, 1.5_wp, 0.7_wp]
-      case%storeys%frame%k = [900.0_wp, 700.0_wp, 300.0_wp]
-      case%storeys%frame%height = [2.5_wp, 2.0_wp, 1.5_wp]
+      allocate (case%frame%floors)
+      case%frame%coupling = coupling
+      case%frame%floors%m = [1.0_wp, 1.5_wp, 0.7_wp]
+      case%frame%floors%k = [900.0_wp, 700.0_wp, 300.0_wp]
+      case%frame%floors%height = [2.5_wp, 2.0_wp, 1.5_wp]
       by_hand = case
-      by_hand%storeys%frame%m = factor*case%storeys%frame%m
-      by_hand%storeys%frame%k = factor*case%storeys%frame%k
+      by_hand%frame%floors%m = factor*case%frame%floors%m
+      by_hand%frame%floors%k = factor*case%frame%floors%k
       call set_equivalent_frame(case, error)
       call checks%no_error(error, 'modes')
       call set_equivalent_frame(by_hand, error)
@@ -102,11 +103,11 @@ contains
       call checks%close_to(by_hand%frame%gamma, case%frame%gamma, coupling//': mass ratio', &
          rtol=tolerance)
       call checks%close_to(by_hand%frame%T_s, T_s, coupling//': the period stays', rtol=tolerance)
-      call check_list(case%storeys%frame%m, by_hand%storeys%frame%m, 'masses', rtol=tolerance)
-      call check_list(case%storeys%frame%k, by_hand%storeys%frame%k, 'stiffnesses', &
+      call check_list(case%frame%floors%m, by_hand%frame%floors%m, 'masses', rtol=tolerance)
+      call check_list(case%frame%floors%k, by_hand%frame%floors%k, 'stiffnesses', &
          rtol=tolerance)
-      call check_list(abs(case%storeys%frame%shape(:, 1)), &
-         abs(by_hand%storeys%frame%shape(:, 1)), 'first mode', rtol=1.0e-12_wp)
+      call check_list(abs(case%frame%floors%shape(:, 1)), &
+         abs(by_hand%frame%floors%shape(:, 1)), 'first mode', rtol=1.0e-12_wp)
       call set_axes(case, T_s=2.0_wp)
       call list_axes(case, axes)
       call checks%that(names_of(axes) == 'b gamma T_s ', coupling//': axes')

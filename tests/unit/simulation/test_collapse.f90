@@ -50,7 +50,7 @@ program test_collapse
    use rwmf_core_kinds, only: pi, wp
    use rwmf_integrator_factory, only: new_integrator
    use rwmf_integrator_interface_integrator, only: integrator_t
-   use rwmf_model_assembly, only: build_equation, equation_t
+   use rwmf_model_system_assembly, only: build_equation, equation_t
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
@@ -266,11 +266,11 @@ contains
       case%motion%omega_p = 2*pi/0.3_wp
       case%motion%a_max_g = 0.5_wp
       case%solver%t_end = 4
-      allocate (case%storeys)
-      case%storeys%coupling = 'full'
-      case%storeys%frame%m = [2.0_wp, 2.0_wp, 1.0_wp]
-      case%storeys%frame%k = [300.0_wp, 200.0_wp, 150.0_wp]
-      case%storeys%frame%height = [2.0_wp, 2.0_wp, 2.0_wp]
+      allocate (case%frame%floors)
+      case%frame%coupling = 'full'
+      case%frame%floors%m = [2.0_wp, 2.0_wp, 1.0_wp]
+      case%frame%floors%k = [300.0_wp, 200.0_wp, 150.0_wp]
+      case%frame%floors%height = [2.0_wp, 2.0_wp, 2.0_wp]
       call set_equivalent_frame(case, error)
       call checks%no_error(error, 'equivalent frame')
    end function storeys_scene

@@ -7,8 +7,8 @@ program test_hybrid
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_pairs, only: dormand_prince_853
-   use rwmf_model_assembly, only: build_equation, equation_t
-   use rwmf_model_energy, only: impact_loss
+   use rwmf_model_system_assembly, only: build_equation, equation_t
+   use rwmf_model_system_energy, only: impact_loss
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, initial_t, output_t
    use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter

@@ -10,9 +10,9 @@ program test_lanes
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, &
       step_tolerance, tsitouras_papakostas_64, tsitouras_papakostas_75
-   use rwmf_model_assembly, only: build_equation, equation_t
-   use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_lanes, only: of_input, of_plastic, of_viscous, power_count
+   use rwmf_model_system_assembly, only: build_equation, equation_t
+   use rwmf_model_system_energy, only: mechanical_energy
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, cross_window, no_event

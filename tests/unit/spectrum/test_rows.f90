@@ -138,8 +138,8 @@ contains
       case = shaken_scene('exact', 'record')
       case%solver%method = 'dop853'
       case%record%factor = 0.7_wp
-      allocate (case%vertical)
-      case%vertical%ratio = 0.6_wp
+      allocate (case%upward)
+      case%upward%ratio = 0.6_wp
       do i = 1, n
          values(:, i) = [0.4_wp + 0.1_wp*i, 1.5_wp*sin(0.9_wp*i)]
       end do

@@ -5,7 +5,8 @@ module rwmf_input_groups_analysis
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_group, has_key, integer_of, &
       logical_of, real_of, text_of
-   use rwmf_problem_key, only: not_negative, optional_key, positive, usually
+   use rwmf_problem_key, only: not_negative, optional_key, positive, unless, usually
+   use rwmf_problem_record, only: upward_group
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_problem_quantity_table, only: all_quantities, canonical_key, is_peak, key_length, &
       look_up
@@ -50,8 +51,9 @@ contains
       group%keys = [ &
          optional_key('solver', 'method', 'choice', '', 'auto', all_methods, &
             'integrator; auto: dop853 for runs, a pair by tolerance for spectra; fast: auto'), &
-         optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '[1.0e-14, 0.1]', &
-            'relative tolerance; below the lower limit round-off governs every method'), &
+         unless('solver.accuracy', &
+            optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '[1.0e-14, 0.1]', &
+            'relative tolerance; below the lower limit round-off governs every method')), &
          optional_key('solver', 'accuracy', 'real', '-', '', '[2.0e-14, 0.1]', &
             'relative error of a peak asked instead of rtol'), &
          optional_key('solver', 'accuracy_of', 'text', '', '', 'see outputs.md', &
@@ -134,7 +136,7 @@ contains
          ends_with_record = text_of(values, 'motion', 'kind') == 'record'
          is_still = text_of(values, 'motion', 'kind') == 'none'
       end if
-      if (is_still) ends_with_record = has_key(values, 'vertical', 'file')
+      if (is_still) ends_with_record = has_key(values, upward_group, 'file')
    end function ends_with_record
 
    subroutine fill_solver(case, error)

@@ -5,8 +5,8 @@ module rwmf_input_groups_excitation
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_key, integer_of, real_of, &
       text_of
-   use rwmf_problem_key, only: any_real, key_t, of_kind, positive, required, usually
-   use rwmf_problem_record, only: fill_source
+   use rwmf_problem_key, only: any_real, fixed_by, key_t, of_kind, positive, required, usually
+   use rwmf_problem_record, only: fill_source, read_once
    use rwmf_problem_rules, only: check_one_of, fail_group
    implicit none
    private
@@ -54,8 +54,8 @@ contains
          of_kind(pulse_kinds, 't_0', 'real', 's', '0.0', any_real, 'start of the pulse'), &
          of_kind('record', 'file', 'text', '', '', '', &
             'path, relative to the case file; required for a record'), &
-         of_kind('record', 'dt', 'real', 's', '', positive, &
-            'sampling interval; required for one column, refused for two columns and AT2'), &
+         fixed_by(read_once, of_kind('record', 'dt', 'real', 's', '', positive, &
+            'sampling interval; required for one column, refused for two columns and AT2')), &
          of_kind('record', 'unit', 'choice', '', '', 'g m/s2 cm/s2', &
             'of the accelerations; required but for AT2, where it is refused'), &
          of_kind('record', 'scale', 'real', '-', '1.0', any_real, 'factor on the accelerations')]

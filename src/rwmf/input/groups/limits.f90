@@ -5,8 +5,8 @@
 module rwmf_input_groups_limits
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_demands, only: floor_count, lowest_link
    use rwmf_model_history_row, only: numbered
+   use rwmf_model_system_demands, only: floor_count, lowest_link
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, logical_of

@@ -6,7 +6,7 @@ module rwmf_input_groups_spectrum
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_list, get_real, get_texts, group_values_t, has_group, &
       has_key, integer_of, real_of, text_of
-   use rwmf_problem_key, only: not_negative, optional_key, positive, usually
+   use rwmf_problem_key, only: not_negative, optional_key, positive, unless, usually
    use rwmf_problem_rules, only: fail_group, fail_key
    use rwmf_problem_quantity_table, only: all_quantities, canonical_key, is_of_ordinate, is_peak, &
       key_length, look_up, own_key
@@ -32,11 +32,12 @@ contains
             optional_key('spectrum', 'T_s_max', 'real', 's', '', positive, 'longest period')), &
          optional_key('spectrum', 'n', 'integer', '', '', '[1, 1000000]', &
             'number of periods, both ends included'), &
-         optional_key('spectrum', 'spacing', 'choice', '', 'linear', 'linear log', &
-            'spacing of the periods'), &
+         unless('spectrum.T_s', &
+            optional_key('spectrum', 'spacing', 'choice', '', 'linear', 'linear log', &
+            'spacing of the periods')), &
          usually('[0.01, 1e5]', &
             optional_key('spectrum', 'gamma', 'real list', '-', '', not_negative, &
-            'mass ratios; absent: that of &frame or of &storeys')), &
+            'mass ratios; absent: that of the case')), &
          usually('[0.05, 20]', optional_key('spectrum', 'b', 'real list', 'm', '', positive, &
             'half widths; absent: that of &wall')), &
          optional_key('spectrum', 'quantities', 'text list', '', '', 'see outputs.md', &

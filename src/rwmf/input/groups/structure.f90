@@ -9,6 +9,7 @@ module rwmf_input_groups_structure
    use rwmf_problem_key, only: any_real, dimensional, not_negative, optional_key, positive, &
       required, with_si, usually
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
+   use rwmf_problem_shear_frame, only: floors_group
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -97,7 +98,7 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
 
-      if (has_group(values, 'storeys')) return
+      if (has_group(values, floors_group)) return
       if (has_group(values, 'wall') .and. .not. has_key(values, 'frame', 'gamma')) then
          call fail_group(values, 'frame', 'the key gamma is missing (mass ratio m_s/m_w): must ' &
             //'be given with &wall, a number >= 0 [-]', error)

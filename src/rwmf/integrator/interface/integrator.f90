@@ -2,7 +2,7 @@
 module rwmf_integrator_interface_integrator
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_assembly, only: equation_t, rhs
+   use rwmf_model_system_assembly, only: equation_t, rhs
    use rwmf_text_strings, only: real_to_text
    implicit none
    private

@@ -14,7 +14,7 @@ module rwmf_integrator_sundials_arkode
    use rwmf_integrator_interface_integrator, only: taylor_step, tolerance_t
    use rwmf_integrator_sundials_common, only: create_common, data_of, destroy_common, &
       evaluate_rhs, first_end, free_vector, has_failed, made, stay_silent, step_end, sundials_t
-   use rwmf_model_assembly, only: equation_t
+   use rwmf_model_system_assembly, only: equation_t
    implicit none
    private
 

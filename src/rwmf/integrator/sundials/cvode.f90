@@ -20,8 +20,8 @@ module rwmf_integrator_sundials_cvode
    use rwmf_integrator_interface_integrator, only: taylor_step, tolerance_t
    use rwmf_integrator_sundials_common, only: create_common, data_of, destroy_common, &
       evaluate_rhs, first_end, has_failed, made, stay_silent, step_end, sundials_t, too_small
-   use rwmf_model_assembly, only: equation_t
-   use rwmf_model_jacobian, only: full_jacobian
+   use rwmf_model_system_assembly, only: equation_t
+   use rwmf_model_system_jacobian, only: full_jacobian
    implicit none
    private
 

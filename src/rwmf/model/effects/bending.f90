@@ -1,7 +1,7 @@
 !> Effect `&bending`: the wall bends in modes of the uniform cantilever, in the frame that turns
 !> with the base (docs/theory/bending.md).
 module rwmf_model_effects_bending
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_beam, only: linked_floors_t, set_beam, set_floors, set_links, set_vectors
    use rwmf_model_bent_wall, only: landing
@@ -9,9 +9,9 @@ module rwmf_model_effects_bending
       shape_columns
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
       model_t
-   use rwmf_model_hysteresis_spring_set, only: count_linked_smooth
    use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
+   use rwmf_problem_frame_strength, only: count_linked_smooth
    use rwmf_problem_group_values, only: derive, group_values_t, has_group, has_key, integer_of, &
       real_of, text_of
    use rwmf_problem_key, only: dimensional, key_t, not_negative, optional_key, positive, required, &
@@ -57,7 +57,8 @@ contains
       group%fill => fill_bending
       group%is_present => has_bending
       group%add_states => add_mode_states
-      group%refuse_element => refuse_element
+      group%no_element = '&bending: the modes are states, and an element holds none; a stepping ' &
+         //'wall (create_stepping) allows it'
    end function bending_group
 
    !> Derive EI from the modulus of elasticity and the section.
@@ -308,12 +309,4 @@ contains
    end subroutine land
 
    !> Refuse an element of a host program.
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &bending: the modes are states, and an ' &
-         //'element holds none; a stepping wall (create_stepping) allows it')
-   end subroutine refuse_element
-
 end module rwmf_model_effects_bending

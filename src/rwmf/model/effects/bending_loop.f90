@@ -176,7 +176,7 @@ contains
                own(i, j, 2) = motion%rate(i)*motion%rate(i)*(coef(i, m + j)*motion%side(i) &
                   *y(i, q + j) - coef(i, 2)*coef(i, A + j)) &
                   - motion%side(i)*(coef(i, k + j)*y(i, q + j) + coef(i, c + j)*y(i, q + n + j)) &
-                  + ((coef(i, 4) + motion%vertical(i))*sine(i) - push(i)*cosine(i))*coef(i, A + j) &
+                  + ((coef(i, 4) + motion%upward(i))*sine(i) - push(i)*cosine(i))*coef(i, A + j) &
                   - cosine(i)*force(i)
             end do
          end do
@@ -510,7 +510,7 @@ contains
          sine = 2*motion%half_sine*motion%half_cosine
          cosine = 1 - 2*motion%half_sine**2
          total(:, of_bending) = total(:, of_bending) + weight*own/R**2
-         total(:, of_input) = total(:, of_input) + weight*lean_rate*(motion%vertical*sine &
+         total(:, of_input) = total(:, of_input) + weight*lean_rate*(motion%upward*sine &
             - R*motion%push*cosine)/R**2
       end associate
       if (term%floors > 0 .or. term%n == 0) return

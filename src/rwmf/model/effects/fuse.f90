@@ -1,10 +1,13 @@
 !> Hysteretic fuses under the corners of the base, `&fuse`.
 module rwmf_model_effects_fuse
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t, place_left
-   use rwmf_model_hysteresis_spring_set, only: fuses_energy
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t, &
+      place_left, place_right, sprung_t
+   use rwmf_model_hysteresis_laws, only: new_spring
+   use rwmf_model_hysteresis_spring_set, only: add_springs, fuses_energy
    use rwmf_model_scene, only: under_corner
+   use rwmf_model_spring, only: spring_t
    use rwmf_problem_case, only: case_t, fuse_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, group_values_t, has_key, real_of, text_of
@@ -34,7 +37,7 @@ contains
          usually('[1e5, 1e11]', dimensional('fuse', 'k', 'real', 'N/m', 'stroke_y', 'F_y', &
             'or the stiffness until then: stroke_y = F_y/k')), &
          optional_key('fuse', 'hardening', 'real', '-', '0.0', below_one, &
-            'stiffness of the yielding fuse over its elastic one'), &
+            'stiffness of the fuse after yield over its elastic one'), &
          optional_key('fuse', 'law', 'choice', '', 'elastic_plastic', &
             'elastic_plastic friction flag', 'bilinear, slipping, or self-centring'), &
          optional_key('fuse', 'breakaway', 'real', '-', '1.0', '[1, 10]', &
@@ -46,7 +49,8 @@ contains
       group%fill => fill_fuse
       group%is_present => has_fuse
       group%add_events => add_branch_event
-      group%refuse_element => refuse_element
+      group%no_element = '&fuse: what yields has to be remembered, and an element holds no ' &
+         //'state; a wall that steps with the host (create_stepping) does'
    end function fuse_group
 
    subroutine derive_fuse(values, error)
@@ -101,11 +105,22 @@ contains
    subroutine prepare_fuse(case, equation, fuse)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
-      !! equation with its springs
       type(contribution_t), intent(out) :: fuse
+      type(spring_t) :: spring
+      real(wp) :: stroke_y
+      !! stroke at first yield [m]
 
       fuse%is_present = has_fuse(case)
       if (.not. fuse%is_present) return
+      ! Both fuses of a hinged wall act at half the arm. They are modelled as one, that of the left
+      ! corner, with twice the stroke, since the stroke used here is that of a rocking wall.
+      stroke_y = case%fuse%stroke_y
+      if (.not. equation%has_impacts) stroke_y = 2*stroke_y
+      spring = new_spring(case%fuse%eta_y*equation%p%g/stroke_y, case%fuse%eta_y*equation%p%g, &
+         case%fuse%hardening, law=case%fuse%spring)
+      call add_springs([sprung_t(spring, place_left), sprung_t(spring, place_right)], &
+         case%model%overturning_angle, equation)
+      equation%has_fuses = equation%has_impacts
       fuse%n_coef = 3
       fuse%coefficients => fuse_coefficients
       fuse%has_sides = .true.
@@ -139,13 +154,5 @@ contains
 
       names = [character(name_length) :: names, 'branch']
    end subroutine add_branch_event
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &fuse: what yields has to be remembered, ' &
-         //'and an element holds no state; a wall that steps with the host (create_stepping) does')
-   end subroutine refuse_element
 
 end module rwmf_model_effects_fuse

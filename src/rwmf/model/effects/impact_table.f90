@@ -1,6 +1,6 @@
 !> Velocity factor at impact from a table over the velocity, `&impact rule = 'table'`.
 module rwmf_model_effects_impact_table
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
@@ -29,7 +29,8 @@ contains
       group%check => check_impact_table
       group%fill => fill_impact_table
       group%is_present => has_impact_table
-      group%refuse_element => refuse_element
+      group%no_element = "&impact rule = 'table': the host applies the velocity factor, and can " &
+         //"look it up"
    end function impact_table_group
 
    !> Check that both columns have equal length and increasing velocities; other rules have none.
@@ -78,13 +79,5 @@ contains
       has_impact_table = .false.
       if (allocated(case%impact)) has_impact_table = case%impact%rule == 'table'
    end function has_impact_table
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &impact ' &
-         //"rule = 'table': the host applies the velocity factor, and can look it up")
-   end subroutine refuse_element
 
 end module rwmf_model_effects_impact_table

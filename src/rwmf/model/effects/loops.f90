@@ -11,7 +11,7 @@ module rwmf_model_effects_loops
       vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta_loop, only: add_p_delta
    use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_excited_mass_power, &
-      add_floor_power, add_floors
+      add_floor_power, add_floors, follow_storeys
    use rwmf_model_effects_vertical_motion_loop, only: add_vertical, add_vertical_power
    use rwmf_model_effects_yielding_loop, only: add_bouc_wen, add_bouc_wen_power
    use rwmf_model_lanes, only: add_frame, add_frame_power, add_linear_cable, add_straight_cable, &
@@ -21,7 +21,7 @@ module rwmf_model_effects_loops
    implicit none
    private
 
-   public :: lane_rates, lane_powers, power_unit
+   public :: lane_rates, lane_powers, power_unit, follow_storeys
 
 contains
 

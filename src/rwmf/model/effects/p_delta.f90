@@ -4,17 +4,18 @@
 !> In a storey with relative displacement d it pushes the two floors apart with W d/height, where W
 !> is the weight above. This is a negative storey stiffness. Theory: docs/theory/storeys.md.
 module rwmf_model_effects_p_delta
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
       model_t
    use rwmf_model_floor_motion, only: storey_motion
-   use rwmf_problem_case, only: case_t, has_numbers, keep_numbers, numbers_of
+   use rwmf_problem_case, only: case_t, has_floors, has_numbers, keep_numbers, numbers_of
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_group_values, only: derive, group_values_t, has_group, has_key, real_of
-   use rwmf_problem_key, only: dimensional, not_negative, optional_key, positive, usually
+   use rwmf_problem_key, only: dimensional, not_negative, optional_key, positive, unless, usually
    use rwmf_problem_rules, only: fail_group, fail_key
-   use rwmf_problem_units, only: mass_of_frame
+   use rwmf_problem_shear_frame, only: floors_group
+   use rwmf_problem_units, only: mass_keys, mass_of_frame
    implicit none
    private
 
@@ -38,9 +39,10 @@ contains
             optional_key('p_delta', 'm_g_over_m_s', 'real', '-', '1.0', not_negative, &
             'mass whose weight leans on the frame, over the mass of the frame or of each floor')), &
          usually('[500, 1e9]', dimensional('p_delta', 'm_g', 'real', 'kg', 'm_g_over_m_s', '', &
-            'or that mass, with &storeys that of all floors', not_negative)), &
-         usually('[1, 300]', optional_key('p_delta', 'h_f', 'real', 'm', '2h', positive, &
-            'height of the frame; required without &wall, refused with &storeys')), &
+            'or that mass; of a frame with floors, the sum of all', not_negative)), &
+         unless(floors_group, &
+            usually('[1, 300]', optional_key('p_delta', 'h_f', 'real', 'm', '2h', positive, &
+            'height of the frame; required without &wall, refused with &'//floors_group))), &
          usually('[0.002, 0.5]', &
             optional_key('p_delta', 'drift_limit', 'real', '-', '0.1', positive, &
             'drift of the frame or of a storey at which it has collapsed, which ends the run'))]
@@ -49,7 +51,7 @@ contains
       group%fill => fill_p_delta
       group%is_present => has_p_delta
       group%add_events => add_collapse
-      group%refuse_element => refuse_element
+      group%no_element = "&p_delta: the frame is the host's"
    end function p_delta_group
 
    subroutine derive_p_delta(values, error)
@@ -61,8 +63,8 @@ contains
          call derive(values, 'p_delta', 'm_g_over_m_s', 'm_g', &
             [real_of(values, 'p_delta', 'm_g')/mass_of_frame(values)])
       else
-         call fail_key(values, 'p_delta', 'm_g', 'needs the mass of the frame: &frame m_s or ' &
-            //'&storeys m (with &wall its ratio as well) must be given, > 0', error)
+         call fail_key(values, 'p_delta', 'm_g', 'needs the mass of the frame: '//mass_keys &
+            //' must be given, > 0', error)
       end if
    end subroutine derive_p_delta
 
@@ -70,9 +72,9 @@ contains
       type(group_values_t), intent(in) :: values
       type(error_t), allocatable, intent(out) :: error
 
-      if (has_group(values, 'storeys')) then
+      if (has_group(values, floors_group)) then
          if (has_key(values, 'p_delta', 'h_f')) call fail_key(values, 'p_delta', 'h_f', &
-            'must not be given with &storeys, which sets the height of the frame', error)
+            'must not be given with &'//floors_group//', which sets the height of the frame', error)
       else if (.not. has_group(values, 'wall') .and. .not. has_key(values, 'p_delta', 'h_f')) then
          call fail_group(values, 'p_delta', 'the key h_f is missing (height of the frame): ' &
             //'required without &wall, a number > 0 [m]', error)
@@ -114,14 +116,14 @@ contains
    pure function leaning_loads(case) result(loads)
       type(case_t), intent(in) :: case
       !! case with `&storeys`
-      real(wp) :: loads(size(case%storeys%frame%m))
+      real(wp) :: loads(size(case%frame%floors%m))
       real(wp) :: numbers(3)
       integer :: i
 
       loads = 0
       if (.not. has_p_delta(case)) return
       numbers = numbers_of(case, 'p_delta')
-      associate (frame => case%storeys%frame)
+      associate (frame => case%frame%floors)
          loads = [(numbers(of_mass)*case%model%g*sum(frame%m(i:)), i=1, size(loads))] &
             /leaning_heights(case)
       end associate
@@ -132,9 +134,9 @@ contains
    pure function leaning_heights(case) result(height)
       type(case_t), intent(in) :: case
       !! case with `&storeys`
-      real(wp) :: height(size(case%storeys%frame%m))
+      real(wp) :: height(size(case%frame%floors%m))
 
-      height = case%storeys%frame%height
+      height = case%frame%floors%height
       if (leaning_height(case) > 0) height = leaning_height(case)
    end function leaning_heights
 
@@ -144,13 +146,6 @@ contains
 
       names = [character(name_length) :: names, 'collapsed']
    end subroutine add_collapse
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &p_delta: the frame is the host''s')
-   end subroutine refuse_element
 
    !> Prepare the P-Delta push on a single degree of freedom, on one mode, or on storeys with
    !> states.
@@ -168,7 +163,7 @@ contains
       effect%frame_force => p_delta_force
       effect%put_drifts => p_delta_drifts
       associate (g => numbers(of_mass)*equation%p%g, limit => numbers(of_limit))
-         if (allocated(case%storeys)) then
+         if (has_floors(case)) then
             call prepare_storeys(case, equation, limit, effect)
          else
             if (numbers(of_height) <= 0) numbers(of_height) = 2*case%wall%h
@@ -195,7 +190,7 @@ contains
       real(wp), allocatable :: load(:), bend(:), height(:)
       real(wp) :: push
 
-      associate (frame => case%storeys%frame, n => size(case%storeys%frame%m))
+      associate (frame => case%frame%floors, n => size(case%frame%floors%m))
          effect%drifts = n
          load = leaning_loads(case)
          height = leaning_heights(case)

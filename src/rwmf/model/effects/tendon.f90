@@ -1,7 +1,7 @@
 !> Cable that yields or breaks, `&cable eta_y, hardening, rupture_strain`, and the cable given by
 !> its strands, whose steel and length determine the forces.
 module rwmf_model_effects_tendon
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
@@ -30,7 +30,7 @@ contains
             optional_key('cable', 'eta_y', 'real', '-', '', positive, &
             'P/(m_w g) at which the tendon yields; absent: it stays elastic'))), &
          optional_key('cable', 'hardening', 'real', '-', '0.0', below_one, &
-            'stiffness of the yielding tendon over its elastic one'), &
+            'stiffness of the tendon after yield over its elastic one'), &
          usually('[0.003, 0.3]', &
             optional_key('cable', 'rupture_strain', 'real', '-', '', positive, &
             'strain at which it breaks, that of the prestress included; absent: never')), &
@@ -55,7 +55,8 @@ contains
       group%fill => fill_tendon
       group%is_present => has_tendon
       group%add_events => add_tendon_events
-      group%refuse_element => refuse_element
+      group%no_element = '&cable eta_y or rupture_strain: what yields has to be remembered, and ' &
+         //'an element holds no state; a wall that steps with the host (create_stepping) does'
    end function tendon_group
 
    !> Derive forces over the weight of the wall from stresses and from the strain at theta = alpha.
@@ -218,14 +219,5 @@ contains
          names = [character(name_length) :: names, 'rupture']
       end if
    end subroutine add_tendon_events
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &cable eta_y or rupture_strain: what yields ' &
-         //'has to be remembered, and an element holds no state; a wall that steps with the ' &
-         //'host (create_stepping) does')
-   end subroutine refuse_element
 
 end module rwmf_model_effects_tendon

@@ -3,23 +3,21 @@
 !> The cable force P does not depend on the motion of the ground, and the frame's mass moves
 !> horizontally only. So the only effect is the moment of m_w v_g'' about the pivot.
 module rwmf_model_effects_vertical_motion
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t
    use rwmf_model_scene, only: on_weight
-   use rwmf_motion_ground_motion, only: interval_end, interval_last, motion_t, turning_point, &
-      vertical_acceleration
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_group, has_key, text_of
-   use rwmf_problem_key, only: any_real, optional_key, positive
-   use rwmf_problem_record, only: fill_source
+   use rwmf_problem_key, only: any_real, fixed_by, optional_key, positive, unless
+   use rwmf_problem_record, only: fill_source, read_once
    use rwmf_problem_rules, only: check_one_of, fail_key
    implicit none
    private
 
    public :: vertical_group
-   public :: prepare_vertical, lowest_vertical
+   public :: prepare_vertical
 
 contains
 
@@ -34,16 +32,19 @@ contains
             'vertical over horizontal ground acceleration; exactly one of ratio and file'), &
          optional_key('vertical', 'file', 'text', '', '', '', &
             'record of the vertical acceleration (positive upward), relative to the case file'), &
-         optional_key('vertical', 'dt', 'real', 's', '', positive, &
-            'sampling interval; required for one column, refused for two columns and AT2'), &
+         fixed_by(read_once, optional_key('vertical', 'dt', 'real', 's', '', positive, &
+            'sampling interval; required for one column, refused for two columns and AT2')), &
          optional_key('vertical', 'unit', 'choice', '', '', 'g m/s2 cm/s2', &
             'of the accelerations; required but for AT2, where it is refused'), &
-         optional_key('vertical', 'scale', 'real', '-', '1.0', any_real, &
-            'factor on the record')]
+         unless('vertical.ratio', &
+            optional_key('vertical', 'scale', 'real', '-', '1.0', any_real, &
+            'factor on the record'))]
       group%check => check_vertical
       group%fill => fill_vertical
       group%is_present => has_vertical
-      group%refuse_element => refuse_element
+      group%is_beyond_element => has_record
+      group%no_element = '&vertical file: the host hands over the motion, and &vertical ratio ' &
+         //'follows it'
    end function vertical_group
 
    !> Check that the group gives either a ratio to the horizontal motion or a record.
@@ -75,24 +76,22 @@ contains
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      allocate (case%vertical)
-      call get_real(case%values, 'vertical', 'ratio', case%vertical%ratio)
-      call fill_source(case%values, 'vertical', case%vertical)
+      allocate (case%upward)
+      call get_real(case%values, 'vertical', 'ratio', case%upward%ratio)
+      call fill_source(case%values, 'vertical', case%upward)
    end subroutine fill_vertical
 
    pure logical function has_vertical(case)
       type(case_t), intent(in) :: case
 
-      has_vertical = allocated(case%vertical)
+      has_vertical = allocated(case%upward)
    end function has_vertical
 
-   subroutine refuse_element(case, error)
+   pure logical function has_record(case)
       type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
 
-      if (allocated(case%vertical_record)) call fail(error, err_input, 'an element has no ' &
-         //'&vertical file: the host hands over the motion, and &vertical ratio follows it')
-   end subroutine refuse_element
+      has_record = allocated(case%upward_record)
+   end function has_record
 
    !> Prepare the contribution of the vertical motion to the equation, if the case has it.
    subroutine prepare_vertical(case, equation, vertical)
@@ -116,29 +115,5 @@ contains
 
       coef(1) = 1/model%p%R
    end subroutine vertical_coefficients
-
-   !> Lowest vertical acceleration up to a time, at most zero [m/s2].
-   pure real(wp) function lowest_vertical(motion, t_end) result(lowest)
-      type(motion_t), intent(in) :: motion
-      real(wp), intent(in) :: t_end
-      !! end of the time range [s]
-      integer, parameter :: most_turns = 8
-      !! turning points of an interval; only a harmonic has more, and repeats itself after these
-      real(wp) :: t
-      !! time [s]
-      integer :: i, turn
-
-      lowest = 0
-      do i = 1, interval_last(motion) - 1
-         t = interval_end(motion, i - 1)
-         if (t > t_end) return
-         lowest = min(lowest, vertical_acceleration(motion, i, t))
-         do turn = 1, most_turns
-            if (t >= min(interval_end(motion, i), t_end)) exit
-            t = min(turning_point(motion, i, t), t_end)
-            lowest = min(lowest, vertical_acceleration(motion, i, t))
-         end do
-      end do
-   end function lowest_vertical
 
 end module rwmf_model_effects_vertical_motion

@@ -18,7 +18,7 @@ contains
 
       !$omp simd
       do i = 1, lane_count
-         motion%moment(i) = motion%moment(i) - coef(i)*motion%vertical(i)*motion%s(i)
+         motion%moment(i) = motion%moment(i) - coef(i)*motion%upward(i)*motion%s(i)
       end do
    end subroutine add_vertical
 
@@ -35,7 +35,7 @@ contains
 
       !$omp simd
       do i = 1, lane_count
-         total(i, of_input) = total(i, of_input) - weight*(coef(i)*motion%vertical(i)*motion%s(i) &
+         total(i, of_input) = total(i, of_input) - weight*(coef(i)*motion%upward(i)*motion%s(i) &
             *motion%rate(i))
       end do
    end subroutine add_vertical_power

@@ -1,21 +1,23 @@
 !> Inelastic frame, `&yielding`: its strength as one spring or storey by storey, its law, and the
 !> ductility at collapse.
 module rwmf_model_effects_yielding
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
-      frame_travel, model_t
+      frame_travel, model_t, place_frame, sprung_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_sizes, &
       prepare_bouc_wen
-   use rwmf_model_hysteresis_spring_set, only: first_yield, has_branches, storey_strengths, &
-      yield_displacement, yielding_energy
+   use rwmf_model_hysteresis_laws, only: new_spring
+   use rwmf_model_hysteresis_spring_set, only: add_springs, yielding_energy
    use rwmf_model_hysteresis_storey_springs, only: choose_storey_springs
    use rwmf_model_scene, only: through_link
-   use rwmf_problem_case, only: case_t, has_all_modes, has_numbers, spring_law_t
+   use rwmf_problem_case, only: case_t, has_all_modes, has_floors, has_numbers, spring_law_t
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_single_storey
+   use rwmf_problem_frame_strength, only: has_branches, storey_strengths, yield_displacement, &
+      storeys_have_strengths
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
       has_key, real_of, text_of
    use rwmf_problem_key, only: below_one, dimensional, optional_key, positive, usually
@@ -85,7 +87,7 @@ contains
       group%is_present => has_yielding
       group%add_states => add_hysteretic_states
       group%add_events => add_yielding_events
-      group%refuse_element => refuse_element
+      group%no_element = "&yielding: the frame is the host's"
    end function yielding_group
 
    !> Derive yield forces over the weight of the frame, and those of storeys over their stiffness.
@@ -365,11 +367,8 @@ contains
       call get_real(case%values, 'yielding', 'f_y_over_m_s_g', case%yielding%f_y_over_m_s_g)
       call get_list(case%values, 'yielding', 'storey_u_y', case%yielding%storey_u_y)
       case%yielding%hardening = real_of(case%values, 'yielding', 'hardening')
-      case%yielding%law = text_of(case%values, 'yielding', 'law')
-      case%yielding%exponent = real_of(case%values, 'yielding', 'exponent')
-      case%yielding%beta = real_of(case%values, 'yielding', 'beta')
       call get_real(case%values, 'yielding', 'ultimate', case%yielding%ultimate)
-      call fill_law(case%values, case%yielding%spring)
+      call fill_law(case%values, case%yielding%law)
       if (has_group(case%values, 'bending')) call yield_by_storey(case, error)
    end subroutine fill_yielding
 
@@ -385,22 +384,25 @@ contains
       ! the strength may follow the period (`storey_strengths`)
       u_y = 0
       if (allocated(case%yielding%u_y)) u_y = case%yielding%u_y
-      if (.not. allocated(case%storeys)) then
+      if (.not. has_floors(case)) then
          case%yielding%storey_u_y = [u_y]
          call set_single_storey(case, error)
-      else if (case%storeys%coupling == 'every_floor') then
-         associate (height => case%storeys%frame%height)
+      else if (case%frame%coupling == 'every_floor') then
+         associate (height => case%frame%floors%height)
             case%yielding%storey_u_y = u_y*(height/sum(height))
          end associate
       end if
    end subroutine yield_by_storey
 
-   !> Read the numbers of a law of straight lines.
+   !> Read the hysteresis law.
    subroutine fill_law(values, law)
       type(group_values_t), intent(in) :: values
       type(spring_law_t), intent(inout) :: law
       real(wp), allocatable :: list(:)
 
+      law%name = text_of(values, 'yielding', 'law')
+      law%exponent = real_of(values, 'yielding', 'exponent')
+      law%beta = real_of(values, 'yielding', 'beta')
       law%breakaway = real_of(values, 'yielding', 'breakaway')
       law%flag_height = real_of(values, 'yielding', 'flag_height')
       if (has_key(values, 'yielding', 'cap')) law%cap = real_of(values, 'yielding', 'cap')
@@ -436,7 +438,6 @@ contains
    subroutine prepare_yielding(case, equation, yielding)
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
-      !! equation with its springs
       type(contribution_t), intent(out) :: yielding
 
       yielding%is_present = has_yielding(case)
@@ -445,7 +446,9 @@ contains
       if (equation%floors%yields) return
       if (has_numbers(case, 'bending')) then
          call prepare_roof(case, equation, yielding)
-      else if (has_branches(case%yielding)) then
+      else if (has_branches(case)) then
+         call add_springs(frame_springs(case, equation%p%omega_squared), &
+            case%model%overturning_angle, equation)
          yielding%frame_energy => yielding_energy
       else
          call prepare_bouc_wen(case, equation)
@@ -453,12 +456,42 @@ contains
          yielding%frame_energy => bouc_wen_energy
          yielding%sizes => bouc_wen_sizes
       end if
-      if (has_branches(case%yielding)) return
+      if (has_branches(case)) return
       yielding%n_coef = 4
       yielding%coefficients => bouc_wen_coefficients
       yielding%acts = through_link
       yielding%states = 1
    end subroutine prepare_yielding
+
+   !> Create the spring of the frame, or one for each storey if the floors are linked to the wall
+   !> along a straight line. All of them follow the roof.
+   function frame_springs(case, stiffness) result(springs)
+      type(case_t), intent(in) :: case
+      real(wp), intent(in) :: stiffness
+      !! stiffness of the frame over m_s [1/s2]
+      type(sprung_t), allocatable :: springs(:)
+      real(wp), allocatable :: shares(:)
+      !! (springs) shares of the stiffness [-]
+      real(wp), allocatable :: u_y(:)
+      !! (springs) displacement of the roof at first yield of each [m]
+      integer :: i
+
+      shares = [1.0_wp]
+      if (.not. storeys_have_strengths(case)) then
+         u_y = [yield_displacement(case)]
+      else
+         associate (floors => case%frame%floors)
+            shares = floors%k*floors%height**2
+            shares = shares/sum(shares)
+            u_y = storey_strengths(case)*sum(floors%height)/floors%height
+         end associate
+      end if
+      allocate (springs(size(shares)))
+      do i = 1, size(shares)
+         springs(i) = sprung_t(new_spring(stiffness*shares(i), stiffness*shares(i)*u_y(i), &
+            case%yielding%hardening, law=case%yielding%law), place_frame, shares(i))
+      end do
+   end function frame_springs
 
    !> Let the frame beside a bending wall yield as one spring at the roof.
    subroutine prepare_roof(case, equation, yielding)
@@ -467,8 +500,7 @@ contains
       type(contribution_t), intent(inout) :: yielding
 
       equation%floors%n_storeys = 1
-      call choose_storey_springs(case%yielding, first_yield(case, 1), &
-         [frame_mass(equation)*equation%p%omega_squared], equation)
+      call choose_storey_springs(case, [frame_mass(equation)*equation%p%omega_squared], equation)
       equation%state%frame_slope = equation%state%storey_branches(1)%slope/frame_mass(equation)
       if (.not. allocated(equation%floors%laws)) return
       equation%floors%laws%place = equation%scene%n + 1
@@ -502,7 +534,7 @@ contains
          u_y = [yield_displacement(case)]
       else
          u_y = storey_strengths(case)
-         associate (height => case%storeys%frame%height)
+         associate (height => case%frame%floors%height)
             if (equation%floors%n_storeys == 0) u_y = [sum(height)*minval(u_y/height)]
          end associate
       end if
@@ -548,14 +580,13 @@ contains
       character(name_length), allocatable :: states(:)
       integer :: i
 
-      if (.not. allocated(case%yielding%law)) return
-      if (case%yielding%law /= 'bouc_wen') return
-      if (allocated(case%storeys)) then
+      if (has_branches(case)) return
+      if (has_floors(case)) then
          ! states of floors that are linked to a bending wall one by one follow those of its modes
-         if (case%storeys%coupling == 'every_floor' .and. has_numbers(case, 'bending')) return
+         if (case%frame%coupling == 'every_floor' .and. has_numbers(case, 'bending')) return
       end if
-      if (has_all_modes(case%storeys)) then
-         allocate (states(size(case%storeys%frame%m)))
+      if (has_all_modes(case)) then
+         allocate (states(size(case%frame%floors%m)))
          do i = 1, size(states)
             states(i) = 'z_'//trim(integer_to_text(i))
          end do
@@ -572,12 +603,5 @@ contains
       names = [character(name_length) :: names, 'branch']
       if (allocated(case%yielding%ultimate)) names = [character(name_length) :: names, 'collapsed']
    end subroutine add_yielding_events
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &yielding: the frame is the host''s')
-   end subroutine refuse_element
 
 end module rwmf_model_effects_yielding

@@ -16,8 +16,8 @@ module rwmf_model_hysteresis_bouc_wen
       motion_signs_t, renew_effects
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement, &
       virgin_displacement
-   use rwmf_model_hysteresis_spring_set, only: yield_displacement
-   use rwmf_problem_case, only: case_t, yielding_t
+   use rwmf_problem_case, only: case_t, spring_law_t
+   use rwmf_problem_frame_strength, only: frame_hardening, frame_law, yield_displacement
    implicit none
    private
 
@@ -30,11 +30,11 @@ contains
    !> Set the parameters and the position of z among the states.
    subroutine prepare_bouc_wen(case, equation)
       type(case_t), intent(in) :: case
-      !! case with `&yielding`
+      !! case whose frame has strength
       type(equation_t), intent(inout) :: equation
 
-      equation%hysteresis = new_hysteresis(case%yielding, yield_displacement(case), &
-         equation%p%omega_squared)
+      equation%hysteresis = new_hysteresis(frame_law(case), frame_hardening(case), &
+         yield_displacement(case), equation%p%omega_squared)
       equation%hysteresis%place = equation%scene%n + 1
       equation%state%frame_slope = equation%hysteresis%hardening*equation%p%omega_squared
       equation%has_loading_direction = .true.
@@ -55,8 +55,11 @@ contains
    end subroutine load_bouc_wen
 
    !> Create the law of one spring.
-   pure type(hysteresis_t) function new_hysteresis(yielding, u_y, stiffness) result(law)
-      type(yielding_t), intent(in) :: yielding
+   pure type(hysteresis_t) function new_hysteresis(given, hardening, u_y, stiffness) result(law)
+      type(spring_law_t), intent(in) :: given
+      !! 'bouc_wen' with exponent and beta
+      real(wp), intent(in) :: hardening
+      !! stiffness after yielding over elastic stiffness [-]
       real(wp), intent(in) :: u_y
       !! displacement at yield [m]
       real(wp), intent(in) :: stiffness
@@ -65,9 +68,9 @@ contains
       !! largest number of factors whose product is as accurate as a power, and faster [-]
 
       law%u_y = u_y
-      law%hardening = yielding%hardening
-      law%exponent = yielding%exponent
-      law%beta = yielding%beta
+      law%hardening = hardening
+      law%exponent = given%exponent
+      law%beta = given%beta
       law%force_at_z1 = (stiffness - law%hardening*stiffness)*law%u_y
       if (law%exponent > most .or. abs(law%exponent - anint(law%exponent)) > 0) return
       law%factors = nint(law%exponent)

@@ -22,7 +22,7 @@
 !> Numbers are in the caller's units, see `spring_t`.
 module rwmf_model_hysteresis_degrading
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_spring, only: branch_t, lay_line, line_force, spring_t, wear_t, &
+   use rwmf_model_spring, only: branch_t, lay_line, line_force, spring_t, wear_t, &
       work_along, worn_side_t
    implicit none
    private

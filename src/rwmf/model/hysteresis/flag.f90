@@ -12,7 +12,7 @@
 !> the caller's units, see `spring_t`.
 module rwmf_model_hysteresis_flag
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_spring, only: branch_t, lay_line, line_force, spring_t, work_along
+   use rwmf_model_spring, only: branch_t, lay_line, line_force, spring_t, work_along
    implicit none
    private
 

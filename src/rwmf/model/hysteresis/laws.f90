@@ -2,14 +2,14 @@
 !> transitions between branches. Numbers are in the caller's units, see `spring_t`.
 module rwmf_model_hysteresis_laws
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_bilinear, only: bilinear_energy, bilinear_force, bilinear_limits, &
+   use rwmf_model_bilinear, only: bilinear_energy, bilinear_force, bilinear_limits, &
       bilinear_loss, bilinear_plastic, bilinear_residual, bilinear_word, draw_line, is_yielding, &
       pass_bilinear, turn_bilinear
    use rwmf_model_hysteresis_degrading, only: degrading_energy, degrading_loss, degrading_word, &
       pass_degrading, start_degrading, turn_degrading, unloaded_elongation
    use rwmf_model_hysteresis_flag, only: flag_energy, flag_loss, flag_word, pass_flag, &
       start_flag, turn_flag
-   use rwmf_model_hysteresis_spring, only: branch_t, law_bilinear, law_degrading, law_flag, &
+   use rwmf_model_spring, only: branch_t, law_bilinear, law_degrading, law_flag, &
       line_force, spring_t
    use rwmf_problem_case, only: spring_law_t
    implicit none

@@ -5,27 +5,26 @@
 !> Their branches are smooth functions of the rotation. The rotation at the end of a branch is
 !> computed beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
 module rwmf_model_hysteresis_spring_set
-   use rwmf_core_kinds, only: pi, wp
+   use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
+   use rwmf_model_bilinear, only: is_broken
    use rwmf_model_cable, only: cable_elongation
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
       straight_displacement, frame_mass, model_t, place_frame, place_left, place_right, &
       renew_coefficients, sprung_t, window_t
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_bilinear, only: is_broken
    use rwmf_model_hysteresis_laws, only: forget_loss, has_wear, loading_direction, new_branch, &
-      new_spring, pass_limit, spring_energy, spring_force, spring_limits, spring_loss, &
-      spring_plastic, spring_residual, turn_spring
-   use rwmf_model_hysteresis_spring, only: branch_t, spring_t
-   use rwmf_problem_case, only: case_t, spring_law_t, yielding_t
+      pass_limit, spring_energy, spring_force, spring_limits, spring_loss, spring_plastic, &
+      spring_residual, turn_spring
+   use rwmf_model_spring, only: branch_t, spring_t
    use rwmf_problem_quantity_table, only: id
    implicit none
    private
 
-   public :: has_branches, law_of, choose_springs
+   public :: add_springs
    public :: fuses_energy, yielding_energy, springs_loss
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
-   public :: yield_displacement, first_yield, storey_strengths, count_linked_smooth, moves
+   public :: moves
    public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
    public :: frame_residuals, plastic_displacement, plastic_parts, uneven_plastic_part
    public :: fuse_uplift, spring_forces
@@ -49,141 +48,28 @@ contains
       call renew_coefficients(model, state)
    end subroutine follow_branches
 
-   !> Create the springs that a case requires.
-   subroutine choose_springs(case, frame_yields, equation)
-      type(case_t), intent(in) :: case
-      logical, intent(in) :: frame_yields
-      !! true if the frame yields as a spring with branches
+   !> Add springs to the scene. Those of the frame come first.
+   subroutine add_springs(springs, angle_limit, equation)
+      type(sprung_t), intent(in) :: springs(:)
+      !! (springs) all of the frame, or none; empty for a tendon, which the cable holds
+      real(wp), intent(in) :: angle_limit
+      !! largest |theta| of the run [rad]
       type(equation_t), intent(inout) :: equation
-      type(spring_t) :: fuse
-      real(wp), allocatable :: shares(:)
-      !! shares of the frame's springs in its stiffness [-]
-      real(wp) :: stroke_y
-      !! stroke at first yield [m]
+      !! equation with its geometry and its cable
 
-      allocate (equation%springs(0))
-      if (frame_yields) then
-         shares = [1.0_wp]
-         if (allocated(case%yielding%storey_u_y)) then
-            shares = case%storeys%frame%k*case%storeys%frame%height**2
-            shares = shares/sum(shares)
-         end if
-         equation%springs = frame_springs(case, equation%p%omega_s**2, shares)
-      end if
-      if (allocated(case%fuse)) then
-         ! Both fuses of a hinged wall act at half the arm. They are modelled as one, that of the
-         ! left corner, with twice the stroke, since the stroke used here is that of a rocking
-         ! wall.
-         stroke_y = case%fuse%stroke_y
-         if (.not. equation%has_impacts) stroke_y = 2*stroke_y
-         fuse = new_spring(case%fuse%eta_y*equation%p%g/stroke_y, case%fuse%eta_y*equation%p%g, &
-            case%fuse%hardening, law=case%fuse%spring)
-         equation%springs = [equation%springs, sprung_t(fuse, place_left), &
-            sprung_t(fuse, place_right)]
-         equation%has_fuses = equation%has_impacts
+      if (.not. allocated(equation%springs)) allocate (equation%springs(0))
+      if (any(springs%place == place_frame)) then
+         equation%springs = [springs, equation%springs]
+      else
+         equation%springs = [equation%springs, springs]
       end if
       equation%has_bilinear_springs = .true.
-      equation%angle_limit = case%model%overturning_angle
+      equation%angle_limit = angle_limit
+      if (allocated(equation%reach)) deallocate (equation%reach)
       allocate (equation%reach(2, -1:1, 0:size(equation%springs)))
       equation%reach(:, :, :) = reach_of(equation%model_t)
       call reset_springs(equation%model_t, equation%state)
-   end subroutine choose_springs
-
-   !> Create the spring of the frame, or one for each storey if the floors are linked to the wall
-   !> along a straight line. All of them follow the roof.
-   function frame_springs(case, stiffness, shares) result(springs)
-      type(case_t), intent(in) :: case
-      !! case with `&yielding`
-      real(wp), intent(in) :: stiffness
-      !! stiffness of the frame over m_s [1/s2]
-      real(wp), intent(in) :: shares(:)
-      !! (springs) shares of the stiffness [-]
-      type(sprung_t) :: springs(size(shares))
-      real(wp) :: u_y(size(shares))
-      !! displacement of the roof at first yield of each spring [m]
-      integer :: i
-
-      if (allocated(case%yielding%storey_u_y)) then
-         u_y = storey_strengths(case)*sum(case%storeys%frame%height)/case%storeys%frame%height
-      else
-         u_y = yield_displacement(case)
-      end if
-      do i = 1, size(shares)
-         springs(i) = sprung_t(new_spring(stiffness*shares(i), stiffness*shares(i)*u_y(i), &
-            case%yielding%hardening, law=law_of(case%yielding)), place_frame, shares(i))
-      end do
-   end function frame_springs
-
-   !> Displacements of n storeys at first yield [m].
-   function first_yield(case, n) result(u_y)
-      type(case_t), intent(in) :: case
-      !! case with `&yielding`
-      integer, intent(in) :: n
-      !! number of storeys
-      real(wp) :: u_y(n)
-
-      if (allocated(case%yielding%storey_u_y)) then
-         u_y = storey_strengths(case)
-      else
-         u_y = yield_displacement(case)
-      end if
-   end function first_yield
-
-   !> Number of smooth storeys that are linked to a wall one by one.
-   pure integer function count_linked_smooth(case) result(n)
-      type(case_t), intent(in) :: case
-
-      n = 0
-      if (.not. (allocated(case%storeys) .and. allocated(case%yielding))) return
-      if (case%storeys%coupling /= 'every_floor' .or. has_branches(case%yielding)) return
-      n = size(case%storeys%frame%m)
-   end function count_linked_smooth
-
-   !> Displacement of each storey at first yield [m].
-   pure function storey_strengths(case) result(u_y)
-      type(case_t), intent(in) :: case
-      !! case with `&yielding storey_u_y`
-      real(wp) :: u_y(size(case%storeys%frame%m))
-
-      if (allocated(case%yielding%f_y_over_m_s_g)) then
-         ! the storeys of a frame beside a wall that bends, with equal drifts
-         associate (height => case%storeys%frame%height)
-            u_y = yield_displacement(case)*(height/sum(height))
-         end associate
-      else if (size(case%yielding%storey_u_y) == 1) then
-         u_y = case%yielding%storey_u_y(1)
-      else
-         u_y = case%yielding%storey_u_y
-      end if
-   end function storey_strengths
-
-   !> Displacement of the frame at first yield [m].
-   pure real(wp) function yield_displacement(case) result(u_y)
-      type(case_t), intent(in) :: case
-      !! case with `&yielding` and the frame's T_s
-
-      if (allocated(case%yielding%u_y)) then
-         u_y = case%yielding%u_y
-      else
-         u_y = case%yielding%f_y_over_m_s_g*case%model%g*(case%frame%T_s/(2*pi))**2
-      end if
-   end function yield_displacement
-
-   !> Return whether the frame's hysteresis consists of branches. True if a host gives no law.
-   pure logical function has_branches(yielding)
-      type(yielding_t), intent(in) :: yielding
-
-      has_branches = .true.
-      if (allocated(yielding%law)) has_branches = yielding%law /= 'bouc_wen'
-   end function has_branches
-
-   !> Law of the frame's springs.
-   pure type(spring_law_t) function law_of(yielding) result(law)
-      type(yielding_t), intent(in) :: yielding
-
-      law = yielding%spring
-      if (allocated(yielding%law)) law%name = yielding%law
-   end function law_of
+   end subroutine add_springs
 
    !> Return whether a spring moves on the current side. A fuse moves when its corner lifts. Under
    !> a hinged wall the left fuse always moves and represents both.

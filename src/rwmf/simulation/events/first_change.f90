@@ -14,9 +14,9 @@ module rwmf_simulation_events_first_change
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
-   use rwmf_math_sign_changes, only: change_at_begin, changes_of, newton_root_of, &
+   use rwmf_math_sign_changes, only: change_at_begin, changes_of, is_positive, newton_root_of, &
       no_change, one_change, polygon_t, rate_polygon, root_of, roughness, value_polygon
-   use rwmf_model_assembly, only: rates_at
+   use rwmf_model_system_assembly, only: rates_at
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, fastest_angle, &
       sample_state, shorten, step_view_t
    implicit none
@@ -311,9 +311,27 @@ contains
    pure integer function changes_in(span, watch) result(changes)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watch
+      real(wp), dimension(0:ubound(span%a%f, 2)) :: a, b
 
+      call see_from_level(span, watch, a, b)
+      changes = no_change
+      if (is_positive(span%b%t - span%a%t, a, b, span%rough, noise_in(span, watch), &
+         watch%order)) return
       changes = changes_of(polygon_in(span, watch), noise_in(span, watch))
    end function changes_in
+
+   !> Values and derivatives of a watched function at both ends of a span, positive on its side of
+   !> the level.
+   pure subroutine see_from_level(span, watch, a, b)
+      type(span_t), intent(in) :: span
+      type(watch_t), intent(in) :: watch
+      real(wp), intent(out) :: a(0:), b(0:)
+
+      a(:) = watch%side*span%a%f(watch%which, :)
+      b(:) = watch%side*span%b%f(watch%which, :)
+      a(watch%order) = a(watch%order) - watch%side*watch%level
+      b(watch%order) = b(watch%order) - watch%side*watch%level
+   end subroutine see_from_level
 
    !> Return whether the ends of a span show that no watched function changes in it.
    pure logical function are_quiet(span, watches)
@@ -356,10 +374,7 @@ contains
       type(watch_t), intent(in) :: watch
       real(wp), dimension(0:ubound(span%a%f, 2)) :: a, b
 
-      a = watch%side*span%a%f(watch%which, :)
-      b = watch%side*span%b%f(watch%which, :)
-      a(watch%order) = a(watch%order) - watch%side*watch%level
-      b(watch%order) = b(watch%order) - watch%side*watch%level
+      call see_from_level(span, watch, a, b)
       associate (h => span%b%t - span%a%t)
          if (watch%order == 0) then
             polygon = value_polygon(h, a, b, span%rough)

@@ -3,7 +3,7 @@ module rwmf_simulation_events_step_view
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_integrator_interface_integrator, only: integrator_t
-   use rwmf_model_assembly, only: equation_t, interval_of, rates_at, second_derivative
+   use rwmf_model_system_assembly, only: equation_t, interval_of, rates_at, second_derivative
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, turning_point
    implicit none
    private

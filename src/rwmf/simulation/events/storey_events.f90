@@ -4,12 +4,12 @@
 !> force passes zero.
 module rwmf_simulation_events_storey_events
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: rates_at
-   use rwmf_model_effects_storeys_yielding_storeys, only: branch_limits, hysteretic_states, &
-      is_softening, loading_direction_of, pass_storey_limit, settle_storeys, &
-      side_beyond_zero, stands_still, start_storeys, stop_at_zero, storey_word, turn_storey
    use rwmf_model_equation, only: discrete_state_t, model_t
    use rwmf_model_floor_motion, only: storey_accelerations, storey_motion
+   use rwmf_model_floors_yielding_storeys, only: branch_limits, hysteretic_states, &
+      is_softening, loading_direction_of, pass_storey_limit, settle_storeys, &
+      side_beyond_zero, stands_still, start_storeys, stop_at_zero, storey_word, turn_storey
+   use rwmf_model_system_assembly, only: rates_at
    use rwmf_simulation_events_first_change, only: changed_at_begin, ending_t, functions_t, &
       monotone, span_t, value_at, watch_t
    use rwmf_simulation_state_result, only: event_storey_limit, event_storey_turn, event_storey_zero

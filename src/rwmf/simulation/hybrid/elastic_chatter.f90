@@ -8,12 +8,12 @@
 !> of its largest value.
 module rwmf_simulation_hybrid_elastic_chatter
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_assembly, only: equation_t, interval_of, second_derivative
-   use rwmf_model_energy, only: impact_loss
    use rwmf_model_lanes, only: of_input, of_viscous, power_count
-   use rwmf_model_lift_off, only: demand_turns
-   use rwmf_model_rest, only: decelerations
    use rwmf_model_restitution, only: factor_at
+   use rwmf_model_system_assembly, only: equation_t, interval_of, second_derivative
+   use rwmf_model_system_energy, only: impact_loss
+   use rwmf_model_system_lift_off, only: demand_turns
+   use rwmf_model_system_rest, only: decelerations
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_chatter, observe_rest, recorder_t
    use rwmf_simulation_state_hybrid_state, only: hybrid_t, mode_rocking
@@ -49,12 +49,14 @@ contains
       v = abs(hybrid%y(2))
       if (hybrid%mode /= mode_rocking .or. abs(hybrid%y(1)) > 0 .or. v <= 0) return
       if (equation%moves_at_rest) return
+      e = factor_at(hybrid%restitution, v)
+      ! a jump has at least half of these flights
+      if (least_flights/2*(1 - e) > most_lost) return
       begin = decelerations(equation, hybrid%t)
       if (minval(begin) <= 0) return
       if (v**2 > 2*minval(begin)*small_angle) return
       span = min(t_limit, demand_turns(equation, interval_of(equation), hybrid%t)) - hybrid%t
       if (span < least_flights*2*v/minval(begin)) return
-      e = factor_at(hybrid%restitution, v)
       damping = damping_at(hybrid, equation, v)
       do
          pull = decelerations(equation, hybrid%t + span)

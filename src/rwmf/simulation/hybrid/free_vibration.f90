@@ -2,8 +2,8 @@
 !> maximum can grow any more.
 module rwmf_simulation_hybrid_free_vibration
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_assembly, only: equation_t, interval_of
    use rwmf_model_scene, only: frame_term
+   use rwmf_model_system_assembly, only: equation_t, interval_of
    use rwmf_motion_ground_motion, only: interval_last, is_known_until
    use rwmf_simulation_recorder_recorder, only: recorder_t, sees_forces
    use rwmf_simulation_state_hybrid_state, only: hybrid_t

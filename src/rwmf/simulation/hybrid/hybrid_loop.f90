@@ -9,13 +9,14 @@ module rwmf_simulation_hybrid_hybrid_loop
    use rwmf_core_error, only: err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_interface_integrator, only: integrator_t
-   use rwmf_model_assembly, only: enter_interval, enter_side, equation_t, interval_of, &
-      second_derivative
    use rwmf_model_drift_limits, only: count_drifts
    use rwmf_model_hysteresis_bouc_wen, only: load_bouc_wen
    use rwmf_model_hysteresis_spring_set, only: load_to, reset_springs
-   use rwmf_model_lift_off, only: find_uplift_capacity, find_lift_off, find_uplift_acceleration
-   use rwmf_model_rest, only: release_wall
+   use rwmf_model_system_assembly, only: enter_interval, enter_side, equation_t, interval_of, &
+      second_derivative
+   use rwmf_model_system_lift_off, only: find_uplift_capacity, find_lift_off, &
+      find_uplift_acceleration
+   use rwmf_model_system_rest, only: release_wall
    use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
    use rwmf_simulation_events_drift_events, only: has_collapsed
    use rwmf_simulation_events_first_change, only: ending_t

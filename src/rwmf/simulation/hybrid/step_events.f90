@@ -4,9 +4,9 @@
 module rwmf_simulation_hybrid_step_events
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: equation_t
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_model_lift_off, only: find_uplift_acceleration
+   use rwmf_model_system_assembly, only: equation_t
+   use rwmf_model_system_lift_off, only: find_uplift_acceleration
    use rwmf_simulation_events_first_change, only: ending_t, find_event
    use rwmf_simulation_events_rotation_events, only: frame_state_t, keeps_direction, rotation_t
    use rwmf_simulation_events_step_view, only: from, step_view_t, until

@@ -4,15 +4,17 @@
 module rwmf_simulation_hybrid_transitions
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_assembly, only: enter_side, equation_t, interval_of, rates_at, second_derivative
-   use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, tendon_is_broken, &
       turn_back
-   use rwmf_model_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, pull_duration
-   use rwmf_model_rest, only: decelerations, elastic_loss, hold_wall, may_rest, release_wall, &
-      will_settle
    use rwmf_model_restitution, only: factor_at, largest_factor
+   use rwmf_model_system_assembly, only: enter_side, equation_t, interval_of, rates_at, &
+      second_derivative
+   use rwmf_model_system_energy, only: mechanical_energy
+   use rwmf_model_system_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, &
+      pull_duration
+   use rwmf_model_system_rest, only: decelerations, elastic_loss, hold_wall, may_rest, &
+      release_wall, will_settle
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_storey_events, only: end_branch, settle_storeys
@@ -31,7 +33,7 @@ module rwmf_simulation_hybrid_transitions
    public :: reason_of_jump
    public :: apply_event, begin_piece, enter_rest, lift_off, observe_peak, negligible
 
-   character(*), parameter :: reason_of_jump = 'vertical motion or fuses take all of weight and ' &
+   character(*), parameter :: reason_of_jump = 'ground motion or fuses take all of weight and ' &
       //'cable force from the base, and a wall in the air is not in the model'
    !! why a wall leaves its base with both corners
    real(wp), parameter :: negligible = 0.01_wp

@@ -221,7 +221,7 @@ contains
       real(wp), intent(in) :: t_end
       !! [s]
       type(batch_t), intent(inout) :: batch
-      type(line_t) :: line, vertical
+      type(line_t) :: line, upward
       real(wp) :: begin, limit
       integer :: i
 
@@ -230,24 +230,24 @@ contains
       begin = 0
       do i = 0, interval_last(motion)
          line = line_of(motion, i)
-         if (has_vertical) vertical = vertical_line_of(motion, i, line)
+         if (has_vertical) upward = vertical_line_of(motion, i, line)
          limit = min(t_end, interval_end(motion, i))
          if (batch%has_curves .or. limit - begin <= 16*epsilon(limit)*limit &
              .or. limit - begin > long_rest) limit = no_limit
-         batch%lines(:, i) = line_row(limit, line, vertical)
+         batch%lines(:, i) = line_row(limit, line, upward)
          begin = interval_end(motion, i)
       end do
    end subroutine tabulate_lines
 
    !> Row of the table with the lines of the ground motion in one interval.
-   pure function line_row(limit, line, vertical) result(row)
+   pure function line_row(limit, line, upward) result(row)
       real(wp), intent(in) :: limit
       !! [s]
-      type(line_t), intent(in) :: line, vertical
+      type(line_t), intent(in) :: line, upward
       real(wp) :: row(line_columns)
       !! column `of_limit` and the columns of the lines
 
-      row = [limit, line%a_0, line%slope, line%t_0, vertical%a_0, vertical%slope]
+      row = [limit, line%a_0, line%slope, line%t_0, upward%a_0, upward%slope]
    end function line_row
 
    !> Longest step that still shows all events of a lane [s].
@@ -278,7 +278,7 @@ contains
 
       do i = 1, batch%width
          is_watched = batch%is_busy(i) .and. lanes(i)%is_smooth
-         if (is_watched .and. minval(batch%table(i, [of_plain, of_calm])) > 0) then
+         if (is_watched .and. min(batch%table(i, of_plain), batch%table(i, of_calm)) > 0) then
             is_watched = needs_all_steps(lanes(i)%recorder)
             if (.not. is_watched) is_watched = may_be_fastest(batch, i, &
                lanes(i)%recorder%theta_dot_max)

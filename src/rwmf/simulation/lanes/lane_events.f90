@@ -8,7 +8,7 @@ module rwmf_simulation_lanes_lane_events
       of_least, of_length, of_limit, of_low, of_most, of_steps, of_target, of_time, of_top, &
       of_trial
    use rwmf_math_sign_changes, only: no_change, unclear
-   use rwmf_model_assembly, only: enter_interval, interval_of, rates_at
+   use rwmf_model_system_assembly, only: enter_interval, interval_of, rates_at
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cross_window, &

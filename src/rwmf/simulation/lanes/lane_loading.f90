@@ -9,9 +9,9 @@ module rwmf_simulation_lanes_lane_loading
       of_most, of_rejected, of_steps, of_target, of_time, of_top, of_vertical_line
    use rwmf_integrator_one_step, only: begin_at
    use rwmf_integrator_pairs, only: step_tolerance
-   use rwmf_model_assembly, only: equation_t, interval_of
    use rwmf_model_hysteresis_bouc_wen, only: stable_rate, will_pass_zero
    use rwmf_model_lanes, only: power_count
+   use rwmf_model_system_assembly, only: equation_t, interval_of
    use rwmf_simulation_events_fuse_support, only: may_stand_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_hybrid_hybrid_loop, only: begin_step, check_steps, stay_at_rest

@@ -12,7 +12,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_integrator_lane_control, only: accept_or_reject_one => accept_or_reject, &
       pass_one => advance_intervals, plan_one => plan_step
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
-   use rwmf_model_assembly, only: equation_t
+   use rwmf_model_system_assembly, only: equation_t
    use rwmf_motion_ground_motion, only: is_piecewise_linear
    use rwmf_simulation_events_fuse_support, only: ends_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event

@@ -6,12 +6,12 @@
 !> turn back, the path follows it.
 module rwmf_simulation_pushover_curve_path
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: enter_side
-   use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_equation, only: discrete_state_t, model_t, place_left, place_right
    use rwmf_model_floor_motion, only: follows_roof, storey_motion
    use rwmf_model_hysteresis_laws, only: branch_word
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
+   use rwmf_model_system_assembly, only: enter_side
+   use rwmf_model_system_energy, only: mechanical_energy
    use rwmf_simulation_events_storey_events, only: branch_limits, is_softening, &
       loading_direction_of, pass_storey_limit, storey_word
    use rwmf_simulation_pushover_curve, only: add_mark, mark_length, static_curve_t

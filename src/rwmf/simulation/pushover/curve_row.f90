@@ -1,19 +1,19 @@
 !> Values of one step of a static curve, with the words and signs of the history of a run.
 module rwmf_simulation_pushover_curve_row
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: cable_at, kinematics_at
-   use rwmf_model_bent_sections, only: find_bent_extremes, find_bent_sections
+   use rwmf_model_system_assembly, only: cable_at, kinematics_at
+   use rwmf_model_system_bent_sections, only: find_bent_extremes, find_bent_sections
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_demands, only: demands_at, demands_t
-   use rwmf_model_energy, only: mechanical_energy, yielding_loss
-   use rwmf_model_effects_storeys_yielding_storeys, only: put_shears
+   use rwmf_model_system_demands, only: demands_at, demands_t
+   use rwmf_model_system_energy, only: mechanical_energy, yielding_loss
+   use rwmf_model_floors_yielding_storeys, only: put_shears
    use rwmf_model_equation, only: frame_displacement
    use rwmf_model_floor_motion, only: follows_roof
    use rwmf_model_history_row, only: create_row, history_row_t, put
    use rwmf_model_hysteresis_spring_set, only: put_spring_forces
-   use rwmf_model_reactions, only: link_tilt, plastic_part, reactions_at, reactions_t
-   use rwmf_model_wall_sections, only: find_forces_beside, find_section_extremes, link_places, &
-      links_t, section_extremes_t
+   use rwmf_model_system_reactions, only: link_tilt, plastic_part, reactions_at, reactions_t
+   use rwmf_model_system_wall_sections, only: find_forces_beside, find_section_extremes, &
+      link_places, links_t, section_extremes_t
    use rwmf_problem_quantity_table, only: id, key_length
    use rwmf_simulation_pushover_curve, only: add_row, static_curve_t
    use rwmf_simulation_pushover_demand_columns, only: instant_key, put_demands

@@ -4,12 +4,12 @@
 !> They carry the numbers of the largest values of a run; `instant_key` makes their keys.
 module rwmf_simulation_pushover_demand_columns
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: cable_at
    use rwmf_model_cable, only: cable_state_t, cable_strain
    use rwmf_model_equation, only: frame_displacement, tip_displacement
    use rwmf_model_history_row, only: history_row_t, numbered, put
-   use rwmf_model_reactions, only: friction_demand, reactions_t, wall_drift
-   use rwmf_model_wall_sections, only: links_t
+   use rwmf_model_system_assembly, only: cable_at
+   use rwmf_model_system_reactions, only: friction_demand, reactions_t, wall_drift
+   use rwmf_model_system_wall_sections, only: links_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id, key_length, key_of
    use rwmf_simulation_pushover_static_scene, only: static_scene_t

@@ -2,7 +2,7 @@
 module rwmf_simulation_pushover_load_pattern
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_demands, only: building_t
+   use rwmf_model_system_demands, only: building_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private

@@ -3,8 +3,8 @@ module rwmf_simulation_pushover_pushover
    use rwmf_core_control, only: control_t, is_cancelled
    use rwmf_core_error, only: err_input, err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: build_equation
-   use rwmf_model_demands, only: building_of
+   use rwmf_model_system_assembly, only: build_equation
+   use rwmf_model_system_demands, only: building_of
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_single_run, only: check_single_run

@@ -8,15 +8,15 @@
 module rwmf_simulation_pushover_static_scene
    use rwmf_core_kinds, only: wp
    use rwmf_math_linear_system, only: solve_system
-   use rwmf_model_assembly, only: enter_side, equation_t
-   use rwmf_model_demands, only: building_t
-   use rwmf_model_energy, only: mechanical_energy
    use rwmf_model_equation, only: frame_displacement, frame_mass, frame_motion, frame_travel, &
       hysteresis_t
    use rwmf_model_floor_motion, only: floor_motion, follows_roof, storey_motion
    use rwmf_model_hysteresis_bouc_wen_backbone, only: follow_state, state_slope
    use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    use rwmf_model_lanes, only: lane_motion_t
+   use rwmf_model_system_assembly, only: enter_side, equation_t
+   use rwmf_model_system_demands, only: building_t
+   use rwmf_model_system_energy, only: mechanical_energy
    use rwmf_simulation_recorder_force_envelopes, only: envelope_recorder_t
    use rwmf_simulation_static_rest, only: still_rates
    implicit none

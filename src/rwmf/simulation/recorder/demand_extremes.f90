@@ -1,12 +1,13 @@
 !> Largest demands of a run, found by `rwmf_simulation_recorder_peak_search`.
 module rwmf_simulation_recorder_demand_extremes
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: equation_t, interval_of
-   use rwmf_model_demands, only: building_of, building_t, demands_at, demands_t
    use rwmf_model_floor_motion, only: follows_roof
    use rwmf_model_history_row, only: history_row_t, put
+   use rwmf_model_system_assembly, only: equation_t, interval_of
+   use rwmf_model_system_demands, only: building_of, building_t, demands_at, demands_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_frame_strength, only: has_strength, storeys_have_strengths
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_state
    use rwmf_simulation_state_result, only: demand_extremes_t
@@ -47,30 +48,30 @@ contains
       if (.not. case%output%demands) return
       allocate (recorder)
       call building_of(case, equation, recorder%building)
-      associate (building => recorder%building, storeys => recorder%building%drifts)
-         n = 2*storeys + building%floors + 3
+      associate (building => recorder%building, drifts => recorder%building%drifts)
+         n = 2*drifts + building%floors + 3
          call begin_search(recorder, equation, y, spread(-1.0_wp, 1, n))
-         if (building%is_linear) recorder%is_led(storeys + 1:2*storeys) = .true.
+         if (building%is_linear) recorder%is_led(drifts + 1:2*drifts) = .true.
          if (follows_roof(equation)) then
-            recorder%is_led(2:storeys) = .true.
-            if (.not. allocated(case%yielding)) return
-            recorder%is_led(storeys + 2:2*storeys) = .not. allocated(case%yielding%storey_u_y)
+            recorder%is_led(2:drifts) = .true.
+            if (has_strength(case)) recorder%is_led(drifts + 2:2*drifts) &
+               = .not. storeys_have_strengths(case)
          end if
       end associate
    end subroutine create_demands
 
    !> Count floors and storeys of the building for loops over lanes.
-   pure subroutine count_demands(recorder, equation, floors, storeys, are_known)
+   pure subroutine count_demands(recorder, equation, floors, drifts, are_known)
       type(demand_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
-      integer, intent(out) :: floors, storeys
-      !! numbers of floors and storeys
+      integer, intent(out) :: floors, drifts
+      !! numbers of floors and of storey drifts
       logical, intent(out) :: are_known
       !! the loops can compute its demands, except for storeys that follow one mode
 
       floors = recorder%building%floors
-      storeys = recorder%building%drifts
-      are_known = storeys == 0 .or. equation%floors%n > 0
+      drifts = recorder%building%drifts
+      are_known = drifts == 0 .or. equation%floors%n > 0
    end subroutine count_demands
 
    !> Fill in the constants of the building for loops over lanes.
@@ -191,24 +192,24 @@ contains
       integer :: n
 
       associate (building => recorder%building, largest => recorder%largest, g => equation%p%g, &
-                 t => recorder%t_largest, storeys => recorder%building%drifts)
+                 t => recorder%t_largest, drifts => recorder%building%drifts)
          n = size(largest)
          if (building%floors > 0) then
-            extremes%acceleration_max = largest(2*storeys + 1:n - 3)/g
-            extremes%t_acceleration_max = t(2*storeys + maxloc(extremes%acceleration_max, dim=1))
+            extremes%acceleration_max = largest(2*drifts + 1:n - 3)/g
+            extremes%t_acceleration_max = t(2*drifts + maxloc(extremes%acceleration_max, dim=1))
             if (building%roof_height > 0) then
                extremes%roof_drift_max = u_s_max/building%roof_height
                extremes%t_roof_drift_max = t_u_s_max
             end if
          end if
-         if (storeys > 0) then
-            extremes%drift_max = largest(:storeys)
+         if (drifts > 0) then
+            extremes%drift_max = largest(:drifts)
             extremes%t_drift_max = t(maxloc(extremes%drift_max, dim=1))
             if (follows_roof(equation)) then
                extremes%drift_max = u_s_max*abs(building%bend)/building%height
                extremes%t_drift_max = t_u_s_max
             end if
-            extremes%shear_max = largest(storeys + 1:2*storeys)/g
+            extremes%shear_max = largest(drifts + 1:2*drifts)/g
          end if
          if (building%roof_height > 0) then
             extremes%overturning_max = largest(n - 2)

@@ -6,13 +6,13 @@ module rwmf_simulation_recorder_energy_balance
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
-   use rwmf_model_assembly, only: equation_t
-   use rwmf_model_energy, only: dissipates_hysteretically, powers_at, stored_energy, &
-      stored_energy_t, yielding_loss
    use rwmf_model_equation, only: has_further_effects
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_lanes, only: of_bending, of_input, of_plastic, of_viscous, &
       power_count
+   use rwmf_model_system_assembly, only: equation_t
+   use rwmf_model_system_energy, only: dissipates_hysteretically, powers_at, stored_energy, &
+      stored_energy_t, yielding_loss
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_state_result, only: energy_t

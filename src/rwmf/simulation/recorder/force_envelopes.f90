@@ -6,15 +6,15 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t
-   use rwmf_model_assembly, only: equation_t, interval_of
-   use rwmf_model_bent_sections, only: find_bent_sections
-   use rwmf_model_demands, only: building_of, building_t, links_of
    use rwmf_model_equation, only: corner_share, frame_motion, ground, kinematics_at
    use rwmf_model_floor_motion, only: floor_motion, follows_roof
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_no_tension_strip, only: contact_length, strip_t, toe_stress
-   use rwmf_model_reactions, only: reactions_at, reactions_t
-   use rwmf_model_wall_sections, only: find_forces_beside, links_t
+   use rwmf_model_system_assembly, only: equation_t, interval_of
+   use rwmf_model_system_bent_sections, only: find_bent_sections
+   use rwmf_model_system_demands, only: building_of, building_t, links_of
+   use rwmf_model_system_reactions, only: reactions_at, reactions_t
+   use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, turning_point, velocities_at_knots, &
       velocity
    use rwmf_problem_case, only: case_t, has_numbers, numbers_of

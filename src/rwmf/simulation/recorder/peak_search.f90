@@ -10,11 +10,11 @@ module rwmf_simulation_recorder_peak_search
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: climb, maximum_between, maximum_t, vertex_of_parabola
-   use rwmf_model_assembly, only: equation_t, rates_at
+   use rwmf_model_system_assembly, only: equation_t, rates_at
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, &
       step_view_t, turning_frequency
-   use rwmf_simulation_recorder_reaction_estimates, only: fastest_of, inside, n_nodes, node, &
-      place_of_peak
+   use rwmf_simulation_recorder_reaction_estimates, only: frequency_with_springs, inside, &
+      n_nodes, node, place_of_peak
    use rwmf_simulation_recorder_step_states, only: fit_states, may_interpolate, state_inside, &
       step_states_t
    implicit none
@@ -78,7 +78,7 @@ contains
       real(wp), intent(in) :: least(:)
       !! (quantities) lower bound of all values [unit of each]
 
-      self%frequency = max(fastest_of(equation), wall_frequency(equation, y))
+      self%frequency = frequency_with_springs(equation, y)
       self%largest = least
       associate (n => size(least))
          allocate (self%t_largest(n), source=0.0_wp)
@@ -98,24 +98,6 @@ contains
       associate (unused => self, also => found)
       end associate
    end subroutine note_places
-
-   !> Frequency of the wall on its springs and cable, which may exceed that of the frame [rad/s].
-   real(wp) function wall_frequency(equation, y) result(frequency)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), parameter :: small = 1.0e-6_wp
-      !! [rad]
-      real(wp), dimension(size(y)) :: beside, rates, rates_beside
-
-      frequency = 0
-      if (.not. equation%has_wall) return
-      beside = y
-      beside(1) = y(1) + sign(small, y(1))
-      call rates_at(equation, 0.0_wp, y, rates)
-      call rates_at(equation, 0.0_wp, beside, rates_beside)
-      frequency = sqrt(max(0.0_wp, (rates(2) - rates_beside(2))/(beside(1) - y(1))))
-   end function wall_frequency
 
    !> Update the maxima with one state. A wall at rest has zero rates.
    subroutine search_state(self, equation, t, y, y_dot)

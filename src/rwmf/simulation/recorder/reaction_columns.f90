@@ -1,11 +1,11 @@
 !> Reported reactions of a run: columns of the history, and extrema.
 module rwmf_simulation_recorder_reaction_columns
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: equation_t
    use rwmf_model_equation, only: tip_displacement
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
-   use rwmf_model_reactions_loop, only: demand, low_normal, shear
+   use rwmf_model_system_assembly, only: equation_t
+   use rwmf_model_system_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
+   use rwmf_model_system_reactions_loop, only: demand, low_normal, shear
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_recorder_reaction_extremes, only: reaction_extremes_recorder_t
    use rwmf_simulation_state_result, only: reaction_extremes_t

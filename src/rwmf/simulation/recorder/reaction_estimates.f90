@@ -6,14 +6,17 @@ module rwmf_simulation_recorder_reaction_estimates
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: vertex_of_parabola
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
-   use rwmf_model_reactions_loop, only: lane_reactions, n_quantities => reaction_count
+   use rwmf_model_system_assembly, only: rates_at
+   use rwmf_model_system_reactions_loop, only: demand, lane_reactions, low_normal, &
+      n_quantities => reaction_count, shear
    use rwmf_simulation_events_step_quartic, only: quartic_of, quartic_t, quintic_of, slope_at, &
       value_at
    use rwmf_simulation_events_step_view, only: accelerations, is_short, step_view_t
    implicit none
    private
 
-   public :: estimate_reactions, has_estimate, place_of_peak, fastest_of
+   public :: estimate_reactions, has_estimate, place_of_peak, fastest_of, &
+      frequency_with_springs
    public :: largest_quotient, is_sharp, turns_of_quotient
    public :: n_nodes, node
    public :: nowhere, inside, at_first, at_last
@@ -55,6 +58,25 @@ contains
          /equation%p%R))
    end function fastest_of
 
+   !> Highest natural frequency, including that of the wall on its springs and cable [rad/s].
+   real(wp) function frequency_with_springs(equation, y) result(frequency)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), parameter :: small = 1.0e-6_wp
+      !! [rad]
+      real(wp), dimension(size(y)) :: beside, rates, rates_beside
+
+      frequency = fastest_of(equation)
+      if (.not. equation%has_wall) return
+      beside = y
+      beside(1) = y(1) + sign(small, y(1))
+      call rates_at(equation, 0.0_wp, y, rates)
+      call rates_at(equation, 0.0_wp, beside, rates_beside)
+      frequency = max(frequency, sqrt(max(0.0_wp, (rates(2) - rates_beside(2)) &
+         /(beside(1) - y(1)))))
+   end function frequency_with_springs
+
    !> Estimate the reactions at the nodes of a piece.
    subroutine estimate_reactions(piece, found)
       type(step_view_t), intent(in) :: piece
@@ -80,7 +102,7 @@ contains
             acceleration(1, 1) = ground(equation, t)
             if (equation%has_vertical) acceleration(1, 2) = vertical_ground(equation, t)
             call lane_reactions(equation%parts, equation%state%coef, y, acceleration, at)
-            found(:, i) = at(1, :)
+            found(:, i) = [at(1, low_normal), abs(at(1, [demand, shear]))]
          end do
       end associate
    end subroutine estimate_reactions

@@ -11,22 +11,20 @@
 module rwmf_simulation_recorder_reaction_extremes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_integrator_lane_reactions, only: at_begin, at_end, find_plain_steps, least_so_far, &
-      short_angle, so_far, value_count
    use rwmf_math_roots, only: bracket_between, bracket_t, climb, is_wider, maximum_between, &
       maximum_t, narrow, vertex_of_parabola
-   use rwmf_model_assembly, only: equation_t, interval_of, rates_at
-   use rwmf_model_reactions_loop, only: demand, low_normal, &
+   use rwmf_model_system_assembly, only: equation_t, interval_of, rates_at
+   use rwmf_model_system_reactions_loop, only: demand, low_normal, &
       n_quantities => reaction_count, shear
    use rwmf_model_equation, only: ground, has_further_effects, vertical_ground
-   use rwmf_model_reactions, only: friction_demand, reactions_at, reactions_t
+   use rwmf_model_system_reactions, only: friction_demand, reactions_at, reactions_t
    use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, is_short, &
       step_view_t, turning_frequency
    use rwmf_simulation_recorder_reaction_estimates, only: at_first, at_last, estimate_reactions, &
-      fastest_of, has_estimate, inside, is_sharp, largest_quotient, n_nodes, node, nowhere, &
-      place_of_peak, turns_of_quotient
+      fastest_of, frequency_with_springs, has_estimate, inside, is_sharp, largest_quotient, &
+      n_nodes, node, nowhere, place_of_peak, turns_of_quotient
    implicit none
    private
 
@@ -49,6 +47,8 @@ module rwmf_simulation_recorder_reaction_extremes
       !! coefficient of friction, as a limit of the demand [-]
       real(wp), allocatable :: t_exceeded
       !! first time at which the demand exceeds the limit [s]
+      real(wp) :: frequency = 0
+      !! frequency of the fastest vibration before yielding [rad/s]
       real(wp) :: t_rest = -1
       !! end of the last observed span at rest [s]
       real(wp) :: ground_rest(2) = 0
@@ -58,13 +58,17 @@ module rwmf_simulation_recorder_reaction_extremes
 contains
 
    !> Initialise the extrema if the case requests reactions.
-   subroutine create_reaction_extremes(forces, case)
+   subroutine create_reaction_extremes(forces, case, equation, y)
       type(reaction_extremes_recorder_t), allocatable, intent(out) :: forces
       type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states) at the beginning
 
       if (.not. allocated(case%output)) return
       if (.not. case%output%reactions) return
       allocate (forces)
+      forces%frequency = frequency_with_springs(equation, y)
       if (allocated(case%output%friction_limit)) forces%limit = case%output%friction_limit
    end subroutine create_reaction_extremes
 
@@ -189,32 +193,62 @@ contains
 
    !> True if the values at both ends of a short step exclude an extremum inside.
    !>
-   !> Most steps are short and far below the extrema so far, so they need no state inside.
+   !> Most steps are short and far below the extrema so far, so they need no state inside. A
+   !> quotient |H|/N is bounded by its parts, because it has a sharp peak wherever N is small.
    logical function is_plain(forces, piece)
       type(reaction_extremes_recorder_t), intent(in) :: forces
       type(step_view_t), intent(in) :: piece
-      real(wp) :: values(1, n_quantities, value_count), at_ends(n_found, 2)
-      real(wp) :: y_dot(piece%equation%n, 2)
-      real(wp) :: found(1)
+      real(wp), parameter :: short_angle = 0.4_wp
+      !! largest phase angle of a plain step: the second harmonic departs from a chord by
+      !! (2*0.4)**2/8 of its amplitude [rad]
+      real(wp), parameter :: largest_margin = 0.25_wp, least_margin = 0.01_wp
+      !! margin over the range so far, for a step of `short_angle` and for a very short one [-]
+      real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
+      !! bound of the factors of a product
+      real(wp) :: at_ends(n_found, 2), normal(2), angle, margin
+      real(wp), dimension(n_quantities) :: range, highest, level
 
-      associate (equation => piece%equation)
+      associate (equation => piece%equation, largest => forces%largest)
          is_plain = is_short(piece, short_angle, fastest_of(equation))
          if (.not. is_plain) return
-         call rates_at(equation, piece%t_a, piece%y_a, y_dot(:, 1))
-         call rates_at(equation, piece%t_b, piece%y_b, y_dot(:, 2))
-         at_ends(:, 1) = quantities(equation, reactions_at(equation, piece%t_a, piece%y_a, &
-            y_dot(:, 1)))
-         at_ends(:, 2) = quantities(equation, reactions_at(equation, piece%t_b, piece%y_b, &
-            y_dot(:, 2)))
-         values(1, :, at_begin) = at_ends(:n_quantities, 1)
-         values(1, :, at_end) = at_ends(:n_quantities, 2)
-         values(1, :, so_far) = forces%largest
-         values(1, :, least_so_far) = forces%smallest
-         call find_plain_steps(equation%parts, n_quantities, [(piece%t_b - piece%t_a) &
-            *max(fastest_of(equation), turning_frequency(piece))], values, found)
-         is_plain = found(1) > 0
+         angle = (piece%t_b - piece%t_a)*max(fastest_of(equation), turning_frequency(piece))
+         is_plain = angle < short_angle .and. all(largest >= forces%smallest)
+         if (.not. is_plain) return
+         at_ends(:, 1) = quantities_at(equation, piece%t_a, piece%y_a)
+         at_ends(:, 2) = quantities_at(equation, piece%t_b, piece%y_b)
+         margin = max(least_margin, largest_margin*(angle/short_angle)**2)
+         range = largest - forces%smallest
+         highest = maxval(at_ends(:n_quantities, :), dim=2) + margin*range
+         level = largest
+         if (is_quotient(equation)) then
+            ! |H| departs from its ends by a part of its range, which is less than the largest
+            ! quotient times the largest N
+            normal = -min(at_ends(low_normal, :), cap)
+            level(demand) = min(level(demand), cap)
+            highest(demand) = maxval(normal*min(at_ends(demand, :), cap)) + margin*level(demand) &
+               *min(-forces%smallest(low_normal), cap)
+            level(demand) = level(demand)*(minval(normal) - margin*range(low_normal))
+            ! a pivot that lifts has the largest possible demand
+            if (largest(demand) >= cap) highest(demand) = -huge(1.0_wp)
+         end if
       end associate
+      is_plain = all(highest < level)
    end function is_plain
+
+   !> Compute the reactions at a state.
+   function quantities_at(equation, t, y) result(found)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: found(n_found)
+      !! maxima of the first `n_quantities`, then H [m/s2], [-]
+      real(wp) :: y_dot(size(y))
+
+      call rates_at(equation, t, y, y_dot)
+      found = quantities(equation, reactions_at(equation, t, y, y_dot))
+   end function quantities_at
 
    !> Update the extrema over the current interval of the motion, with the wall at rest.
    subroutine observe_resting(forces, equation, y, t_a, t_b)

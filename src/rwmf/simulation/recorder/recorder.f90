@@ -6,16 +6,16 @@ module rwmf_simulation_recorder_recorder
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t, stationary_point
    use rwmf_math_sign_changes, only: no_change, one_change
-   use rwmf_model_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
-      rates_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_effects_storeys_shear_building, only: put_floors
-   use rwmf_model_effects_storeys_yielding_storeys, only: put_shears
-   use rwmf_model_energy, only: impact_loss, mechanical_energy, yielding_loss
    use rwmf_model_equation, only: enter_interval, frame_motion
+   use rwmf_model_floors_floor_forces, only: put_floors
+   use rwmf_model_floors_yielding_storeys, only: put_shears
    use rwmf_model_history_row, only: create_row, history_row_t, put
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
    use rwmf_model_hysteresis_spring_set, only: put_spring_forces
+   use rwmf_model_system_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
+      rates_at, second_derivative
+   use rwmf_model_system_energy, only: impact_loss, mechanical_energy, yielding_loss
    use rwmf_motion_ground_motion, only: acceleration, interval_end, vertical_acceleration
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: all_quantities, id
@@ -148,7 +148,7 @@ contains
       if (.not. allocated(case%output)) return
       recorder%keeps_energy = case%output%energy
       recorder%energy = energy_t(mechanical_energy(equation, y), 0, 0, 0, 0, 0)
-      call create_reaction_extremes(recorder%forces, case)
+      call create_reaction_extremes(recorder%forces, case, equation, y)
       call create_demands(recorder%demands, case, equation, y)
       call create_envelopes(recorder%envelopes, case, equation, y)
       if (allocated(case%output%dt)) then
@@ -305,7 +305,7 @@ contains
       !! the piece is known to have no extremum of the reactions
       logical, intent(in), optional :: has_calm_demands
       !! the piece is known to have no extremum of the demands
-      type(displacements_t) :: storeys
+      type(displacements_t) :: floors
       logical :: is_left
 
       is_left = allocated(recorder%forces)
@@ -316,7 +316,7 @@ contains
       if (is_left) call observe_moving(recorder%forces, piece, error)
       if (allocated(error)) return
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, &
-         recorder%t_drifts, storeys, piece, error)
+         recorder%t_drifts, floors, piece, error)
       if (allocated(error)) return
       if (allocated(recorder%top)) call observe_top(recorder, piece, error)
       if (allocated(error)) return

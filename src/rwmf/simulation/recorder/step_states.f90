@@ -5,7 +5,7 @@
 module rwmf_simulation_recorder_step_states
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: equation_t, rates_at
+   use rwmf_model_system_assembly, only: equation_t, rates_at
    use rwmf_simulation_events_step_view, only: is_short, sample_state, step_view_t
    implicit none
    private

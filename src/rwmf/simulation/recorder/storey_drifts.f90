@@ -2,7 +2,7 @@
 module rwmf_simulation_recorder_storey_drifts
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: equation_t
+   use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_math_sign_changes, only: no_change
    use rwmf_simulation_events_first_change, only: changes_in, moment_t, sample_functions, &
@@ -42,28 +42,28 @@ contains
       type(step_view_t), intent(in) :: step
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      class(displacements_t), allocatable :: storeys
+      class(displacements_t), allocatable :: floors
       type(kept_samples_t), target :: samples
       type(moment_t) :: before, after
       type(span_t) :: span
       integer :: n, i, k
 
-      allocate (storeys, source=displacements)
-      storeys%step = step
+      allocate (floors, source=displacements)
+      floors%step = step
       n = count_parts(step)
       if (n == 1) then
-         if (is_inside(largest, times, storeys)) return
+         if (is_inside(largest, times, floors)) return
       end if
-      storeys%samples => samples
-      call sample_functions(storeys, step%t_a, after, error)
+      floors%samples => samples
+      call sample_functions(floors, step%t_a, after, error)
       do i = 1, n
          if (allocated(error)) return
          before = after
-         call sample_functions(storeys, end_of_part(step, i, n), after, error)
+         call sample_functions(floors, end_of_part(step, i, n), after, error)
          if (allocated(error)) return
-         span = span_between(storeys, before, after)
+         span = span_between(floors, before, after)
          do k = 1, size(largest)
-            call follow_turns(largest(k), times(k), storeys, k, span, error)
+            call follow_turns(largest(k), times(k), floors, k, span, error)
             if (allocated(error)) return
          end do
       end do
@@ -72,24 +72,24 @@ contains
    !> True if the ends of a short piece exclude larger displacements between them.
    !>
    !> The end of the piece updates the largest displacements.
-   logical function is_inside(largest, times, storeys)
+   logical function is_inside(largest, times, floors)
       real(wp), intent(inout) :: largest(:), times(:)
-      class(displacements_t), intent(inout) :: storeys
+      class(displacements_t), intent(inout) :: floors
       type(moment_t) :: a, b
       type(span_t) :: span
       integer :: k
 
-      a%t = storeys%step%t_a
-      b%t = storeys%step%t_b
-      storeys%derivatives = 1
-      call storeys%evaluate(a%t, storeys%step%y_a, a%f)
-      call storeys%evaluate(b%t, storeys%step%y_b, b%f)
-      storeys%derivatives = 2
+      a%t = floors%step%t_a
+      b%t = floors%step%t_b
+      floors%derivatives = 1
+      call floors%evaluate(a%t, floors%step%y_a, a%f)
+      call floors%evaluate(b%t, floors%step%y_b, b%f)
+      floors%derivatives = 2
       where (abs(b%f(:, 0)) > largest)
          largest = abs(b%f(:, 0))
          times = b%t
       end where
-      span = span_between(storeys, a, b)
+      span = span_between(floors, a, b)
       is_inside = .true.
       do k = 1, size(largest)
          is_inside = is_inside .and. stays_within(largest(k), k, span)
@@ -117,12 +117,12 @@ contains
    end function stays_within
 
    !> Update the largest displacement with its turning points in a span and the end.
-   subroutine follow_turns(largest, time, storeys, k, span, error)
+   subroutine follow_turns(largest, time, floors, k, span, error)
       real(wp), intent(inout) :: largest
       !! [m]
       real(wp), intent(inout) :: time
       !! when [s]
-      class(displacements_t), intent(in) :: storeys
+      class(displacements_t), intent(in) :: floors
       integer, intent(in) :: k
       !! number of the storey, from the ground
       type(span_t), intent(in) :: span
@@ -140,11 +140,11 @@ contains
          way = rest%a%f(k, 1)
          if (abs(way) <= 0) way = rest%a%f(k, 2)
          part = rest
-         call stop_at_change(storeys, watch_t(k, 1, side=sign(1.0_wp, way)), part, turns, error)
+         call stop_at_change(floors, watch_t(k, 1, side=sign(1.0_wp, way)), part, turns, error)
          if (allocated(error) .or. .not. turns) return
          call keep(part%b)
          if (.not. part%b%t > rest%a%t .or. .not. span%b%t > part%b%t) return
-         rest = span_between(storeys, part%b, span%b)
+         rest = span_between(floors, part%b, span%b)
       end do
 
    contains

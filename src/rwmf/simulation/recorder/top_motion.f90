@@ -2,11 +2,11 @@
 !> rigid wall, they do not occur at the turning points of theta.
 module rwmf_simulation_recorder_top_motion
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: rates_at
    use rwmf_model_beam, only: tip_deflection, tip_rate
    use rwmf_model_equation, only: equation_t, frame_acceleration, frame_motion, tip_acceleration, &
       tip_displacement, tip_velocity
-   use rwmf_model_reactions, only: wall_drift
+   use rwmf_model_system_assembly, only: rates_at
+   use rwmf_model_system_reactions, only: wall_drift
    use rwmf_simulation_events_storey_events, only: displacements_t
    implicit none
    private

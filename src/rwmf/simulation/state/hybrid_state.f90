@@ -2,8 +2,8 @@
 module rwmf_simulation_state_hybrid_state
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_model_restitution, only: restitution_t
+   use rwmf_model_system_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_motion_ground_motion, only: has_jump, interval_end
    use rwmf_text_strings, only: real_to_text
    implicit none

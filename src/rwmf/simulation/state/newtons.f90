@@ -3,7 +3,7 @@
 !> For example, `wall_shear_max_N` is `wall_shear_max_over_m_w_g` times m_w g.
 module rwmf_simulation_state_newtons
    use rwmf_core_kinds, only: wp
-   use rwmf_problem_case, only: structure_t
+   use rwmf_problem_case, only: has_floors, structure_t
    use rwmf_problem_quantity_table, only: key_of
    implicit none
    private
@@ -25,9 +25,9 @@ contains
       if (allocated(case%frame)) frame = 1
       if (allocated(case%wall) .and. allocated(case%frame)) frame = case%frame%gamma
       floors = frame
-      if (allocated(case%storeys)) then
-         floors = sum(case%storeys%frame%m)
-         associate (shape => case%storeys%frame%shape)
+      if (has_floors(case)) then
+         floors = sum(case%frame%floors%m)
+         associate (shape => case%frame%floors%shape)
             if (.not. allocated(case%wall)) frame = 1/shape(size(shape, 1), 1)**2
          end associate
       end if

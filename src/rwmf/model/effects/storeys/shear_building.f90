@@ -13,23 +13,17 @@
 !> of the branches of `yielding_storeys`.
 module rwmf_model_effects_storeys_shear_building
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_beam, only: link_deflections
-   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, floors_t, &
-      frame_displacement, frame_mass, frame_motion, frame_travel, ground, model_t, &
-      straight_displacement
-   use rwmf_model_floor_motion, only: floor_motion, storey_motion
-   use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_laws, only: spring_energy
-   use rwmf_model_hysteresis_spring, only: branch_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
+      frame_travel, model_t
+   use rwmf_model_floor_motion, only: floor_motion
+   use rwmf_model_floors_floor_forces, only: link_pulls, storey_strain
    use rwmf_problem_case, only: case_t, has_all_modes, has_numbers
-   use rwmf_problem_quantity_table, only: id
    use rwmf_problem_shear_frame, only: base_shear_share, damping_matrix, roof_factor, shear_frame_t
    implicit none
    private
 
    public :: set_storeys, storey_coefficients, excited_mass_coefficients
-   public :: storey_sizes, storey_energy, storey_strain, resistance, floor_inertia, link_pulls
-   public :: put_floors, column_shears
+   public :: storey_sizes, storey_energy
 
 contains
 
@@ -45,12 +39,12 @@ contains
       !! frequency of this scene over that of the case's storeys [-]
       integer :: n
 
-      frame = case%storeys%frame
+      frame = case%frame%floors
       n = size(frame%m)
-      if (.not. has_all_modes(case%storeys)) then
+      if (.not. has_all_modes(case)) then
          equation%floors%excited_mass_ratio = roof_factor(frame, 1)
          equation%floors%base_shear_ratio = equation%floors%excited_mass_ratio
-         equation%floors%are_linked = case%storeys%coupling == 'every_floor'
+         equation%floors%are_linked = case%frame%coupling == 'every_floor'
          if (equation%floors%are_linked) equation%floors%base_shear_ratio = base_shear_share(frame)
          equation%floors%mass = frame_mass(equation)*(sum(frame%m)*frame%shape(n, 1)**2 - 1)
          if (equation%floors%are_linked .and. has_numbers(case, 'bending')) then
@@ -79,7 +73,7 @@ contains
       equation%state%frame_slope = 0
       equation%p%xi_s = 0
       equation%p%two_xi_omega = 0
-      if (allocated(case%storeys%k_link)) call set_link_springs(case%storeys%k_link, equation)
+      if (allocated(case%frame%k_link)) call set_link_springs(case%frame%k_link, equation)
       equation%moves_at_rest = equation%has_impacts .and. equation%floors%free > 0
    end subroutine set_storeys
 
@@ -92,7 +86,7 @@ contains
       integer :: i
 
       allocate (equation%beam%floors)
-      associate (frame => case%storeys%frame, floors => equation%beam%floors)
+      associate (frame => case%frame%floors, floors => equation%beam%floors)
          unit = frame_mass(equation)*frame%shape(size(frame%m), 1)**2
          pace = 2*pi/case%frame%T_s/frame%omega(1)
          floors%share = [(sum(frame%height(:i)), i=1, size(frame%m))]/sum(frame%height)
@@ -162,169 +156,6 @@ contains
 
       coef(1) = frame_mass(model)*(model%floors%excited_mass_ratio - 1)
    end subroutine excited_mass_coefficients
-
-   !> Resisting forces of the storeys on floors and roof, K u + C v for elastic storeys [m/s2].
-   function resistance(equation, y) result(force)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp) :: force(equation%floors%n)
-      real(wp) :: u_roof
-      real(wp) :: v_roof
-
-      call frame_motion(equation, equation%state%side, y, u_roof, v_roof)
-      force = resistance_to(equation%floors, equation%state%storey_branches, y, u_roof, v_roof)
-   end function resistance
-
-   !> Forces with which the link springs pull the floors along with the wall [m/s2].
-   pure function link_pulls(equation, y) result(pull)
-      type(equation_t), intent(in) :: equation
-      !! equation with link springs
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp) :: pull(equation%floors%n)
-
-      associate (floors => equation%floors)
-         pull = floors%share*straight_displacement(equation, equation%state%side, y(1))
-         if (equation%beam%n > 0) pull = pull + cos(y(1))*link_deflections(equation%beam, y)
-         pull = floors%k_link*(pull - y(floors%first:floors%first + floors%n - 1))
-      end associate
-   end function link_pulls
-
-   !> Shears of the storeys' columns, without dampers [m/s2].
-   pure function column_shears(equation, y) result(shear)
-      type(equation_t), intent(in) :: equation
-      !! equation whose storeys have displacements (`storey_motion`)
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp) :: shear(equation%floors%n_storeys)
-      real(wp), dimension(size(shear)) :: d, d_dot
-
-      if (equation%floors%n > 0) then
-         shear = shears_at(equation%floors, equation%state%storey_branches, y, &
-            frame_displacement(equation, equation%state%side, y))
-         return
-      end if
-      call storey_motion(equation, equation%state%side, y, d, d_dot)
-      shear = equation%state%storey_branches%slope*d
-      if (allocated(equation%floors%laws)) then
-         shear = shear + equation%floors%laws%force_at_z1*y(equation%floors%laws%place)
-      else if (equation%floors%yields) then
-         shear = shear + equation%state%storey_branches%offset
-      end if
-   end function column_shears
-
-   !> Strain energy of the storeys [J/kg].
-   real(wp) function storey_strain(equation, y, d) result(energy)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: d(:)
-      !! (storeys) their displacements [m]
-
-      associate (branches => equation%state%storey_branches, floors => equation%floors)
-         if (allocated(floors%laws)) then
-            energy = sum(branches%slope*d**2 + floors%laws%force_at_z1*floors%laws%u_y &
-               *y(floors%laws%place)**2)/2
-         else if (floors%yields) then
-            energy = sum(spring_energy(floors%springs, branches, d))
-         else
-            energy = sum(branches%slope*d**2)/2
-         end if
-      end associate
-   end function storey_strain
-
-   !> Shears of the storeys' columns for a given displacement of the roof [m/s2].
-   pure function shears_at(floors, branches, y, u_roof) result(shear)
-      type(floors_t), intent(in) :: floors
-      type(branch_t), intent(in) :: branches(:)
-      !! (floors) active branches
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: u_roof
-      !! displacement of the roof [m]
-      real(wp) :: shear(floors%n)
-      real(wp) :: u(0:floors%n)
-
-      associate (n => floors%n, free => floors%free, first => floors%first)
-         ! one by one: an array constructor would fetch memory
-         u(0) = 0
-         u(n) = u_roof
-         u(1:free) = y(first:first + free - 1)
-         shear = branches%slope*(u(1:) - u(:n - 1))
-         if (allocated(floors%laws)) then
-            shear = shear + floors%laws%force_at_z1*y(floors%laws%place)
-         else if (floors%yields) then
-            shear = shear + branches%offset
-         end if
-      end associate
-   end function shears_at
-
-   !> Resisting forces of the storeys for a given motion of the roof [m/s2].
-   pure function resistance_to(floors, branches, y, u_roof, v_roof) result(force)
-      type(floors_t), intent(in) :: floors
-      type(branch_t), intent(in) :: branches(:)
-      !! (floors) active branches
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: u_roof
-      !! displacement of the roof [m]
-      real(wp), intent(in) :: v_roof
-      !! velocity of the roof [m/s]
-      real(wp) :: force(floors%n)
-      real(wp), dimension(floors%n) :: shear, v
-
-      shear = shears_at(floors, branches, y, u_roof)
-      associate (n => floors%n, free => floors%free, first => floors%first)
-         v(n) = v_roof
-         v(:free) = y(first + free:first + 2*free - 1)
-         force = matmul(floors%c, v) + shear
-         force(:n - 1) = force(:n - 1) - shear(2:)
-      end associate
-   end function resistance_to
-
-   !> Rate of momentum of the floors beyond that implied by the motion of a linked roof [m/s2].
-   !>
-   !> One mode: the floors move in proportion to the roof, and the omitted modes follow the ground.
-   !> All modes: the sum of the forces of storeys and link springs on the floors with states.
-   !> Without storeys it is zero.
-   real(wp) function floor_inertia(equation, t, y, u_ddot) result(inertia)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: t
-      !! time [s]
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: u_ddot
-      !! acceleration of the roof relative to the ground [m/s2]
-      real(wp) :: force(equation%floors%n)
-
-      if (allocated(equation%floors%m)) then
-         force = resistance(equation, y)
-         inertia = -sum(force(:equation%floors%free))
-         if (allocated(equation%floors%k_link)) inertia = inertia + sum(link_pulls(equation, y))
-      else
-         inertia = frame_mass(equation)*(equation%floors%excited_mass_ratio - 1)*u_ddot &
-            + equation%floors%mass*ground(equation, t)
-      end if
-   end function floor_inertia
-
-   !> Write the history columns of the floors' displacements relative to the ground [m] and the
-   !> interstorey drift ratios [-].
-   subroutine put_floors(row, equation, y)
-      type(history_row_t), intent(inout) :: row
-      type(equation_t), intent(in) :: equation
-      !! equation with all modes of the frame
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp) :: u(0:size(equation%floors%m))
-      real(wp) :: v(size(equation%floors%m))
-      integer :: n
-
-      n = size(v)
-      call floor_motion(equation, equation%state%side, y, u, v)
-      call put(row, id%floor_i_m, u(1:equation%floors%free))
-      call put(row, id%storey_i_drift, (u(1:) - u(:n - 1))/equation%floors%height)
-   end subroutine put_floors
 
    !> Estimate the size of the states: floors move about as much as the roof, z is at most d/u_y
    !> and 1.

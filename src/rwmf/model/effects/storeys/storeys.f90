@@ -1,23 +1,23 @@
 !> Storeys of the frame, `&storeys`: their lists, or the rule that generates them, and their link
 !> to the wall.
 module rwmf_model_effects_storeys_storeys
-   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, floor_states, &
       no_hysteresis
    use rwmf_model_effects_storeys_shear_building, only: excited_mass_coefficients, &
       set_storeys, storey_coefficients, storey_energy, storey_sizes
    use rwmf_model_equation, only: contribution_t, equation_t
-   use rwmf_model_hysteresis_spring_set, only: first_yield
    use rwmf_model_hysteresis_storey_springs, only: choose_storey_springs
    use rwmf_model_scene, only: through_link
-   use rwmf_problem_case, only: case_t, has_all_modes
+   use rwmf_problem_case, only: case_t, has_all_modes, has_floors
    use rwmf_problem_case_group, only: case_group_t, name_length
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
+   use rwmf_problem_frame_strength, only: has_strength
    use rwmf_problem_group_values, only: derive, get_list, group_values_t, has_group, has_key, &
       integer_of, real_of, text_of
    use rwmf_problem_key, only: dimensional, key_t, optional_key, positive, required, with_si, &
-      usually
+      usually, fixed_by
    use rwmf_problem_rules, only: check_period, fail_group, fail_key
    use rwmf_problem_shear_frame, only: find_modes, shear_frame_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
@@ -53,9 +53,10 @@ contains
             'or the stiffnesses')), &
          usually('[1.5, 20]', required('storeys', 'height', 'real list', 'm', positive, &
             'height of each storey; with &wall their sum is 2h')), &
-         scaling(dimensional('storeys', 'n', 'integer', '', 'height', '', &
+         fixed_by('it sets the degrees of freedom', &
+            scaling(dimensional('storeys', 'n', 'integer', '', 'height', '', &
             'number of storeys; masses, heights, stiffnesses: one number for all or one each', &
-            '[1, 1000]')), &
+            '[1, 1000]'))), &
          distribution, &
          scaling(usually('[0.02, 15]', &
             dimensional('storeys', 'T_1', 'real', 's', 'k_over_m_w', '', &
@@ -72,7 +73,7 @@ contains
       group%fill => fill_storeys
       group%is_present => has_storeys
       group%add_states => add_floor_states
-      group%refuse_element => refuse_element
+      group%no_element = "&storeys: the frame is the host's own"
    end function storeys_group
 
    !> Mark a key as one that scales another key and may be given with it.
@@ -319,15 +320,15 @@ contains
       real(wp), allocatable :: k_link(:)
       !! (1 or floors) [1/s2]
 
-      allocate (case%storeys)
-      call get_list(case%values, 'storeys', 'm_over_m_w', case%storeys%frame%m)
-      call get_list(case%values, 'storeys', 'k_over_m_w', case%storeys%frame%k)
-      call get_list(case%values, 'storeys', 'height', case%storeys%frame%height)
-      case%storeys%coupling = text_of(case%values, 'storeys', 'coupling')
+      allocate (case%frame%floors)
+      call get_list(case%values, 'storeys', 'm_over_m_w', case%frame%floors%m)
+      call get_list(case%values, 'storeys', 'k_over_m_w', case%frame%floors%k)
+      call get_list(case%values, 'storeys', 'height', case%frame%floors%height)
+      case%frame%coupling = text_of(case%values, 'storeys', 'coupling')
       call get_list(case%values, 'storeys', 'k_link_over_m_w', k_link)
       if (allocated(k_link)) then
-         allocate (case%storeys%k_link, source=0*case%storeys%frame%m + k_link(1))
-         if (size(k_link) > 1) case%storeys%k_link(:) = k_link
+         allocate (case%frame%k_link, source=0*case%frame%floors%m + k_link(1))
+         if (size(k_link) > 1) case%frame%k_link(:) = k_link
       end if
       call set_equivalent_frame(case, error)
    end subroutine fill_storeys
@@ -343,21 +344,19 @@ contains
       if (.not. storeys%is_present) return
       equation%floors%first = equation%scene%n + 1
       call set_storeys(case, equation)
-      if (.not. has_all_modes(case%storeys)) then
+      if (.not. has_all_modes(case)) then
          storeys%n_coef = 1
          storeys%coefficients => excited_mass_coefficients
-         if (allocated(case%yielding) .and. allocated(equation%beam%floors)) then
-            call choose_storey_springs(case%yielding, first_yield(case, &
-               size(equation%beam%floors%k)), equation%beam%floors%k, equation)
+         if (has_strength(case) .and. allocated(equation%beam%floors)) then
+            call choose_storey_springs(case, equation%beam%floors%k, equation)
          end if
          return
       end if
       if (.not. equation%floors%are_linked) storeys%acts = through_link
       storeys%n = equation%floors%n
       storeys%law = no_hysteresis
-      if (allocated(case%yielding)) then
-         call choose_storey_springs(case%yielding, first_yield(case, equation%floors%n), &
-            equation%floors%k, equation)
+      if (has_strength(case)) then
+         call choose_storey_springs(case, equation%floors%k, equation)
          if (allocated(equation%floors%laws)) then
             storeys%law = equation%floors%laws(1)%factors
             equation%floors%laws%place = [(equation%floors%first + 2*equation%floors%free - 1 + i, &
@@ -374,7 +373,7 @@ contains
    pure logical function has_storeys(case)
       type(case_t), intent(in) :: case
 
-      has_storeys = allocated(case%storeys)
+      has_storeys = has_floors(case)
    end function has_storeys
 
    !> Add the names of the floor states: with all modes, displacement and velocity of each floor
@@ -385,9 +384,9 @@ contains
       character(name_length), allocatable :: states(:, :)
       integer :: i, n
 
-      if (.not. has_all_modes(case%storeys)) return
-      n = size(case%storeys%frame%m)
-      if (.not. allocated(case%storeys%k_link)) n = n - 1
+      if (.not. has_all_modes(case)) return
+      n = size(case%frame%floors%m)
+      if (.not. allocated(case%frame%k_link)) n = n - 1
       allocate (states(n, 2))
       do i = 1, size(states, 1)
          states(i, 1) = 'floor_'//trim(integer_to_text(i))//'_m'
@@ -395,12 +394,5 @@ contains
       end do
       names = [character(name_length) :: names, states(:, 1), states(:, 2)]
    end subroutine add_floor_states
-
-   subroutine refuse_element(case, error)
-      type(case_t), intent(in) :: case
-      type(error_t), allocatable, intent(out) :: error
-
-      call fail(error, err_input, 'an element has no &storeys: the frame is the host''s own')
-   end subroutine refuse_element
 
 end module rwmf_model_effects_storeys_storeys

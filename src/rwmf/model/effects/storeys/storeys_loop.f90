@@ -9,7 +9,7 @@ module rwmf_model_effects_storeys_storeys_loop
    implicit none
    private
 
-   public :: add_floors, add_excited_mass, add_floor_power, add_excited_mass_power
+   public :: add_floors, add_excited_mass, add_floor_power, add_excited_mass_power, follow_storeys
    public :: no_hysteresis, floor_coefficients, floor_states, free_floors
 
    integer, parameter :: no_hysteresis = -1
@@ -338,5 +338,43 @@ contains
          end do
       end do
    end subroutine add_smooth_power
+
+   !> Compute drifts [-] and shears [m/s2] of storeys with states.
+   pure subroutine follow_storeys(n, law, unit, over_height, coef, y, roof, found)
+      integer, intent(in) :: n
+      !! number of storeys and floors
+      integer, intent(in) :: law
+      !! hysteresis law of the storeys
+      real(wp), intent(in) :: unit(lane_count)
+      !! reference mass of the floors [-]
+      real(wp), intent(in) :: over_height(lane_count, n)
+      !! inverse heights of the storeys [1/m]
+      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, n - 1, law))
+      !! coefficients of `add_floors`
+      real(wp), intent(in) :: y(lane_count, floor_states(n, n - 1, law))
+      !! states of the floors
+      real(wp), intent(in) :: roof(lane_count)
+      !! displacement of the roof [m]
+      real(wp), intent(inout) :: found(lane_count, 2*n)
+      !! drifts, then shears
+      real(wp) :: drift(lane_count), shear(lane_count)
+      integer :: i, j
+
+      do j = 1, n
+         drift = roof
+         if (j < n) drift = y(:, j)
+         if (j > 1) drift = drift - y(:, j - 1)
+         !$omp simd
+         do i = 1, lane_count
+            shear(i) = coef(i, 1 + j)*drift(i) + coef(i, n + 1 + j)
+            found(i, j) = drift(i)*over_height(i, j)
+         end do
+         if (law /= no_hysteresis) shear = shear + coef(:, 3*n + 1 + n**2 + j)*y(:, 2*n - 2 + j)
+         !$omp simd
+         do i = 1, lane_count
+            found(i, n + j) = shear(i)*unit(i)
+         end do
+      end do
+   end subroutine follow_storeys
 
 end module rwmf_model_effects_storeys_storeys_loop

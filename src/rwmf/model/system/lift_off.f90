@@ -4,11 +4,11 @@
 !> The uplift demand is monotone where the horizontal motion is monotone in two cases. Both motions
 !> are straight lines on the same knots, or one is a multiple of the other. For a pulse with a
 !> vertical record the demand has turning points where the slopes are equal (`demand_turns`).
-module rwmf_model_lift_off
+module rwmf_model_system_lift_off
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
-   use rwmf_model_assembly, only: enter_side, interval_of, uplift_demand, moment_at_rest
    use rwmf_model_equation, only: discrete_state_t, equation_t, uplift_demands, model_t
+   use rwmf_model_system_assembly, only: enter_side, interval_of, uplift_demand, moment_at_rest
    use rwmf_motion_ground_motion, only: interval_end, line_of, line_t, steep_point, turning_point
    implicit none
    private
@@ -260,4 +260,4 @@ contains
       state%capacity_is_known = .true.
    end subroutine find_uplift_capacity
 
-end module rwmf_model_lift_off
+end module rwmf_model_system_lift_off

@@ -3,7 +3,7 @@
 !> Each loop of a scene adds to the moment about the pivot, and the arms of these moments are known.
 !> The moments of the loops in `force_parts_t` thus give their forces on the wall
 !> (docs/theory/demands.md, "Reactions").
-module rwmf_model_reactions_loop
+module rwmf_model_system_reactions_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_effects_numbers, only: fuse_effect, link_effect, storeys_effect
@@ -20,8 +20,8 @@ module rwmf_model_reactions_loop
    integer, parameter :: demand = 2
    integer, parameter :: shear = 3
    integer, parameter :: reaction_count = 3
-   !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2]; the run keeps the maximum
-   !! of each
+   !! -N [m/s2], H/N [-] (with a shear key H [m/s2]) and V [m/s2]; the run keeps the maximum of the
+   !! first and of the magnitudes of the others
 
    !> Motion of the lanes, and the forces on their walls above the base, horizontal and upward, over
    !> m_w [m/s2].
@@ -64,9 +64,9 @@ contains
       real(wp), intent(in) :: ground(lane_count, 2)
       !! horizontal and vertical ground acceleration [m/s2]
       real(wp), intent(out) :: found(lane_count, reaction_count)
-      !! -N [m/s2], |H|/N [-] (with a shear key |H| [m/s2]) and |V| [m/s2]. They are in the columns
-      !! `low_normal`, `demand` and `shear`. Without a wall only the shear is meaningful; the other
-      !! columns hold the smallest number.
+      !! -N [m/s2], H/N [-] (with a shear key H [m/s2]) and V [m/s2], in the columns `low_normal`,
+      !! `demand` and `shear`. Without a wall only the shear is meaningful; the first column holds
+      !! the smallest number, the second 0.
       type(lane_forces_t), intent(out) :: forces
       real(wp), intent(out) :: rates(lane_count, parts%through_link%n)
       !! rates of the floor states [m/s], [m/s2]; other rates are undefined
@@ -78,7 +78,7 @@ contains
 
       associate (motion => forces%motion, phi_ddot => forces%phi_ddot)
          motion%ground = ground(:, 1)
-         motion%vertical = ground(:, 2)
+         motion%upward = ground(:, 2)
          corner = 0
          cable = 0
          if (size(parts%under_corner%terms) > 0) call add_up(parts%under_corner, coef, y, motion, &
@@ -92,12 +92,11 @@ contains
             !$omp simd
             do i = 1, lane_count
                found(i, low_normal) = -huge(1.0_wp)
-               found(i, demand) = -huge(1.0_wp)
+               found(i, demand) = 0
                phi_ddot(i) = link(i, 1)/link(i, 2)
                found(i, shear) = phi_ddot(i) + ground(i, 1)
             end do
             call push_floors(parts%through_link, coef, rates, ground, found(1, shear))
-            found(:, shear) = abs(found(:, shear))
             return
          end if
          call move_centroid(coef, ground, link + corner + cable, motion, phi_ddot, force)
@@ -109,17 +108,16 @@ contains
       end associate
       !$omp simd
       do i = 1, lane_count
-         found(i, shear) = abs(found(i, shear))
          found(i, low_normal) = -force(i, 2)
       end do
       if (parts%has_shear_key) then
-         found(:, demand) = abs(force(:, 1))
+         found(:, demand) = force(:, 1)
          return
       end if
       !$omp simd
       do i = 1, lane_count
-         found(i, demand) = merge(abs(force(i, 1))/max(force(i, 2), tiny(1.0_wp)), huge(1.0_wp), &
-            abs(force(i, 1)) < force(i, 2)*sqrt(huge(1.0_wp)))
+         found(i, demand) = merge(force(i, 1)/max(force(i, 2), tiny(1.0_wp)), sign(huge(1.0_wp), &
+            force(i, 1)), abs(force(i, 1)) < force(i, 2)*sqrt(huge(1.0_wp)))
       end do
    end subroutine lane_forces
 
@@ -140,7 +138,7 @@ contains
       real(wp) :: corner(lane_count, 2), rates(lane_count, part%n)
 
       motion%ground = 0
-      motion%vertical = 0
+      motion%upward = 0
       call add_up(part, coef, y, motion, corner, rates)
       force = 0
       call press_corner(part, coef, corner, motion, phi_ddot, force)
@@ -364,4 +362,4 @@ contains
       end do
    end subroutine push_floors
 
-end module rwmf_model_reactions_loop
+end module rwmf_model_system_reactions_loop

@@ -1,10 +1,11 @@
 !> Derivatives of the right-hand side for implicit methods.
-module rwmf_model_jacobian
+module rwmf_model_system_jacobian
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: cable_at, equation_t, kinematics_at, rates_at, second_derivative
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_equation, only: ground, has_further_effects
    use rwmf_model_kinematics, only: kinematics_t
+   use rwmf_model_system_assembly, only: cable_at, equation_t, kinematics_at, rates_at, &
+      second_derivative
    implicit none
    private
 
@@ -114,4 +115,4 @@ contains
          - second_derivative(equation, t, y - step))/(2*h)
    end subroutine difference_quotients
 
-end module rwmf_model_jacobian
+end module rwmf_model_system_jacobian

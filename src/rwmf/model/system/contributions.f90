@@ -1,12 +1,11 @@
 !> Effects beyond wall, frame and cable: selection for a case, and sums over all of them.
-module rwmf_model_contributions
+module rwmf_model_system_contributions
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_list, only: prepare_effect
    use rwmf_model_effects_numbers, only: bending_effect, effect_count
    use rwmf_model_equation, only: contribution_t, equation_t
-   use rwmf_model_hysteresis_spring_set, only: choose_springs, has_branches
    use rwmf_model_scene, only: add_term, elsewhere, term_t, through_link
-   use rwmf_problem_case, only: case_t, has_all_modes, has_numbers
+   use rwmf_problem_case, only: case_t
    implicit none
    private
 
@@ -23,9 +22,6 @@ contains
       type(contribution_t) :: effect
       integer :: i
 
-      if (allocated(case%fuse) .or. equation%cable%is_tendon .or. frame_yields(case)) then
-         call choose_springs(case, frame_yields(case), equation)
-      end if
       do i = 1, effect_count
          call prepare_effect(i, case, equation, effect)
          if (effect%is_present) call append_contribution(equation, i, effect)
@@ -49,18 +45,6 @@ contains
             = equation%floors%first
       end associate
    end subroutine order_terms
-
-   !> True if the frame as a whole yields with a law of linear branches that follows the rotation.
-   !> Frames with all modes have laws for the single storeys, and a bending wall moves the frame at
-   !> rest as well.
-   pure logical function frame_yields(case)
-      type(case_t), intent(in) :: case
-
-      frame_yields = allocated(case%yielding)
-      if (frame_yields) frame_yields = .not. (has_all_modes(case%storeys) .or. has_numbers(case, &
-         'bending'))
-      if (frame_yields) frame_yields = has_branches(case%yielding)
-   end function frame_yields
 
    !> Append an effect. Its coefficients and states follow the existing ones.
    subroutine append_contribution(equation, number, effect)
@@ -169,4 +153,4 @@ contains
       end do
    end function effects_frame_force
 
-end module rwmf_model_contributions
+end module rwmf_model_system_contributions

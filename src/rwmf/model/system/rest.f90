@@ -1,10 +1,10 @@
 !> Transition from chatter to rest. The condition depends only on the ground motion, unless further
 !> states change while the wall is on its base.
-module rwmf_model_rest
+module rwmf_model_system_rest
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: enter_side, rhs, second_derivative
    use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, uplift_demands
-   use rwmf_model_lift_off, only: demand_turns, find_uplift_acceleration
+   use rwmf_model_system_assembly, only: enter_side, rhs, second_derivative
+   use rwmf_model_system_lift_off, only: demand_turns, find_uplift_acceleration
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until
    implicit none
    private
@@ -355,4 +355,4 @@ contains
       end associate
    end function inverse_inertia
 
-end module rwmf_model_rest
+end module rwmf_model_system_rest

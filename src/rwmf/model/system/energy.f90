@@ -3,18 +3,18 @@
 !> The energies follow the virtual work of the kinematics u, j. The `published` formulation violates
 !> it for theta < 0. Its energy balance therefore does not close, and the residual measures the
 !> error.
-module rwmf_model_energy
+module rwmf_model_system_energy
    use rwmf_core_kinds, only: wp
-   use rwmf_model_assembly, only: cable_at, equation_t, ground_at, kinematics_at
-   use rwmf_model_bent_wall, only: bending_strain, bent_frame_strain, bent_gravity, &
-      bent_kinetic_energy
+   use rwmf_model_bent_wall, only: bending_strain, bent_gravity, bent_kinetic_energy
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_contributions, only: effects_energy, effects_frame_energy
    use rwmf_model_effects_loops, only: lane_powers, lane_rates, power_unit
-   use rwmf_model_effects_storeys_yielding_storeys, only: storeys_loss
+   use rwmf_model_floors_floor_forces, only: bent_frame_strain
+   use rwmf_model_floors_yielding_storeys, only: storeys_loss
    use rwmf_model_hysteresis_spring_set, only: springs_loss
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: lane_motion_t, power_count
+   use rwmf_model_system_assembly, only: cable_at, equation_t, ground_at, kinematics_at
+   use rwmf_model_system_contributions, only: effects_energy, effects_frame_energy
    implicit none
    private
 
@@ -145,4 +145,4 @@ contains
       loss = equation%p%R**2*equation%state%inertia_at_rest*(before**2 - after**2)/2
    end function impact_loss
 
-end module rwmf_model_energy
+end module rwmf_model_system_energy

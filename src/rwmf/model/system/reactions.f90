@@ -1,19 +1,19 @@
 !> Forces between foundation and wall, from the balance of momentum (docs/theory, "Reactions"). All
 !> forces are over m_w (bare frame: over m_s), positive as u_g'' and upward.
-module rwmf_model_reactions
+module rwmf_model_system_reactions
    use rwmf_core_kinds, only: wp
-   use rwmf_model_bent_wall, only: forces_of_linked_floors, mean_acceleration
+   use rwmf_model_bent_wall, only: mean_acceleration
    use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_contributions, only: effects_frame_force
-   use rwmf_model_effects_storeys_shear_building, only: column_shears, floor_inertia, &
-      link_pulls, resistance
    use rwmf_model_equation, only: cable_at, equation_t, frame_displacement, frame_mass, ground, &
       kinematics_at, tip_acceleration, tip_displacement, tip_velocity, vertical_ground
    use rwmf_model_floor_motion, only: floor_accelerations, follows_roof
+   use rwmf_model_floors_floor_forces, only: column_shears, floor_inertia, &
+      forces_of_linked_floors, link_pulls, resistance
    use rwmf_model_hysteresis_bouc_wen, only: lagging_displacement
    use rwmf_model_hysteresis_spring_set, only: plastic_displacement, uneven_plastic_part
    use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_reactions_loop, only: push_corner
+   use rwmf_model_system_contributions, only: effects_frame_force
+   use rwmf_model_system_reactions_loop, only: push_corner
    implicit none
    private
 
@@ -281,4 +281,4 @@ contains
       if (equation%beam%n > 0) u_ddot = u_ddot + tip_acceleration(equation, y, y_dot)
    end function roof_acceleration
 
-end module rwmf_model_reactions
+end module rwmf_model_system_reactions

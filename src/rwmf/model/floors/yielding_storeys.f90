@@ -4,7 +4,7 @@
 !> The displacement d_i = u_i - u_(i-1) of a storey is not a function of the rotation alone. So the
 !> end of a branch is located in the states (`simulation/events`), storey by storey. An elastic
 !> branch ends at a known d_i, a yielding one where d_i' changes its sign.
-module rwmf_model_effects_storeys_yielding_storeys
+module rwmf_model_floors_yielding_storeys
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: discrete_state_t, equation_t, frame_mass, model_t, &
       renew_coefficients
@@ -305,4 +305,4 @@ contains
       end if
    end function storey_residuals
 
-end module rwmf_model_effects_storeys_yielding_storeys
+end module rwmf_model_floors_yielding_storeys

@@ -5,23 +5,25 @@
 !> floor, follows its shape instead. Floor i then has the share phi_i/phi_n of the roof's
 !> displacement. Its absolute acceleration is the ground acceleration plus that share of the roof's
 !> relative acceleration. A single degree of freedom is one floor without a storey.
-module rwmf_model_demands
+module rwmf_model_system_demands
    use rwmf_core_kinds, only: pi, wp
    use rwmf_model_beam, only: link_deflections, tip_deflection
-   use rwmf_model_bent_sections, only: bent_sections_t, create_bent_sections, find_bent_extremes
-   use rwmf_model_bent_wall, only: bent_overturning, forces_of_linked_floors
+   use rwmf_model_bent_wall, only: bent_overturning
    use rwmf_model_effects_p_delta, only: leaning_height, leaning_loads
-   use rwmf_model_effects_storeys_shear_building, only: column_shears, link_pulls
    use rwmf_model_equation, only: equation_t, frame_acceleration, frame_displacement, frame_mass, &
       frame_motion, ground, kinematics_at, place_frame
    use rwmf_model_floor_motion, only: floor_accelerations, floor_motion, follows_roof
+   use rwmf_model_floors_floor_forces, only: column_shears, forces_of_linked_floors, link_pulls
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
    use rwmf_model_hysteresis_laws, only: spring_force
    use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_reactions, only: link_force, link_tilt, plastic_part, roof_acceleration
-   use rwmf_model_wall_sections, only: find_section_extremes, link_places, links_t, &
+   use rwmf_model_system_bent_sections, only: bent_sections_t, create_bent_sections, &
+      find_bent_extremes
+   use rwmf_model_system_reactions, only: link_force, link_tilt, plastic_part, roof_acceleration
+   use rwmf_model_system_wall_sections, only: find_section_extremes, link_places, links_t, &
       section_extremes_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, has_floors
+   use rwmf_problem_frame_strength, only: has_strength
    implicit none
    private
 
@@ -86,7 +88,7 @@ contains
       type(case_t), intent(in) :: case
 
       floor_count = 1
-      if (allocated(case%storeys)) floor_count = size(case%storeys%frame%m)
+      if (has_floors(case)) floor_count = size(case%frame%floors%m)
    end function floor_count
 
    !> Number of the lowest floor with a link: the roof, unless every floor has one.
@@ -94,8 +96,8 @@ contains
       type(case_t), intent(in) :: case
 
       lowest_link = floor_count(case)
-      if (.not. allocated(case%storeys)) return
-      associate (coupling => case%storeys%coupling)
+      if (.not. has_floors(case)) return
+      associate (coupling => case%frame%coupling)
          if (coupling == 'every_floor' .or. coupling == 'springs') lowest_link = 1
       end associate
    end function lowest_link
@@ -120,7 +122,7 @@ contains
          end if
          return
       end if
-      if (allocated(case%storeys)) then
+      if (has_floors(case)) then
          call describe_storeys(case, equation, building)
       else
          building%floors = 1
@@ -142,7 +144,7 @@ contains
       type(building_t), intent(inout) :: building
       integer :: n, i
 
-      associate (frame => case%storeys%frame)
+      associate (frame => case%frame%floors)
          n = size(frame%m)
          building%floors = n
          building%drifts = n
@@ -155,7 +157,7 @@ contains
          building%k = frame%k*(2*pi/case%frame%T_s/frame%omega(1))**2
          building%load = leaning_loads(case)
          building%viscous_time = case%frame%xi_s*case%frame%T_s/pi
-         building%is_linear = .not. allocated(case%yielding)
+         building%is_linear = .not. has_strength(case)
          building%unit = equation%floors%unit
       end associate
    end subroutine describe_storeys
@@ -179,7 +181,7 @@ contains
 
       a = ground(equation, t)
       if (equation%has_wall) kin = kinematics_at(equation, y(1))
-      call follow_floors(building, equation, kin, y, y_dot, demands, u_ddot)
+      call follow_floors(building, equation, y, y_dot, demands, u_ddot)
       demands%acceleration = u_ddot + a
       demands%overturning = 0
       if (allocated(building%z)) demands%overturning = sum(building%m*building%z &
@@ -199,11 +201,9 @@ contains
    end subroutine demands_at
 
    !> Compute the relative accelerations of the floors, and the drifts and shears of the storeys.
-   subroutine follow_floors(building, equation, kin, y, y_dot, demands, u_ddot)
+   subroutine follow_floors(building, equation, y, y_dot, demands, u_ddot)
       type(building_t), intent(in) :: building
       type(equation_t), intent(in) :: equation
-      type(kinematics_t), intent(in) :: kin
-      !! kinematics of the wall; unused without a wall
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_dot(:)
       type(demands_t), intent(inout) :: demands
@@ -345,4 +345,4 @@ contains
          - y(2)**2*(h**2 - b**2)*sine*cosine)/3
    end function wall_overturning
 
-end module rwmf_model_demands
+end module rwmf_model_system_demands

@@ -1,17 +1,16 @@
-!> Loop over lanes that computes the demands of a building, as `rwmf_model_demands` does for one
-!> state.
-module rwmf_model_demands_loop
+!> Loop over lanes that computes the demands of a building, as `rwmf_model_system_demands` does for
+!> one state.
+module rwmf_model_system_demands_loop
    use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_loops, only: follow_storeys
    use rwmf_model_effects_numbers, only: storeys_effect
-   use rwmf_model_effects_storeys_storeys_loop, only: floor_coefficients, floor_states, &
-      no_hysteresis
    use rwmf_model_lanes, only: lane_count
-   use rwmf_model_reactions_loop, only: lane_forces, lane_forces_t, reaction_count
    use rwmf_model_scene, only: first_wall, force_parts_t, term_t
+   use rwmf_model_system_reactions_loop, only: lane_forces, lane_forces_t, reaction_count
    implicit none
    private
 
-   public :: lane_demands, demand_constants
+   public :: lane_demands, demand_constants, sections, section_terms
 
    integer, parameter :: of_unit = 1
    !! column in `building` of the reference mass of the floors [-]
@@ -22,25 +21,32 @@ module rwmf_model_demands_loop
    !! weight [s2]
    ! the columns of the inverse storey heights follow [1/m]
 
+   integer, parameter :: sections = 2
+   !! number of demands that are maxima along the wall: shear and moment
+   integer, parameter :: section_terms = 4
+   !! number of their coefficients, in columns behind all demands
+
 contains
 
    !> Number of constants of one building.
-   pure integer function demand_constants(floors, storeys) result(n)
-      integer, intent(in) :: floors, storeys
-      !! numbers of floors and storeys
+   pure integer function demand_constants(floors, drifts) result(n)
+      integer, intent(in) :: floors, drifts
+      !! numbers of floors and of storey drifts
 
-      n = of_floors + floors + storeys
+      n = of_floors + floors + drifts
    end function demand_constants
 
-   !> Compute the reactions, followed by the magnitudes of the demands. The demands are storey
-   !> drifts [-], storey shears [m/s2], floor accelerations [m/s2] and overturning moment [m]. The
-   !> largest shear [m/s2] and moment [m2/s2] of the wall follow, each -1 without a wall.
-   subroutine lane_demands(parts, floors, storeys, building, coef, y, ground, found)
+   !> Compute the reactions, followed by the demands with their signs.
+   !>
+   !> The demands are storey drifts [-], storey shears [m/s2], floor accelerations [m/s2] and
+   !> overturning moment [m]. The magnitudes of the largest shear [m/s2] and moment [m2/s2] of the
+   !> wall follow, each -1 without a wall. The last columns are the coefficients of `find_sections`.
+   subroutine lane_demands(parts, floors, drifts, building, coef, y, ground, found)
       type(force_parts_t), intent(in) :: parts
       !! complete
-      integer, intent(in) :: floors, storeys
-      !! numbers of floors and storeys; the storeys have states
-      real(wp), intent(in) :: building(lane_count, demand_constants(floors, storeys))
+      integer, intent(in) :: floors, drifts
+      !! numbers of floors and of storey drifts; the storeys have states
+      real(wp), intent(in) :: building(lane_count, demand_constants(floors, drifts))
       !! constants of the buildings
       real(wp), intent(in) :: coef(lane_count, parts%through_link%n_coef)
       !! coefficients of the loops, on the current side and the active branches
@@ -48,8 +54,9 @@ contains
       !! (states)
       real(wp), intent(in) :: ground(lane_count, 2)
       !! horizontal and vertical ground acceleration [m/s2]
-      real(wp), intent(out) :: found(lane_count, reaction_count + 2*storeys + floors + 3)
-      !! reactions as in `lane_reactions`, then demands, each in its unit
+      real(wp), intent(out) :: found(lane_count, reaction_count + 2*drifts + floors + 1 &
+         + sections*(1 + section_terms))
+      !! reactions as in `lane_reactions`, then demands and coefficients, each in its unit
       type(lane_forces_t) :: forces
       real(wp) :: rates(lane_count, parts%through_link%n)
       real(wp), dimension(lane_count) :: roof, length
@@ -59,10 +66,11 @@ contains
       type(term_t) :: term
 
       call lane_forces(parts, coef, y, ground, found, forces, rates)
-      last = reaction_count + 2*storeys + floors
+      last = reaction_count + 2*drifts + floors
       found(:, last + 1) = 0
-      found(:, last + 2:) = -1
-      if (storeys > 0) term = parts%through_link%terms(findloc(parts%through_link%terms%effect, &
+      found(:, last + 2:last + 1 + sections) = -1
+      found(:, last + 2 + sections:) = 0
+      if (drifts > 0) term = parts%through_link%terms(findloc(parts%through_link%terms%effect, &
          storeys_effect, dim=1))
       if (floors > 0) then
          length = 1
@@ -82,55 +90,17 @@ contains
             do i = 1, lane_count
                found(i, last + 1) = found(i, last + 1) + building(i, of_floors + j) &
                   *found(i, last - floors + j)
-               found(i, last - floors + j) = abs(found(i, last - floors + j))
             end do
          end do
       end if
-      if (storeys > 0) call follow_storeys(storeys, term%law, building, coef(1, term%coef), &
-         y(1, min(term%state, size(y, 2))), roof, found(1, reaction_count + 1))
+      if (drifts > 0) call follow_storeys(drifts, term%law, building(1, of_unit), &
+         building(1, of_floors + floors + 1), coef(1, term%coef), y(1, min(term%state, &
+         size(y, 2))), roof, found(1, reaction_count + 1))
       if (parts%through_link%has_wall) then
          call overturn_wall(coef, ground, forces, building(1, of_weight), found(1, last + 1))
          call find_sections(coef, ground, forces, found(1, last + 2))
       end if
-      !$omp simd
-      do i = 1, lane_count
-         found(i, last + 1) = abs(found(i, last + 1))
-      end do
    end subroutine lane_demands
-
-   !> Compute drifts and shears of storeys with states.
-   pure subroutine follow_storeys(n, law, building, coef, y, roof, found)
-      integer, intent(in) :: n
-      !! number of storeys and floors
-      integer, intent(in) :: law
-      !! hysteresis law of the storeys
-      real(wp), intent(in) :: building(lane_count, demand_constants(n, n))
-      real(wp), intent(in) :: coef(lane_count, floor_coefficients(n, n - 1, law))
-      !! coefficients of `add_floors`
-      real(wp), intent(in) :: y(lane_count, floor_states(n, n - 1, law))
-      !! states of the floors
-      real(wp), intent(in) :: roof(lane_count)
-      !! [m]
-      real(wp), intent(inout) :: found(lane_count, 2*n)
-      real(wp) :: drift(lane_count), shear(lane_count)
-      integer :: i, j
-
-      do j = 1, n
-         drift = roof
-         if (j < n) drift = y(:, j)
-         if (j > 1) drift = drift - y(:, j - 1)
-         !$omp simd
-         do i = 1, lane_count
-            shear(i) = coef(i, 1 + j)*drift(i) + coef(i, n + 1 + j)
-            found(i, j) = abs(drift(i)*building(i, of_floors + n + j))
-         end do
-         if (law /= no_hysteresis) shear = shear + coef(:, 3*n + 1 + n**2 + j)*y(:, 2*n - 2 + j)
-         !$omp simd
-         do i = 1, lane_count
-            found(i, n + j) = abs(shear(i)*building(i, of_unit))
-         end do
-      end do
-   end subroutine follow_storeys
 
    !> Add the moment of the wall's horizontal inertia about the ground, over the weight.
    pure subroutine overturn_wall(coef, ground, forces, over_weight, moment)
@@ -162,13 +132,18 @@ contains
    end subroutine overturn_wall
 
    !> Find the largest shear and the largest moment along the wall, with the link at its top.
+   !>
+   !> Below the link, the shear is a parabola over the height and the moment a cubic. Their
+   !> coefficients in Bernstein form bound the change of either between two instants. Above the link
+   !> the shear is the part of the cable.
    pure subroutine find_sections(coef, ground, forces, found)
       real(wp), intent(in) :: coef(lane_count, first_wall + 7)
       real(wp), intent(in) :: ground(lane_count, 2)
       !! [m/s2]
       type(lane_forces_t), intent(in) :: forces
-      real(wp), intent(inout) :: found(lane_count, 2)
-      !! shear [m/s2] and moment [m2/s2]
+      real(wp), intent(inout) :: found(lane_count, sections*(1 + section_terms))
+      !! shear [m/s2] and moment [m2/s2]; then the coefficients of the shear from the link to the
+      !! base, with the part of the cable before the last one, and those of the moment
       real(wp), parameter :: least = 1.0e-100_wp
       !! smallest denominator, against division by zero
       real(wp), dimension(lane_count) :: h, b, turn, push, across, about
@@ -189,6 +164,7 @@ contains
             *forces%motion%rate(i)
          across(i) = cosine*forces%cable(i, 1) - sine*forces%cable(i, 2)
          found(i, 1) = abs(across(i))
+         found(i, 5) = across(i)
          of_link = cosine*forces%link(i, 1) - sine*forces%link(i, 2)
          across(i) = across(i) + of_link
          about(i) = 2*h(i)*across(i) - forces%motion%side(i)*(b(i) - 2*coef(i, first_wall + 5) &
@@ -197,6 +173,13 @@ contains
          found(i, 2) = abs(about(i) - 2*h(i)*across(i))
          slope = push(i) + 2*h(i)*turn(i)
          rest = turn(i)*b(i)*b(i)/3 - 2*h(i)*across(i)
+         found(i, 3) = -across(i)
+         found(i, 4) = slope/2 - across(i)
+         found(i, 6) = slope - across(i) - h(i)*turn(i)
+         found(i, 7) = 2*h(i)*across(i) - about(i)
+         found(i, 8) = found(i, 7) + rest/3
+         found(i, 9) = found(i, 8) + (rest + h(i)*slope)/3
+         found(i, 10) = found(i, 7) + rest + h(i)*slope - h(i)*h(i)*turn(i)*2/3
          root = sqrt(max(slope*slope + 2*turn(i)*rest, 0.0_wp))
          root = -(slope + sign(root, slope))/2
          s(i, 1) = 2*h(i) + push(i)/sign(max(abs(turn(i)), least), turn(i))
@@ -216,4 +199,4 @@ contains
       end do
    end subroutine find_sections
 
-end module rwmf_model_demands_loop
+end module rwmf_model_system_demands_loop

@@ -1,10 +1,10 @@
 !> Section forces of the rigid wall, from the balance of the part above a section. Its loads are its
 !> weight and inertia, the links to the frame, and the cable at its top. Forces at the base act
 !> below every section and do not enter (docs/theory/demands.md, "Demands").
-module rwmf_model_wall_sections
+module rwmf_model_system_wall_sections
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
-   use rwmf_model_reactions, only: cable_force
+   use rwmf_model_system_reactions, only: cable_force
    implicit none
    private
 
@@ -250,4 +250,4 @@ contains
       if (abs(root) > 0) s(3) = rest/root
    end function stationary_places
 
-end module rwmf_model_wall_sections
+end module rwmf_model_system_wall_sections

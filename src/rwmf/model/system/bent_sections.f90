@@ -6,15 +6,15 @@
 !> included. The shear V is the integral of the first above the section, less cable and links. With
 !> the axial force N and the rotary inertia of the width, dM/dz = -V + w' N - b**2/3 theta''/(2h).
 !> This slope is integrated by Gauss's rule from the top.
-module rwmf_model_bent_sections
+module rwmf_model_system_bent_sections
    use rwmf_core_kinds, only: wp
    use rwmf_math_cantilever, only: deflection, force_above, slope_of
    use rwmf_math_gauss, only: gauss_node
    use rwmf_math_roots, only: close_in, secant_between, secant_t, vertex_of_parabola
    use rwmf_model_beam, only: beam_t
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
-   use rwmf_model_reactions, only: cable_force
-   use rwmf_model_wall_sections, only: links_t, section_extremes_t
+   use rwmf_model_system_reactions, only: cable_force
+   use rwmf_model_system_wall_sections, only: links_t, section_extremes_t
    implicit none
    private
 
@@ -520,4 +520,4 @@ contains
       slope = slope_from(beam, loads, z, tilt, above(:beam%n))
    end function moment_slope
 
-end module rwmf_model_bent_sections
+end module rwmf_model_system_bent_sections

@@ -6,23 +6,24 @@
 !>                                  - (gamma lever + c) f/R - (g/R) (s + q r)
 !>
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
-module rwmf_model_assembly
+module rwmf_model_system_assembly
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_model_cable, only: cable_elongation, cable_stiffness, linear_cable, no_cable, &
       signed_linear_cable, spring_cable
-   use rwmf_model_contributions, only: choose_contributions
    use rwmf_model_effects_loops, only: lane_rates
    use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
-      frame_displacement, ground, has_further_effects, interval_of, kinematics_at, &
-      uplift_demand, renew_coefficients, vertical_ground
+      frame_displacement, ground, has_further_effects, interval_of, kinematics_at, uplift_demand, &
+      renew_coefficients, vertical_ground, sprung_t
    use rwmf_model_hysteresis_laws, only: new_branch, new_spring
+   use rwmf_model_hysteresis_spring_set, only: add_springs
    use rwmf_model_kinematics, only: geometry_of
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
       wall_coefficients
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_scene, only: add_term, first_wall, force_parts_of, frame_term, in_cable, &
       linear_cable_term, scene_t, straight_cable_term, term_t, through_link
+   use rwmf_model_system_contributions, only: choose_contributions
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_wall_size, only: half_diagonal
@@ -87,7 +88,7 @@ contains
       still = 0
       do i = 1, 2
          motion%ground = i - 1
-         motion%vertical = 0
+         motion%upward = 0
          call lane_rates(equation%scene, equation%state%coef, still, motion, rates)
          moment(i) = motion%moment(1)
       end do
@@ -199,6 +200,7 @@ contains
          case%cable%eta_0, is_tendon=.true., rupture=rupture)
       equation%state%tendon = new_branch(equation%cable%tendon)
       equation%cable_law => spring_cable
+      call add_springs([sprung_t ::], case%model%overturning_angle, equation)
    end subroutine choose_tendon
 
    !> Compute the rates of the first-order form, y' = (theta', theta'', rates of further states).
@@ -240,8 +242,8 @@ contains
       type(lane_motion_t), intent(inout) :: motion
 
       motion%ground = ground(equation, t)
-      motion%vertical = 0
-      if (equation%has_vertical) motion%vertical = vertical_ground(equation, t)
+      motion%upward = 0
+      if (equation%has_vertical) motion%upward = vertical_ground(equation, t)
    end subroutine ground_at
 
    !> Compute the moment away from the base and the inertia of the wall, over m_w R**2. They hold at
@@ -260,7 +262,7 @@ contains
       real(wp) :: rates(scene%n)
 
       motion%ground = 0
-      motion%vertical = 0
+      motion%upward = 0
       call lane_rates(scene, coef, at_rest, motion, rates)
       moment = motion%moment(1)
       inertia = motion%inertia(1)
@@ -279,4 +281,4 @@ contains
       second_derivative = y_dot(2)
    end function second_derivative
 
-end module rwmf_model_assembly
+end module rwmf_model_system_assembly

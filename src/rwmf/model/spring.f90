@@ -5,7 +5,7 @@
 !>
 !> Numbers are in the caller's units. Elongations are in m, forces over a mass [m/s2] or over the
 !> weight of the wall [-], energies in the product of both.
-module rwmf_model_hysteresis_spring
+module rwmf_model_spring
    use rwmf_core_kinds, only: wp
    implicit none
    private
@@ -159,4 +159,4 @@ contains
       work = (line_force(branch, branch%begin) + line_force(branch, x))/2*(x - branch%begin)
    end function work_along
 
-end module rwmf_model_hysteresis_spring
+end module rwmf_model_spring
