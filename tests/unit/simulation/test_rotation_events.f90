@@ -81,7 +81,8 @@ program test_rotation_events
    use known_motions, only: known_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, rates_at
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+      rates_at
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_first_change, only: ending_t
