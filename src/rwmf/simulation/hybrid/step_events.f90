@@ -87,11 +87,14 @@ contains
          rotation%has_turns = i < most_turns .and. .not. keeps_direction(rest)
          hybrid%t = step%t_b
          hybrid%y(:) = step%y_b
-         ending = at_end
+         ! an event of the rotation at the end of the step precedes the event that cuts the step
+         ending = ending_t()
          call find_event(rotation, rest, ending, is_found, error)
          if (is_found) then
             hybrid%t = ending%t
             hybrid%y(:) = ending%y
+         else
+            ending = at_end
          end if
          if (step%equation%has_loading_direction .and. .not. allocated(error)) call end_at_zero( &
             hybrid, rest, ending, error)
