@@ -108,6 +108,9 @@ contains
             ends_beyond = turn%side*v_b < 0 .or. (self%has_limits .and. abs(v_b) <= 0)
          end if
          if (changes == no_change .and. .not. ends_beyond) return
+         ! without acceleration at the start, only the end of the span shows a reversal there
+         if (self%direction /= 0 .and. max(abs(v_a), abs(span%a%f(1, 2))) <= 0 &
+             .and. .not. ends_beyond) return
          if (changes == one_change) then
             if (is_known(self, span)) return
          end if
