@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import math
 import pickle
 import signal
@@ -176,6 +177,49 @@ def test_events_end_an_advance() -> None:
     with rwmf.Wall(case_of()) as wall:
         peak = wall.next_event(4.0, ["peak"])
         assert peak is not None and peak.kind == "peak"
+
+
+def test_each_flight_has_its_turn() -> None:
+    """A frame that moves with the wall lets storeys and wall reverse at one instant."""
+    text = (
+        "&wall h = 2.0, b = 0.5 / &frame xi_s = 0.0 / &link L = 51.46719860381271 /"
+        "&storeys m_over_m_w = 0.9844833275004493, k_over_m_w = 227.2292894553269, height = 4.0,"
+        "  coupling = 'full' / &yielding storey_u_y = 0.027175303551282344, hardening = 0.0 /"
+        "&impact e = 1.0 / &model formulation = 'symmetric' /"
+        "&cable eta_0 = 1.0, eta_alpha = 8.98093405830748, eta_y = 1.2705518519832388,"
+        "  hardening = 0.0 / &solver t_end = 2.0 /"
+        "&motion kind = 'ricker', a_max_g = 0.6155098617535223, T_p = 0.9733479051019143 /"
+    )
+    kinds = []
+    with rwmf.Wall(rwmf.Case.from_text(text), peak=4.0) as wall:
+        for i in range(100):
+            t, a = step_of(i)
+            if i // 10 % 3 == 0:
+                wall.advance_samples(t, a)
+            elif i // 10 % 3 == 1:
+                wall.advance_ground(float(t[1]), lambda t: 4 * math.sin(6 * t))
+            else:
+                wall.advance(float(t[1]))
+            kinds += [event.kind for event in wall.events if event.kind in ("impact", "peak")]
+    assert kinds.count("impact") > 5
+    assert all("peak" in pair for pair in itertools.pairwise(kinds)), kinds
+
+
+def test_a_smooth_frame_starts_from_rest() -> None:
+    """An interpolation of the first tiny step may reverse where the motion does not."""
+    text = (
+        "&frame T_s = 0.7, xi_s = 0.02 / &yielding f_y_over_m_s_g = 0.2, law = 'bouc_wen',"
+        " exponent = 1.5, beta = 0.7, hardening = 0.1 / &solver method = '{}', t_end = 1.0 /"
+    )
+    ends = []
+    for method in ("dop853", "adams"):
+        with rwmf.Wall(rwmf.Case.from_text(text.format(method)), peak=4.0) as frame:
+            before = frame.save()
+            frame.advance_samples(np.array([0.0, DT]), np.array([0.0, 9.0]))
+            frame.restore(before)
+            frame.advance_samples(np.array([0.0, DT]), np.array([0.0, 9.0]))
+            ends.append(frame.state.u_s)
+    assert ends[1] == pytest.approx(ends[0], rel=1e-6)
 
 
 def _fails(error: type[Exception], match: str, call: Callable[[], object]) -> None:
