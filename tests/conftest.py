@@ -30,21 +30,13 @@ COUNTED = 5
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Count the lines of few cases of a function; begin with the files that take long."""
+    """Count the lines of few cases of a function."""
     cases: Counter[str] = Counter()
-    slow: dict[Path, set[str]] = {}
     for item in items:
         name = item.nodeid.partition("[")[0]
         cases[name] += 1
         if cases[name] > COUNTED and config.getoption("cov_source", None):
             item.add_marker("no_cover")
-        if item.get_closest_marker("slow"):
-            slow.setdefault(item.path, set()).add(name)
-        if "browser" in getattr(item, "fixturenames", ()):
-            slow.setdefault(item.path, set()).add("browser")
-    # a process of pytest-xdist: otherwise the last one works alone on a long file
-    if hasattr(config, "workerinput"):
-        items.sort(key=lambda item: -len(slow.get(item.path, ())))
 
 
 @pytest.fixture(scope="session")

@@ -202,8 +202,10 @@ contains
       end do
    end subroutine find_flat_steps
 
-   !> Check the steps for an extremum of one value, of its magnitude except for -N. A magnitude that
-   !> falls from the largest so far, by the parabola through the samples, has no other peak either.
+   !> Check the steps for an extremum of one value; except for -N, of its magnitude.
+   !>
+   !> A magnitude that falls from the largest so far, by the parabola through the samples, has no
+   !> other peak either.
    pure subroutine check_value(columns, values, q, is_flat)
       integer, intent(in) :: columns
       !! number of values and coefficients

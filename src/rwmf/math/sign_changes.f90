@@ -162,10 +162,10 @@ contains
       polygon%margin(n/2:n/2 + 1) = merge(rough/(6*h), rough/(20*h), n == 3)
    end function rate_polygon
 
-   !> Return whether all Bernstein coefficients of a function, or of its rate, are positive beyond
-   !> its interpolation error and round-off, so that `changes_of` finds no change.
+   !> Return whether all Bernstein coefficients of a function, or of its rate, are positive.
    !>
-   !> It holds in most spans and takes a fraction of the time, because the degree stays.
+   !> They then exceed interpolation error and round-off, and `changes_of` finds no change. This
+   !> holds in most spans and takes a fraction of the time, because the degree stays.
    pure logical function is_positive(h, a, b, rough, noise, order)
       real(wp), intent(in) :: h
       !! length of the span

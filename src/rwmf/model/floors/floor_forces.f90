@@ -1,5 +1,6 @@
-!> Forces on the floors of a frame whose floors have states, or are linked to a bending wall one by
-!> one: storeys, link springs and inertia.
+!> Forces on the floors of a frame: storeys, link springs and inertia.
+!>
+!> The floors have states, or links to a bending wall one by one.
 module rwmf_model_floors_floor_forces
    use rwmf_core_kinds, only: wp
    use rwmf_model_beam, only: link_deflections

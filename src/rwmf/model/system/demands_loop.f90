@@ -142,8 +142,8 @@ contains
       !! [m/s2]
       type(lane_forces_t), intent(in) :: forces
       real(wp), intent(inout) :: found(lane_count, sections*(1 + section_terms))
-      !! shear [m/s2] and moment [m2/s2]; then the coefficients of the shear from the link to the
-      !! base, with the part of the cable before the last one, and those of the moment
+      !! shear [m/s2] and moment [m2/s2], then the coefficients of each from the link to the base.
+      !! The part of the cable stands before the last coefficient of the shear.
       real(wp), parameter :: least = 1.0e-100_wp
       !! smallest denominator, against division by zero
       real(wp), dimension(lane_count) :: h, b, turn, push, across, about

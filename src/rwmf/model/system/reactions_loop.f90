@@ -20,8 +20,8 @@ module rwmf_model_system_reactions_loop
    integer, parameter :: demand = 2
    integer, parameter :: shear = 3
    integer, parameter :: reaction_count = 3
-   !! -N [m/s2], H/N [-] (with a shear key H [m/s2]) and V [m/s2]; the run keeps the maximum of the
-   !! first and of the magnitudes of the others
+   !! -N [m/s2], H/N [-] (with a shear key H [m/s2]) and V [m/s2]. The run keeps the maximum of the
+   !! first and of the magnitudes of the others.
 
    !> Motion of the lanes, and the forces on their walls above the base, horizontal and upward, over
    !> m_w [m/s2].

@@ -169,11 +169,13 @@ contains
       type(lane_state_t), intent(in) :: lane
       integer, intent(in) :: i
       type(batch_t), intent(inout) :: batch
-      real(wp) :: acceleration(1, 2), constants(1, size(batch%constants, 2))
-      real(wp) :: coef(1, size(batch%coef, 2)), y(1, size(batch%y, 2))
-      real(wp) :: found(1, size(batch%values, 2))
+      real(wp) :: acceleration(1, 2)
+      ! not on the stack: the number of coefficients grows with the square of that of the storeys
+      real(wp), allocatable, dimension(:, :) :: constants, coef, y, found
 
       acceleration(1, :) = batch%ground(i, 1, :)
+      allocate (constants(1, size(batch%constants, 2)), coef(1, size(batch%coef, 2)))
+      allocate (y(1, size(batch%y, 2)), found(1, size(batch%values, 2)))
       constants(1, :) = batch%constants(i, :)
       coef(1, :) = batch%coef(i, :)
       y(1, :) = batch%y(i, :)

@@ -223,9 +223,9 @@ contains
 
    !> Return true if both ends and the middle of a step of up to 1.5 rad exclude a larger value.
    !>
-   !> The bounds are those of lanes (`rwmf_integrator_lane_reactions`). A peak rises above the
-   !> samples by a quarter of their range at most. A demand that falls or grows along the parabola
-   !> through them has no peak inside.
+   !> A peak rises above the samples by a quarter of their range at most. A demand that falls or
+   !> grows along the parabola through them has no peak inside. Unlike the screens of lanes
+   !> (`rwmf_integrator_lane_reactions`), the samples are magnitudes without their signs.
    logical function is_flat(self, piece)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece

@@ -138,11 +138,8 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      real(wp) :: y_dot(size(y))
 
-      call rates_at(piece%equation, t, y, y_dot)
-      call keep_largest(forces, t, quantities(piece%equation, reactions_at(piece%equation, t, y, &
-         y_dot)))
+      call keep_largest(forces, t, quantities_at(piece%equation, t, y))
    end subroutine observe_end
 
    !> Update the extrema over a short piece, located with estimated reactions.

@@ -309,8 +309,7 @@ contains
       logical :: is_left
 
       is_left = allocated(recorder%forces)
-      if (present(has_plain_reactions) .and. allocated(recorder%demands)) is_left = is_left &
-         .and. .not. has_plain_reactions
+      if (present(has_plain_reactions)) is_left = is_left .and. .not. has_plain_reactions
       call observe_fastest(recorder, piece, error)
       if (allocated(error)) return
       if (is_left) call observe_moving(recorder%forces, piece, error)

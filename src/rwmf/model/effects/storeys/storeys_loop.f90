@@ -356,7 +356,7 @@ contains
       real(wp), intent(in) :: roof(lane_count)
       !! displacement of the roof [m]
       real(wp), intent(inout) :: found(lane_count, 2*n)
-      !! drifts, then shears
+      !! drifts [-], then shears [m/s2]
       real(wp) :: drift(lane_count), shear(lane_count)
       integer :: i, j
 
