@@ -24,7 +24,7 @@ module rwmf_simulation_events_first_change
 
    public :: ending_t, functions_t, moment_t, kept_samples_t, span_t, watch_t
    public :: any_course, monotone, changed_at_begin, changed_at_end
-   public :: changes_in, find_event, sample_functions, shows_no_event, span_between, &
+   public :: changes_in, find_event, sample_functions, shows_no_event, span_between, span_of, &
       stop_at_change, stop_at_event, value_at
 
    integer, parameter :: any_course = 0
@@ -57,7 +57,7 @@ module rwmf_simulation_events_first_change
       real(wp), allocatable :: f(:, :)
       !! (functions, 0:derivatives)
       real(wp), allocatable :: y(:)
-      !! (states) if the functions are states
+      !! (states) at an event of a state
    end type moment_t
 
    !> Functions in a span between two times.
@@ -75,8 +75,8 @@ module rwmf_simulation_events_first_change
       type(moment_t), allocatable :: moments(:)
    end type kept_samples_t
 
-   !> Functions of one kind in a step.
-   type, abstract :: functions_t
+   !> Functions of one kind in a step. By default the function is a state.
+   type :: functions_t
       type(step_view_t) :: step
       type(kept_samples_t), pointer :: samples => null()
       !! samples of this step; null: no storage
@@ -85,27 +85,12 @@ module rwmf_simulation_events_first_change
       integer :: derivatives = 2
       !! 1 if derivatives that cost an evaluation of the right-hand side are not required
       integer :: states(0:1) = 0
-      !! numbers of the states that are the function and its rate. An event is then the root itself;
-      !! without them it is the first moment beyond the root
+      !! numbers of the states that are the function and its rate; 0 if they are none. An event of a
+      !! state is the root itself, any other the first moment beyond the root
    contains
-      procedure(evaluate_i), deferred :: evaluate
+      procedure :: evaluate => evaluate_state
       procedure :: watches => no_watches
    end type functions_t
-
-   abstract interface
-      !> Evaluate functions at a state, with their first one or two time derivatives.
-      subroutine evaluate_i(self, t, y, f)
-         import :: functions_t, wp
-         implicit none
-         class(functions_t), intent(in) :: self
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(:)
-         !! (states)
-         real(wp), allocatable, intent(out) :: f(:, :)
-         !! (functions, 0:derivatives)
-      end subroutine evaluate_i
-   end interface
 
    !> Expected side of a level for a function or its rate.
    type :: watch_t
@@ -123,6 +108,41 @@ module rwmf_simulation_events_first_change
    end type watch_t
 
 contains
+
+   !> Evaluate functions at a state, with their first one or two time derivatives. By default the
+   !> function is a state.
+   subroutine evaluate_state(self, t, y, f)
+      class(functions_t), intent(in) :: self
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), allocatable, intent(out) :: f(:, :)
+      !! (functions, 0:derivatives)
+      real(wp) :: rates(size(y))
+
+      call rates_at(self%step%equation, t, y, rates)
+      allocate (f(1, 0:merge(2, 1, self%states(1) > 0)))
+      call derive(self%states, y, rates, f)
+   end subroutine evaluate_state
+
+   !> Take a function and its derivatives from states and rates.
+   pure subroutine derive(states, y, rates, f)
+      integer, intent(in) :: states(0:1)
+      !! as in `functions_t`
+      real(wp), intent(in) :: y(:), rates(:)
+      !! (states)
+      real(wp), intent(out) :: f(1, 0:*)
+      !! (1, 0:derivatives)
+
+      f(1, 0) = y(states(0))
+      if (states(1) > 0) then
+         f(1, 1) = y(states(1))
+         f(1, 2) = rates(states(1))
+      else
+         f(1, 1) = rates(states(0))
+      end if
+   end subroutine derive
 
    !> Declare the events of a function in a span. By default there is none.
    function no_watches(self, i, span) result(watches)
@@ -212,7 +232,7 @@ contains
             if (allocated(error)) return
          end do
          if (is_found) return
-         if (i < parts) span%a = span%b
+         if (i < parts) call move_moment(span%b, span%a)
       end do
    end subroutine find_event
 
@@ -251,8 +271,16 @@ contains
 
       moment%t = t
       call functions%evaluate(t, y, moment%f)
-      if (functions%states(0) > 0) moment%y = y
    end subroutine take_moment
+
+   !> Move a sample.
+   pure subroutine move_moment(from, to)
+      type(moment_t), intent(inout) :: from
+      type(moment_t), intent(inout) :: to
+
+      to%t = from%t
+      call move_alloc(from%f, to%f)
+   end subroutine move_moment
 
    !> Store a sample while there is space.
    pure subroutine keep_moment(samples, moment)
@@ -265,6 +293,18 @@ contains
       samples%n = samples%n + 1
       samples%moments(samples%n) = moment
    end subroutine keep_moment
+
+   !> Span of a whole step.
+   function span_of(functions) result(span)
+      class(functions_t), intent(in) :: functions
+      type(span_t) :: span
+
+      associate (step => functions%step)
+         call take_moment(functions, step%t_a, step%y_a, span%a)
+         call take_moment(functions, step%t_b, step%y_b, span%b)
+      end associate
+      call measure_span(functions, span)
+   end function span_of
 
    !> Span between two samples.
    function span_between(functions, a, b) result(span)
@@ -406,6 +446,7 @@ contains
                span%b = span%a
             case (changed_at_end)
                changes = .true.
+               call add_states(functions, watch, span%b, error)
             case (monotone)
                changes = value_at(watch, span%b) < 0
                if (changes) call stop_at_root(functions, watch, span, error)
@@ -415,13 +456,14 @@ contains
             if (allocated(error)) return
             if (.not. (changes .and. span%b%t < ending%t)) cycle
             ending = ending_t(watch%kind, watch%which, span%b%t, watch%side < 0)
-            if (allocated(span%b%y)) ending%y = span%b%y
+            if (allocated(span%b%y)) call move_alloc(span%b%y, ending%y)
             is_found = .true.
          end associate
       end do
    end subroutine stop_at_first
 
-   !> End a span at the first change of a watched function, if any: at the first moment beyond it.
+   !> End a span at the first change of a watched function, if any: at the first moment beyond it, or
+   !> at the root of a state.
    subroutine stop_at_change(functions, watch, span, is_found, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watch
@@ -430,6 +472,27 @@ contains
       !! true if the function changes
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
+      integer :: changes
+
+      is_found = .false.
+      if (.not. span%b%t > span%a%t) return
+      changes = changes_in(span, watch)
+      is_found = changes == one_change
+      if (is_found) then
+         call stop_at_root(functions, watch, span, error)
+      else if (changes /= no_change) then
+         call search_halves(functions, watch, span, is_found, error)
+      end if
+   end subroutine stop_at_change
+
+   !> End a span at the first change of a watched function by halving, if any.
+   subroutine search_halves(functions, watch, span, is_found, error)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watch
+      type(span_t), intent(inout) :: span
+      logical, intent(inout) :: is_found
+      !! false; on return true if the function changes
+      type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_halvings = 20
       !! largest number of halvings; an excursion in a shorter part is round-off
       integer, parameter :: most_samples = 100
@@ -439,14 +502,8 @@ contains
       type(span_t) :: part
       real(wp) :: smallest
       logical :: is_short
-      integer :: changes, depth, samples
+      integer :: depth, samples
 
-      is_found = .false.
-      if (.not. span%b%t > span%a%t) return
-      changes = changes_in(span, watch)
-      is_found = changes == one_change
-      if (is_found) call stop_at_root(functions, watch, span, error)
-      if (is_found .or. changes == no_change) return
       smallest = max((span%b%t - span%a%t)*0.5_wp**most_halvings, 4*spacing(span%b%t))
       part = span
       ahead(0) = span%b
@@ -469,19 +526,22 @@ contains
          if (is_short) then
             if (depth == 0) return
             depth = depth - 1
-            part = span_between(functions, part%b, ahead(depth))
+            call move_moment(part%b, part%a)
          else
             depth = depth + 1
             samples = samples + 1
             call sample_functions(functions, part%a%t + (part%b%t - part%a%t)/2, ahead(depth), &
                error)
             if (allocated(error)) return
-            part = span_between(functions, part%a, ahead(depth))
          end if
+         part%b = ahead(depth)
+         call measure_span(functions, part)
       end do
       call stop_at_root(functions, watch, part, error)
-      if (.not. allocated(error)) span = span_between(functions, span%a, part%b)
-   end subroutine stop_at_change
+      if (allocated(error)) return
+      span%b = part%b
+      call measure_span(functions, span)
+   end subroutine search_halves
 
    !> End a span at the first root of a function that is beyond its level at the span's end.
    !>
@@ -495,20 +555,18 @@ contains
       !! the integrator fails
       type(secant_t) :: secant
       type(moment_t) :: now
-      real(wp) :: first, length
+      real(wp) :: first
 
-      length = span%b%t - span%a%t
-      associate (a => span%a, b => span%b, state => functions%states(watch%order))
+      associate (a => span%a, b => span%b)
          if (begins_beyond(watch, a)) then
             b = a
+            call add_states(functions, watch, b, error)
+         else if (functions%states(watch%order) > 0) then
+            call stop_at_state(functions, watch, span, error)
          else
             ! a function that starts on its level has positive values before the root
             secant = secant_between([a%t, b%t], [abs(value_at(watch, a)), value_at(watch, b)])
-            if (state > 0) then
-               first = a%t + newton_root_of(polygon_in(span, watch))*(b%t - a%t)
-            else
-               first = a%t + root_of(polygon_in(span, watch))*(b%t - a%t)
-            end if
+            first = a%t + root_of(polygon_in(span, watch))*(b%t - a%t)
             if (first > a%t .and. first < b%t) secant%next = first
             do while (secant%is_open)
                call sample_functions(functions, secant%next, now, error)
@@ -516,17 +574,104 @@ contains
                if (value_at(watch, now) <= 0) b = now
                if (abs(value_at(watch, now)) <= 0) exit
                call close_in(secant, value_at(watch, now))
-               if (state > 0) call approach_root(functions, watch, length, span, now, &
-                  secant)
             end do
          end if
-         if (state > 0) then
-            b%f(watch%which, watch%order) = watch%level
-            b%y(state) = watch%level
-         end if
       end associate
-      call measure_span(functions, span)
+      if (.not. allocated(error)) call measure_span(functions, span)
    end subroutine stop_at_root
+
+   !> Add the states to a sample on the level of a watched state.
+   subroutine add_states(functions, watch, moment, error)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watch
+      type(moment_t), intent(inout) :: moment
+      type(error_t), allocatable, intent(out) :: error
+
+      associate (step => functions%step, state => functions%states(watch%order))
+         if (state == 0) return
+         moment%y = step%y_a
+         if (moment%t >= step%t_b) then
+            moment%y = step%y_b
+         else if (moment%t > step%t_a) then
+            call sample_state(step, moment%t, moment%y, error)
+         end if
+         moment%y(state) = watch%level
+         moment%f(watch%which, watch%order) = watch%level
+      end associate
+   end subroutine add_states
+
+   !> End a span at the root of a state, with all states there.
+   !>
+   !> A second-order Taylor series makes the last short correction. A few spacings of the time matter
+   !> to a flight of a hundred spacings. Without this correction, its impact would be faster than its
+   !> start, and lightly damped chatter would never end.
+   subroutine stop_at_state(functions, watch, span, error)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watch
+      type(span_t), intent(inout) :: span
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: short = 2.0e-7_wp
+      !! fraction of the span whose third power times a rate is round-off [-]
+      integer, parameter :: most_points = 200
+      type(secant_t) :: secant
+      real(wp), dimension(size(functions%step%y_a)) :: y, rates, rates_a
+      real(wp) :: f(1, 0:2), t, correction
+      integer :: i
+
+      associate (a => span%a, b => span%b, step => functions%step)
+         secant = secant_between([a%t, b%t], [abs(value_at(watch, a)), value_at(watch, b)])
+         t = a%t + newton_root_of(polygon_in(span, watch))*(b%t - a%t)
+         if (t > a%t .and. t < b%t) secant%next = t
+         do i = 1, most_points
+            t = merge(secant%next, secant%x(2), secant%is_open)
+            call sample_state(step, t, y, error)
+            if (allocated(error)) return
+            call rates_at(step%equation, t, y, rates)
+            call derive(functions%states, y, rates, f)
+            correction = 0
+            if (abs(f(1, watch%order) - watch%level) <= 0 .or. .not. secant%is_open) exit
+            call close_in(secant, watch%side*(f(1, watch%order) - watch%level))
+            correction = correction_at(watch, t, f, a, functions%states(1) > 0)
+            if (t + correction < secant%x(1) .or. t + correction > secant%x(2)) cycle
+            if (abs(correction) <= max(short*(b%t - a%t), 2*spacing(t))) exit
+            ! every eighth point is the middle of the bracket
+            if (mod(i, 8) > 0 .and. t + correction > secant%x(1) .and. t + correction &
+                < secant%x(2)) secant%next = t + correction
+         end do
+         if (abs(correction) > 0) then
+            call rates_at(step%equation, step%t_a, step%y_a, rates_a)
+            y = y + correction*(rates + correction/2*(rates - rates_a)/max(t - step%t_a, tiny(t)))
+         end if
+         y(functions%states(watch%order)) = watch%level
+         b%t = t + correction
+         b%y = y
+         call derive(functions%states, y, rates, b%f)
+      end associate
+   end subroutine stop_at_state
+
+   !> Distance from a point to the root of the parabola through it.
+   pure real(wp) function correction_at(watch, t, f, a, has_bend) result(correction)
+      type(watch_t), intent(in) :: watch
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: f(1, 0:2)
+      !! function and derivatives at the point
+      type(moment_t), intent(in) :: a
+      !! start of the span
+      logical, intent(in) :: has_bend
+      !! the second derivative of the function is known
+      real(wp) :: bend
+
+      associate (k => watch%order, h => max(t - a%t, tiny(t)))
+         if (k == 0 .and. has_bend) then
+            bend = f(1, 2)
+         else
+            ! of the cubic through values and rates at both times
+            bend = (4*f(1, k + 1) + 2*a%f(1, k + 1) - 6*((f(1, k) - a%f(1, k))/h))/h
+         end if
+         correction = correction_of(f(1, k) - watch%level, f(1, k + 1), bend)
+      end associate
+   end function correction_at
 
    !> Return whether a function starts beyond its level, or at its level and goes beyond it.
    pure logical function begins_beyond(watch, moment)
@@ -543,55 +688,6 @@ contains
          end associate
       end do
    end function begins_beyond
-
-   !> Take the next point of a search from the parabola at the last one. End the span at that point,
-   !> with its state, if a second-order Taylor series reaches it.
-   !>
-   !> A few spacings of the time matter to a flight of a hundred spacings. Without the correction of
-   !> the state, its impact would be faster than its start, and lightly damped chatter would never
-   !> end.
-   subroutine approach_root(functions, watch, length, span, now, secant)
-      class(functions_t), intent(in) :: functions
-      type(watch_t), intent(in) :: watch
-      real(wp), intent(in) :: length
-      !! of the span before the search [s]
-      type(span_t), intent(inout) :: span
-      type(moment_t), intent(in) :: now
-      !! last point of the search
-      type(secant_t), intent(inout) :: secant
-      real(wp), parameter :: short = 2.0e-7_wp
-      !! fraction of the span whose third power times a rate is round-off [-]
-      real(wp), dimension(size(now%y)) :: rates, rates_a
-      real(wp) :: bend, correction, t
-      integer :: k
-
-      k = watch%order + 1
-      if (k < ubound(now%f, 2)) then
-         bend = now%f(watch%which, k + 1)
-      else
-         ! of the cubic through values and rates at both times
-         associate (h => max(now%t - span%a%t, tiny(t)), f => now%f(watch%which, :), &
-                    f_a => span%a%f(watch%which, :))
-            bend = (4*f(k + 1) + 2*f_a(k + 1) - 6*((f(k) - f_a(k))/h))/h
-         end associate
-      end if
-      correction = correction_of(value_at(watch, now), watch%side*now%f(watch%which, k), &
-         watch%side*bend)
-      t = now%t + correction
-      if (t < secant%x(1) .or. t > secant%x(2)) return
-      if (abs(correction) <= max(short*length, 2*spacing(t))) then
-         secant%is_open = .false.
-         call rates_at(functions%step%equation, now%t, now%y, rates)
-         call rates_at(functions%step%equation, span%a%t, span%a%y, rates_a)
-         span%b%t = t
-         span%b%y = now%y + correction*(rates + correction/2*(rates - rates_a)/max(now%t &
-            - span%a%t, tiny(t)))
-         span%b%f = now%f
-         span%b%f(:, :k - 1) = now%f(:, :k - 1) + correction*now%f(:, 1:k)
-      else if (t > secant%x(1) .and. t < secant%x(2)) then
-         secant%next = t
-      end if
-   end subroutine approach_root
 
    !> Distance to the near root of the parabola with a value, rate and second derivative; `huge`
    !> without a root.

@@ -4,7 +4,6 @@ module rwmf_simulation_events_rotation_events
    use rwmf_math_sign_changes, only: change_at_begin, no_change, one_change, polygon_t, roughness, &
       value_polygon
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_model_system_assembly, only: rates_at
    use rwmf_simulation_events_first_change, only: changed_at_end, changes_in, functions_t, &
       monotone, span_t, watch_t
    use rwmf_simulation_events_step_view, only: fastest_angle, step_view_t
@@ -15,12 +14,15 @@ module rwmf_simulation_events_rotation_events
 
    integer, parameter :: most_watches = 7
 
-   public :: rotation_t, velocity_t, frame_state_t, keeps_direction, fastest_in
+   public :: rotation_t, frame_state_t, keeps_direction, fastest_in
 
-   !> Rotation, velocity and acceleration. Without limits, turns are the only events.
+   !> Rotation, velocity and acceleration: the states 1 and 2. Without limits, turns are the only
+   !> events.
    type, extends(functions_t) :: rotation_t
       integer :: direction = 0
       !! sign of theta' at the start of the step where theta' = 0; 0 if unknown
+      logical :: knows_direction = .false.
+      !! an acceleration against the direction is an error of the state
       logical :: has_limits = .false.
       logical :: is_rocking = .false.
       !! the base is a limit
@@ -32,37 +34,16 @@ module rwmf_simulation_events_rotation_events
       logical :: has_turns = .true.
       !! false if further turns are round-off
    contains
-      procedure :: evaluate => evaluate_rotation
       procedure :: watches => watch_rotation
    end type rotation_t
-
-   !> Velocity and acceleration.
-   type, extends(functions_t) :: velocity_t
-   contains
-      procedure :: evaluate => evaluate_velocity
-   end type velocity_t
 
    !> Hysteretic state of a smooth frame [-], with its rate.
    type, extends(functions_t) :: frame_state_t
    contains
-      procedure :: evaluate => evaluate_frame
       procedure :: watches => watch_frame
    end type frame_state_t
 
 contains
-
-   !> Evaluate rotation, velocity and acceleration at a state.
-   subroutine evaluate_rotation(self, t, y, f)
-      class(rotation_t), intent(in) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), allocatable, intent(out) :: f(:, :)
-      real(wp) :: y_dot(size(y))
-
-      call rates_at(self%step%equation, t, y, y_dot)
-      allocate (f(1, 0:2))
-      f(1, :) = [y(1), y(2), y_dot(2)]
-   end subroutine evaluate_rotation
 
    !> Declare turns first: before the next turn, the end of a span shows whether the rotation has
    !> passed a limit.
@@ -108,6 +89,7 @@ contains
             ends_beyond = turn%side*v_b < 0 .or. (self%has_limits .and. abs(v_b) <= 0)
          end if
          if (changes == no_change .and. .not. ends_beyond) return
+         if (changes == change_at_begin .and. self%knows_direction .and. .not. ends_beyond) return
          ! without acceleration at the start, only the end of the span shows a reversal there
          if (self%direction /= 0 .and. max(abs(v_a), abs(span%a%f(1, 2))) <= 0 &
              .and. .not. ends_beyond) return
@@ -208,34 +190,6 @@ contains
       end associate
    end function farthest_turn
 
-   !> Evaluate velocity and acceleration at a state.
-   subroutine evaluate_velocity(self, t, y, f)
-      class(velocity_t), intent(in) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), allocatable, intent(out) :: f(:, :)
-      real(wp) :: y_dot(size(y))
-
-      call rates_at(self%step%equation, t, y, y_dot)
-      allocate (f(1, 0:1))
-      f(1, :) = [y(2), y_dot(2)]
-   end subroutine evaluate_velocity
-
-   !> Evaluate the hysteretic state of the frame, with its rate.
-   subroutine evaluate_frame(self, t, y, f)
-      class(frame_state_t), intent(in) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(in) :: y(:)
-      real(wp), allocatable, intent(out) :: f(:, :)
-      real(wp) :: y_dot(size(y))
-
-      call rates_at(self%step%equation, t, y, y_dot)
-      allocate (f(1, 0:1))
-      associate (place => self%step%equation%hysteresis%place)
-         f(1, :) = [y(place), y_dot(place)]
-      end associate
-   end subroutine evaluate_frame
-
    !> Declare the zero of the hysteretic force, which is monotone between the turns of the rotation.
    function watch_frame(self, i, span) result(watches)
       class(frame_state_t), intent(in) :: self
@@ -252,15 +206,19 @@ contains
    end function watch_frame
 
    !> Return whether the ends of a step show that theta' keeps its sign.
-   pure logical function keeps_direction(step)
+   pure logical function keeps_direction(step, direction)
       type(step_view_t), intent(in) :: step
+      integer, intent(in), optional :: direction
+      !! sign of theta' after a start with theta' = 0; absent or 0: unknown
       real(wp) :: middle(2), error
 
       associate (a => step%y_a(2), b => step%y_b(2))
          keeps_direction = a*b > 0
+         if (present(direction) .and. abs(a) <= 0) keeps_direction = direction*b > 0 &
+            .or. (direction == 0 .and. abs(b) > 0)
          if (.not. keeps_direction) return
          call bound_velocity(step, middle, error)
-         keeps_direction = minval(sign(1.0_wp, a)*middle) > error
+         keeps_direction = minval(sign(1.0_wp, b)*middle) > error
       end associate
    end function keeps_direction
 

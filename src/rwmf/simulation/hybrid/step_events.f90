@@ -44,27 +44,26 @@ contains
          ! an implicit method solves for all states together and leaves round-off in the held ones
          hybrid%y(:2) = 0
          call find_uplift_acceleration(step%equation%model_t, step%equation%state, hybrid%y)
-      else if (.not. is_quiet(hybrid, step)) then
+      else if (.not. (keeps_direction(step) .and. stays_inside(hybrid, step))) then
          call search_rotation(hybrid, step, recorder, ending, error)
       end if
    end subroutine search_step
 
-   !> Return whether the ends of the step exclude any event of the rotation in it.
-   logical function is_quiet(hybrid, step)
+   !> Return whether a motion in one direction ends before all limits of the rotation.
+   pure logical function stays_inside(hybrid, step)
       type(hybrid_t), intent(in) :: hybrid
       type(step_view_t), intent(in) :: step
 
       associate (equation => step%equation, b => step%y_b)
-         is_quiet = keeps_direction(step)
-         if (is_quiet .and. equation%has_wall) then
-            is_quiet = abs(b(1)) < hybrid%overturning_angle
-            if (hybrid%mode == mode_rocking) is_quiet = is_quiet .and. equation%state%side*b(1) > 0
-         end if
-         if (is_quiet) is_quiet = b(1) < equation%state%high .and. b(1) > equation%state%low
-         if (is_quiet .and. equation%has_loading_direction) is_quiet = .not. passes_zero( &
+         stays_inside = b(1) < equation%state%high .and. b(1) > equation%state%low
+         if (equation%has_wall) stays_inside = stays_inside .and. abs(b(1)) &
+            < hybrid%overturning_angle
+         if (hybrid%mode == mode_rocking) stays_inside = stays_inside &
+            .and. equation%state%side*b(1) > 0
+         if (stays_inside .and. equation%has_loading_direction) stays_inside = .not. passes_zero( &
             equation, b)
       end associate
-   end function is_quiet
+   end function stays_inside
 
    !> Search a step for the first event of the rotation and of a smooth frame.
    subroutine search_rotation(hybrid, step, recorder, ending, error)
@@ -84,9 +83,13 @@ contains
       at_end = ending
       rest = step
       do i = 0, most_turns
-         rotation%has_turns = i < most_turns .and. .not. keeps_direction(rest)
          hybrid%t = step%t_b
          hybrid%y(:) = step%y_b
+         ending = at_end
+         if (rest%t_a >= rest%t_b) return
+         rotation%has_turns = .not. keeps_direction(rest, rotation%direction)
+         if (.not. rotation%has_turns .and. stays_inside(hybrid, rest)) return
+         rotation%has_turns = rotation%has_turns .and. i < most_turns
          ! an event of the rotation at the end of the step precedes the event that cuts the step
          ending = ending_t()
          call find_event(rotation, rest, ending, is_found, error)
@@ -121,13 +124,22 @@ contains
       rotation%is_rocking = hybrid%mode == mode_rocking
       if (step%equation%has_wall) rotation%overturning_angle = hybrid%overturning_angle
       if (.not. recorder%keeps_events) rotation%known = [recorder%theta_min, recorder%theta_max]
-      ! a flight that starts with theta' = 0 moves away from the base
       if (step%equation%has_loading_direction) then
          rotation%direction = step%equation%state%signs%loading_direction
-      else if (rotation%is_rocking .and. abs(step%y_a(1)) <= 0) then
-         rotation%direction = step%equation%state%side
+      else
+         call leave_base(rotation, step)
       end if
    end function rotation_in
+
+   !> Set the direction of a flight that starts with theta' = 0: away from the base.
+   pure subroutine leave_base(rotation, step)
+      type(rotation_t), intent(inout) :: rotation
+      type(step_view_t), intent(in) :: step
+
+      if (.not. step%equation%has_impacts .or. abs(step%y_a(1)) > 0) return
+      rotation%direction = step%equation%state%side
+      rotation%knows_direction = .true.
+   end subroutine leave_base
 
    !> Continue behind a turn.
    subroutine pass_turn(rotation, rest, turn, y_a)
@@ -138,6 +150,7 @@ contains
       !! (states) at the start of the rest
 
       rotation%direction = -before(turn)
+      rotation%knows_direction = .true.
       y_a = turn%y
       rest = from(rest, turn%t, y_a)
    end subroutine pass_turn
@@ -214,9 +227,10 @@ contains
 
       rotation%n = 1
       rotation%states = [1, 2]
+      call leave_base(rotation, piece)
       rest = piece
       do i = 1, most_turns
-         if (keeps_direction(rest)) return
+         if (keeps_direction(rest, rotation%direction) .or. rest%t_a >= rest%t_b) return
          turn = ending_t()
          call find_event(rotation, rest, turn, is_found, error)
          if (allocated(error) .or. .not. is_found) return
