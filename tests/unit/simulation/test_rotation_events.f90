@@ -9,12 +9,12 @@ module known_motions
 
    public :: known_t
 
-   !> Known motion: cos(omega (t - t_peak)), or v (t - t0) + a (t - t0)**2/2 for omega = 0.
+   !> Known motion: cos(omega (t - t_peak)), or u + v (t - t0) + a (t - t0)**2/2 for omega = 0.
    type, extends(integrator_t) :: known_t
       real(wp) :: omega = 0, t_peak = 0
       !! [rad/s], [s]
-      real(wp) :: v = 0, a = 0
-      !! [rad/s], [rad/s2]
+      real(wp) :: u = 0, v = 0, a = 0
+      !! [rad], [rad/s], [rad/s2]
    contains
       procedure :: create
       procedure :: start
@@ -37,7 +37,7 @@ contains
          end associate
       else
          associate (h => t - self%t0)
-            y = [h*(self%v + self%a*h/2), self%v + self%a*h]
+            y = [self%u + h*(self%v + self%a*h/2), self%v + self%a*h]
          end associate
       end if
    end subroutine state_at
@@ -99,6 +99,7 @@ program test_rotation_events
    type(equation_t), target :: equation
 
    if (checks%wants('turns')) call check_turns()
+   if (checks%wants('round-off')) call check_round_off()
    if (checks%wants('windows')) call check_windows()
    if (checks%wants('flights')) call check_flights()
    call checks%finish()
@@ -141,6 +142,51 @@ contains
       call checks%that(wrong == 0, 'every turn is listed once')
       call checks%close_to(worst, 0.0_wp, 'times of the turns', atol=8*spacing(2.0_wp))
    end subroutine check_turns
+
+   !> Find turns whose velocities are below the round-off of the polygon, at their time, and no
+   !> further turn where the equation of motion contradicts the motion.
+   subroutine check_round_off()
+      type(known_t), target :: known
+      type(ending_t) :: ending
+      type(hybrid_t) :: hybrid
+      type(recorder_t) :: recorder
+      type(step_view_t) :: step
+      type(error_t), allocatable :: error
+      real(wp) :: h, worst
+      integer :: k, missed, turns
+
+      call build(frame_scene(0.4_wp, 'adams'))
+      known%omega = equation%p%omega_s
+      known%t_peak = 1
+      equation%state%ends_at_peak = .true.
+      missed = 0
+      worst = 0
+      do k = 3, 13
+         h = 10.0_wp**(-k)
+         call search(known, 1 - 0.3_wp*h, 1 + 0.7_wp*h, mode_no_impacts, hybrid, ending)
+         if (ending%kind /= event_peak) missed = missed + 1
+         worst = max(worst, abs(hybrid%t - 1))
+      end do
+      call checks%that(missed == 0, 'turns in short steps')
+      call checks%close_to(worst, 0.0_wp, 'their times', atol=4*spacing(1.0_wp))
+      equation%state%ends_at_peak = .false.
+      call search(known, 0.9_wp, 1.0_wp, mode_no_impacts, hybrid, ending, turns)
+      call checks%that(ending%kind == 0 .and. turns == 1, 'a turn at the end is recorded once')
+      known%omega = 0
+      known%u = -1
+      known%v = 1.0e-9_wp
+      known%a = -3.0e-9_wp
+      call search(known, 1.0_wp, 2.0_wp, mode_no_impacts, hybrid, ending, turns)
+      call checks%that(turns == 1, 'a turn against the equation of motion is recorded once')
+      recorder%keeps_events = .true.
+      recorder%n_events = 0
+      allocate (recorder%events(0))
+      call set_step(known, 1.0_wp, 2.0_wp, step)
+      call list_turns(recorder, step, error)
+      call checks%no_error(error, 'list')
+      call checks%that(recorder%n_events == 1, 'and listed once')
+      call checks%close_to(recorder%events(1)%t, 4.0_wp/3, 'its time', atol=4*spacing(2.0_wp))
+   end subroutine check_round_off
 
    !> Leave a window within a step, before or after a turn, and from its limit.
    subroutine check_windows()
@@ -219,12 +265,14 @@ contains
    end subroutine check_flights
 
    !> Search a step of a known motion as the hybrid loop does.
-   subroutine search(known, t_a, t_b, mode, hybrid, ending)
+   subroutine search(known, t_a, t_b, mode, hybrid, ending, turns)
       type(known_t), intent(inout), target :: known
       real(wp), intent(in) :: t_a, t_b
       integer, intent(in) :: mode
       type(hybrid_t), intent(out) :: hybrid
       type(ending_t), intent(out) :: ending
+      integer, intent(out), optional :: turns
+      !! number of recorded turns
       type(recorder_t) :: recorder
       type(step_view_t) :: step
       type(error_t), allocatable :: error
@@ -239,6 +287,7 @@ contains
       call set_step(known, t_a, t_b, step)
       call search_step(hybrid, step, recorder, ending, error)
       call checks%no_error(error, 'search')
+      if (present(turns)) turns = recorder%n_events
    end subroutine search
 
    !> Build the equation of a scene without ground motion.

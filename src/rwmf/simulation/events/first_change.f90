@@ -501,9 +501,10 @@ contains
       type(moment_t) :: ahead(0:most_halvings)
       type(span_t) :: part
       real(wp) :: smallest
-      logical :: is_short
+      logical :: is_short, is_state
       integer :: depth, samples
 
+      is_state = functions%states(watch%order) > 0
       smallest = max((span%b%t - span%a%t)*0.5_wp**most_halvings, 4*spacing(span%b%t))
       part = span
       ahead(0) = span%b
@@ -515,12 +516,19 @@ contains
          case (no_change)
             is_short = .true.
          case (change_at_begin)
-            part%b = part%a
             is_found = .true.
+            if (is_state .and. value_at(watch, part%a) > 0) then
+               ! the value is below the round-off of the polygon, but a state on its level is exact
+               is_short = .true.
+               is_found = value_at(watch, part%b) < 0
+            else
+               part%b = part%a
+            end if
          case (one_change)
             is_found = .true.
          case default
-            if (is_short) is_found = value_at(watch, part%b) < -noise_in(part, watch)
+            if (is_short) is_found = value_at(watch, part%b) < merge(0.0_wp, -noise_in(part, &
+               watch), is_state)
          end select
          if (is_found) exit
          if (is_short) then
