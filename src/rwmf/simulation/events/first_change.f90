@@ -13,7 +13,8 @@
 module rwmf_simulation_events_first_change
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_math_roots, only: close_in, secant_between, secant_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, close_in, keep_inside, narrow, &
+      secant_between, secant_t
    use rwmf_math_sign_changes, only: change_at_begin, changes_of, is_positive, newton_root_of, &
       no_change, one_change, polygon_t, rate_polygon, root_of, roughness, value_polygon
    use rwmf_model_system_assembly, only: rates_at
@@ -548,13 +549,14 @@ contains
       call stop_at_root(functions, watch, part, error)
       if (allocated(error)) return
       span%b = part%b
-      call measure_span(functions, span)
+      if (.not. is_state) call measure_span(functions, span)
    end subroutine search_halves
 
    !> End a span at the first root of a function that is beyond its level at the span's end.
    !>
    !> The root is accurate to round-off of the time. If the function starts beyond its level, the
-   !> span ends at its start.
+   !> span ends at its start. The span is measured again, except for states: their further watches
+   !> are monotone.
    subroutine stop_at_root(functions, watch, span, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watch
@@ -583,9 +585,9 @@ contains
                if (abs(value_at(watch, now)) <= 0) exit
                call close_in(secant, value_at(watch, now))
             end do
+            call measure_span(functions, span)
          end if
       end associate
-      if (.not. allocated(error)) call measure_span(functions, span)
    end subroutine stop_at_root
 
    !> Add the states to a sample on the level of a watched state.
@@ -621,36 +623,33 @@ contains
       real(wp), parameter :: short = 2.0e-7_wp
       !! fraction of the span whose third power times a rate is round-off [-]
       integer, parameter :: most_points = 200
-      type(secant_t) :: secant
+      type(bracket_t) :: bracket
       real(wp), dimension(size(functions%step%y_a)) :: y, rates, rates_a
       real(wp) :: f(1, 0:2), t, correction
       integer :: i
 
-      associate (a => span%a, b => span%b, step => functions%step)
-         secant = secant_between([a%t, b%t], [abs(value_at(watch, a)), value_at(watch, b)])
-         t = a%t + newton_root_of(polygon_in(span, watch))*(b%t - a%t)
-         if (t > a%t .and. t < b%t) secant%next = t
+      associate (a => span%a, b => span%b, step => functions%step, k => watch%order)
+         bracket = bracket_between(a%t, b%t)
+         t = keep_inside(bracket, a%t + newton_root_of(polygon_in(span, watch))*(b%t - a%t))
          do i = 1, most_points
-            t = merge(secant%next, secant%x(2), secant%is_open)
+            if (i == most_points .or. .not. bracket%is_open) t = bracket%high
             call sample_state(step, t, y, error)
             if (allocated(error)) return
             call rates_at(step%equation, t, y, rates)
             call derive(functions%states, y, rates, f)
             correction = 0
-            if (abs(f(1, watch%order) - watch%level) <= 0 .or. .not. secant%is_open) exit
-            call close_in(secant, watch%side*(f(1, watch%order) - watch%level))
+            if (abs(f(1, k) - watch%level) <= 0 .or. t >= bracket%high) exit
+            call narrow(bracket, watch%side*(f(1, k) - watch%level) <= 0, t)
             correction = correction_at(watch, t, f, a, functions%states(1) > 0)
-            if (t + correction < secant%x(1) .or. t + correction > secant%x(2)) cycle
-            if (abs(correction) <= max(short*(b%t - a%t), 2*spacing(t))) exit
-            ! every eighth point is the middle of the bracket
-            if (mod(i, 8) > 0 .and. t + correction > secant%x(1) .and. t + correction &
-                < secant%x(2)) secant%next = t + correction
+            if (abs(correction) <= max(short*(b%t - a%t), 2*epsilon(t)*abs(t)) .and. t + correction &
+                >= bracket%low .and. t + correction <= bracket%high) exit
+            t = keep_inside(bracket, t + correction)
          end do
          if (abs(correction) > 0) then
             call rates_at(step%equation, step%t_a, step%y_a, rates_a)
             y = y + correction*(rates + correction/2*(rates - rates_a)/max(t - step%t_a, tiny(t)))
          end if
-         y(functions%states(watch%order)) = watch%level
+         y(functions%states(k)) = watch%level
          b%t = t + correction
          b%y = y
          call derive(functions%states, y, rates, b%f)

@@ -95,6 +95,7 @@ contains
              .and. .not. ends_beyond) return
          if (changes == one_change) then
             if (is_known(self, span)) return
+            turn%course = monotone
          end if
          call add(turn, list, n)
          if (.not. ends_beyond .or. changes == one_change) return
@@ -143,15 +144,17 @@ contains
       type(watch_t), intent(inout) :: list(:)
       integer, intent(inout) :: n
       !! number of watches in the list
-      real(wp) :: level, side
+      real(wp) :: level, side, ends(2)
+      !! ends: smallest and largest rotation at the end of the span; a turn may exceed it
       integer :: i
 
       associate (a => span%a%f(1, :), b => span%b%f(1, :), state => self%step%equation%state, &
                  angle => self%overturning_angle)
+         ends = merge([-huge(1.0_wp), huge(1.0_wp)], [b(1), b(1)], n > 0)
          do i = -1, 1, 2
             ! a motion within round-off beyond a limit starts at the limit
             level = merge(max(state%high, a(1)), min(state%low, a(1)), i > 0)
-            if (abs(level) >= angle) cycle
+            if (abs(level) >= angle .or. i*(ends((i + 3)/2) - level) <= 0) cycle
             if (self%is_rocking .and. state%side*level < 0) cycle
             call add(watch_t(1, 0, level, real(-i, wp), event_branch, monotone), list, n)
          end do
@@ -162,7 +165,8 @@ contains
              .and. side*b(2) > 0)) call add(watch_t(1, 0, 0.0_wp, side, event_impact, monotone), &
             list, n)
          do i = -1, 1, 2
-            call add(watch_t(1, 0, i*angle, real(-i, wp), event_overturned, monotone), list, n)
+            if (i*ends((i + 3)/2) > angle) call add(watch_t(1, 0, i*angle, real(-i, wp), &
+               event_overturned, monotone), list, n)
          end do
       end associate
    end subroutine watch_limits

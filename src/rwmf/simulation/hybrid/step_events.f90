@@ -79,7 +79,7 @@ contains
       logical :: is_found
       integer :: i
 
-      rotation = rotation_in(hybrid, step, recorder)
+      call set_limits(rotation, hybrid, step, recorder)
       at_end = ending
       rest = step
       do i = 0, most_turns
@@ -111,12 +111,12 @@ contains
       end do
    end subroutine search_rotation
 
-   !> Rotation of a step with the limits of the scene.
-   function rotation_in(hybrid, step, recorder) result(rotation)
+   !> Set the limits of the scene.
+   subroutine set_limits(rotation, hybrid, step, recorder)
+      type(rotation_t), intent(inout) :: rotation
       type(hybrid_t), intent(in) :: hybrid
       type(step_view_t), intent(in) :: step
       type(recorder_t), intent(in) :: recorder
-      type(rotation_t) :: rotation
 
       rotation%n = 1
       rotation%states = [1, 2]
@@ -129,7 +129,7 @@ contains
       else
          call leave_base(rotation, step)
       end if
-   end function rotation_in
+   end subroutine set_limits
 
    !> Set the direction of a flight that starts with theta' = 0: away from the base.
    pure subroutine leave_base(rotation, step)
