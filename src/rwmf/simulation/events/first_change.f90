@@ -656,7 +656,8 @@ contains
       end associate
    end subroutine stop_at_state
 
-   !> Distance from a point to the root of the parabola through it.
+   !> Distance from a point to the root of the parabola through it; `huge` if its rate leads away
+   !> from the level. The rate of a state with errors may contradict the values around it.
    pure real(wp) function correction_at(watch, t, f, a, has_bend) result(correction)
       type(watch_t), intent(in) :: watch
       real(wp), intent(in) :: t
@@ -669,6 +670,8 @@ contains
       !! the second derivative of the function is known
       real(wp) :: bend
 
+      correction = huge(t)
+      if (watch%side*f(1, watch%order + 1) >= 0) return
       associate (k => watch%order, h => max(t - a%t, tiny(t)))
          if (k == 0 .and. has_bend) then
             bend = f(1, 2)
