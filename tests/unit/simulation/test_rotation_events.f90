@@ -9,12 +9,12 @@ module known_motions
 
    public :: known_t
 
-   !> Known motion: cos(omega (t - t_peak)), or u + v (t - t0) + a (t - t0)**2/2 for omega = 0.
+   !> Known motion: cos(omega (t - t_peak)), or a cubic in t - t0 for omega = 0.
    type, extends(integrator_t) :: known_t
       real(wp) :: omega = 0, t_peak = 0
       !! [rad/s], [s]
-      real(wp) :: u = 0, v = 0, a = 0
-      !! [rad], [rad/s], [rad/s2]
+      real(wp) :: u = 0, v = 0, a = 0, j = 0
+      !! at t0 [rad], [rad/s], [rad/s2], [rad/s3]
    contains
       procedure :: create
       procedure :: start
@@ -37,7 +37,8 @@ contains
          end associate
       else
          associate (h => t - self%t0)
-            y = [self%u + h*(self%v + self%a*h/2), self%v + self%a*h]
+            y = [self%u + h*(self%v + h*(self%a/2 + h*self%j/6)), &
+               self%v + h*(self%a + h*self%j/2)]
          end associate
       end if
    end subroutine state_at
@@ -240,7 +241,7 @@ contains
       type(ending_t) :: ending
       type(hybrid_t) :: hybrid
       real(wp) :: rates(2), fastest, latest
-      integer :: k, side, missed
+      integer :: k, side, missed, turns
 
       call build(block_scene('adams'))
       missed = 0
@@ -262,6 +263,14 @@ contains
       call checks%that(missed == 0, 'every flight ends with its impact')
       call checks%close_to(latest, 0.0_wp, 'times of the impacts', atol=4*spacing(5.0_wp))
       call checks%that(fastest <= 1 + 1.0e-12_wp, 'no impact is faster than its start')
+      ! the equation of motion without ground motion contradicts the lift-off
+      known%v = 0
+      call enter_side(equation%model_t, equation%state, -1)
+      known%a = -1.0e-3_wp
+      known%j = 4.0e-3_wp
+      call search(known, 5.0_wp, 6.0_wp, mode_rocking, hybrid, ending, turns)
+      call checks%that(ending%kind == event_impact .and. turns == 1, 'lift-off, turn and impact')
+      call checks%close_to(hybrid%t, 5.75_wp, 'time of the impact', atol=1.0e-12_wp)
    end subroutine check_flights
 
    !> Search a step of a known motion as the hybrid loop does.

@@ -105,7 +105,9 @@ module rwmf_simulation_events_first_change
       integer :: kind = 0
       !! event at the change: one of the `event_` numbers
       integer :: course = any_course
-      !! `any_course`, `monotone` or `changed_at_begin`
+      !! `any_course`, `monotone`, `changed_at_begin` or `changed_at_end`
+      logical :: starts_inside = .false.
+      !! a state that starts on its level has its side at first, even if its rate contradicts it
    end type watch_t
 
 contains
@@ -522,6 +524,9 @@ contains
                ! the value is below the round-off of the polygon, but a state on its level is exact
                is_short = .true.
                is_found = value_at(watch, part%b) < 0
+            else if (watch%starts_inside .and. (value_at(watch, part%b) >= 0 .or. .not. is_short)) then
+               is_found = .false.
+               is_short = value_at(watch, part%b) >= 0
             else
                part%b = part%a
             end if

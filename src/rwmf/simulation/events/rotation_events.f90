@@ -97,6 +97,7 @@ contains
             if (is_known(self, span)) return
             turn%course = monotone
          end if
+         turn%starts_inside = self%knows_direction .and. abs(v_a) <= 0
          call add(turn, list, n)
          if (.not. ends_beyond .or. changes == one_change) return
          ! a turn within round-off of the end of the span
