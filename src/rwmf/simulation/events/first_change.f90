@@ -122,30 +122,25 @@ contains
       !! (states)
       real(wp), allocatable, intent(out) :: f(:, :)
       !! (functions, 0:derivatives)
-      real(wp) :: rates(size(y))
+      real(wp) :: rates(size(y)), found(0:2)
 
       call rates_at(self%step%equation, t, y, rates)
+      found = derivatives_of(self%states, y, rates)
       allocate (f(1, 0:merge(2, 1, self%states(1) > 0)))
-      call derive(self%states, y, rates, f)
+      f(1, :) = found(:ubound(f, 2))
    end subroutine evaluate_state
 
-   !> Take a function and its derivatives from states and rates.
-   pure subroutine derive(states, y, rates, f)
+   !> Function and its derivatives from states and rates; a second derivative that is unknown is 0.
+   pure function derivatives_of(states, y, rates) result(f)
       integer, intent(in) :: states(0:1)
       !! as in `functions_t`
       real(wp), intent(in) :: y(:), rates(:)
       !! (states)
-      real(wp), intent(out) :: f(1, 0:*)
-      !! (1, 0:derivatives)
+      real(wp) :: f(0:2)
 
-      f(1, 0) = y(states(0))
-      if (states(1) > 0) then
-         f(1, 1) = y(states(1))
-         f(1, 2) = rates(states(1))
-      else
-         f(1, 1) = rates(states(0))
-      end if
-   end subroutine derive
+      f = [y(states(0)), rates(states(0)), 0.0_wp]
+      if (states(1) > 0) f(1:) = [y(states(1)), rates(states(1))]
+   end function derivatives_of
 
    !> Declare the events of a function in a span. By default there is none.
    function no_watches(self, i, span) result(watches)
@@ -465,8 +460,8 @@ contains
       end do
    end subroutine stop_at_first
 
-   !> End a span at the first change of a watched function, if any: at the first moment beyond it, or
-   !> at the root of a state.
+   !> End a span at the first change of a watched function, if any: at the first moment beyond it,
+   !> or at the root of a state.
    subroutine stop_at_change(functions, watch, span, is_found, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watch
@@ -524,7 +519,8 @@ contains
                ! the value is below the round-off of the polygon, but a state on its level is exact
                is_short = .true.
                is_found = value_at(watch, part%b) < 0
-            else if (watch%starts_inside .and. (value_at(watch, part%b) >= 0 .or. .not. is_short)) then
+            else if (watch%starts_inside .and. (value_at(watch, part%b) >= 0 &
+               .or. .not. is_short)) then
                is_found = .false.
                is_short = value_at(watch, part%b) >= 0
             else
@@ -617,9 +613,9 @@ contains
 
    !> End a span at the root of a state, with all states there.
    !>
-   !> A second-order Taylor series makes the last short correction. A few spacings of the time matter
-   !> to a flight of a hundred spacings. Without this correction, its impact would be faster than its
-   !> start, and lightly damped chatter would never end.
+   !> A second-order Taylor series makes the last short correction. A few spacings of the time
+   !> matter to a flight of a hundred spacings. Without this correction, its impact would be faster
+   !> than its start, and lightly damped chatter would never end.
    subroutine stop_at_state(functions, watch, span, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watch
@@ -630,7 +626,7 @@ contains
       integer, parameter :: most_points = 200
       type(bracket_t) :: bracket
       real(wp), dimension(size(functions%step%y_a)) :: y, rates, rates_a
-      real(wp) :: f(1, 0:2), t, correction
+      real(wp) :: f(0:2), t, correction
       integer :: i
 
       associate (a => span%a, b => span%b, step => functions%step, k => watch%order)
@@ -641,13 +637,13 @@ contains
             call sample_state(step, t, y, error)
             if (allocated(error)) return
             call rates_at(step%equation, t, y, rates)
-            call derive(functions%states, y, rates, f)
+            f = derivatives_of(functions%states, y, rates)
             correction = 0
-            if (abs(f(1, k) - watch%level) <= 0 .or. t >= bracket%high) exit
-            call narrow(bracket, watch%side*(f(1, k) - watch%level) <= 0, t)
+            if (abs(f(k) - watch%level) <= 0 .or. t >= bracket%high) exit
+            call narrow(bracket, watch%side*(f(k) - watch%level) <= 0, t)
             correction = correction_at(watch, t, f, a, functions%states(1) > 0)
-            if (abs(correction) <= max(short*(b%t - a%t), 2*epsilon(t)*abs(t)) .and. t + correction &
-                >= bracket%low .and. t + correction <= bracket%high) exit
+            if (abs(correction) <= max(short*(b%t - a%t), 2*epsilon(t)*abs(t)) &
+                .and. t + correction >= bracket%low .and. t + correction <= bracket%high) exit
             t = keep_inside(bracket, t + correction)
          end do
          if (abs(correction) > 0) then
@@ -657,7 +653,8 @@ contains
          y(functions%states(k)) = watch%level
          b%t = t + correction
          b%y = y
-         call derive(functions%states, y, rates, b%f)
+         f = derivatives_of(functions%states, y, rates)
+         b%f(1, :) = f(:ubound(b%f, 2))
       end associate
    end subroutine stop_at_state
 
@@ -667,7 +664,7 @@ contains
       type(watch_t), intent(in) :: watch
       real(wp), intent(in) :: t
       !! [s]
-      real(wp), intent(in) :: f(1, 0:2)
+      real(wp), intent(in) :: f(0:2)
       !! function and derivatives at the point
       type(moment_t), intent(in) :: a
       !! start of the span
@@ -676,15 +673,15 @@ contains
       real(wp) :: bend
 
       correction = huge(t)
-      if (watch%side*f(1, watch%order + 1) >= 0) return
+      if (watch%side*f(watch%order + 1) >= 0) return
       associate (k => watch%order, h => max(t - a%t, tiny(t)))
          if (k == 0 .and. has_bend) then
-            bend = f(1, 2)
+            bend = f(2)
          else
             ! of the cubic through values and rates at both times
-            bend = (4*f(1, k + 1) + 2*a%f(1, k + 1) - 6*((f(1, k) - a%f(1, k))/h))/h
+            bend = (4*f(k + 1) + 2*a%f(1, k + 1) - 6*((f(k) - a%f(1, k))/h))/h
          end if
-         correction = correction_of(f(1, k) - watch%level, f(1, k + 1), bend)
+         correction = correction_of(f(k) - watch%level, f(k + 1), bend)
       end associate
    end function correction_at
 
