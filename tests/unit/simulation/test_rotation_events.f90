@@ -144,7 +144,7 @@ contains
       call checks%close_to(worst, 0.0_wp, 'times of the turns', atol=8*spacing(2.0_wp))
    end subroutine check_turns
 
-   !> Find turns whose velocities are below the round-off of the polygon, at their time, and no
+   !> Find turns whose velocities are below the round-off of the polygon at their time. Find no
    !> further turn where the equation of motion contradicts the motion.
    subroutine check_round_off()
       type(known_t), target :: known

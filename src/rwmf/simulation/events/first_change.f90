@@ -208,6 +208,7 @@ contains
       type(ending_t), intent(inout) :: ending
       !! on return the event of the functions, if it precedes the given one
       logical, intent(out) :: is_found
+      !! true if an event precedes the given one
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
       type(span_t) :: span
@@ -460,8 +461,9 @@ contains
       end do
    end subroutine stop_at_first
 
-   !> End a span at the first change of a watched function, if any: at the first moment beyond it,
-   !> or at the root of a state.
+   !> End a span at the first change of a watched function, if any.
+   !>
+   !> The end is the first moment beyond the change, or the root of a state.
    subroutine stop_at_change(functions, watch, span, is_found, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watch

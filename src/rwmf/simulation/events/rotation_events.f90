@@ -146,7 +146,7 @@ contains
       integer, intent(inout) :: n
       !! number of watches in the list
       real(wp) :: level, side, ends(2)
-      !! ends: smallest and largest rotation at the end of the span; a turn may exceed it
+      !! smallest and largest rotation at the end of the span, in `ends`; a turn may exceed it
       integer :: i
 
       associate (a => span%a%f(1, :), b => span%b%f(1, :), state => self%step%equation%state, &
