@@ -17,7 +17,7 @@ program test_storey_ends
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_events_first_change, only: any_course, changed_at_begin, changes_in, &
-      expect_change, measure_span, moment_t, monotone, span_between, span_t, value_at, watch_t
+      expect_change, measure_smoothness, moment_t, monotone, span_between, span_t, value_at, watch_t
    use rwmf_simulation_events_storey_events, only: displacements_t, hysteretic_t, list_ends, zero_of
    implicit none
 
@@ -160,7 +160,7 @@ contains
       call floors%evaluate(a%t, y_a, a%f)
       call floors%evaluate(b%t, y_b, b%f)
       span = span_between(floors, a, b)
-      call measure_span(max(1.0_wp, 50*h), span)
+      call measure_smoothness(max(1.0_wp, 50*h), span)
       call list_ends(equation, j, span, watches, n)
       is_quiet = .true.
       do k = 1, n
@@ -214,7 +214,7 @@ contains
       allocate (span%a%f(1, 0:2), span%b%f(1, 0:2))
       span%a%f(1, :) = [sin(t_a), cos(t_a), -sin(t_a)]
       span%b%f(1, :) = [sin(t_b), cos(t_b), -sin(t_b)]
-      call measure_span(1.0_wp, span)
+      call measure_smoothness(1.0_wp, span)
    end function vibration
 
 end program test_storey_ends

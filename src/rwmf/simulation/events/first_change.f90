@@ -13,18 +13,20 @@
 module rwmf_simulation_events_first_change
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_math_roots, only: close_in, secant_between, secant_t
+   use rwmf_math_roots, only: bracket_between, bracket_t, close_in, keep_inside, narrow, &
+      secant_between, secant_t
    use rwmf_math_sign_changes, only: change_at_begin, changes_of, is_positive, newton_root_of, &
       no_change, one_change, polygon_t, rate_polygon, root_of, roughness, value_polygon
+   use rwmf_model_system_assembly, only: rates_at
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, fastest_angle, &
       sample_state, shorten, step_view_t
    implicit none
    private
 
    public :: ending_t, functions_t, moment_t, kept_samples_t, span_t, watch_t
-   public :: any_course, monotone, changed_at_begin
-   public :: changes_in, expect_change, measure_span, sample_functions, shows_no_event, &
-      span_between, stop_at_change, stop_at_event, value_at
+   public :: any_course, monotone, changed_at_begin, changed_at_end
+   public :: changes_in, expect_change, find_event, measure_smoothness, sample_functions, &
+      shows_no_event, span_between, span_of, stop_at_change, stop_at_event, value_at
 
    integer, parameter :: any_course = 0
    !! the function may change and return
@@ -32,6 +34,8 @@ module rwmf_simulation_events_first_change
    !! the function cannot return, so the end of a span shows its change
    integer, parameter :: changed_at_begin = 2
    !! the function changes at the beginning of the span
+   integer, parameter :: changed_at_end = 3
+   !! the function is zero at the end of the span
 
    !> Event that ends a step.
    type :: ending_t
@@ -43,6 +47,8 @@ module rwmf_simulation_events_first_change
       !! [s]
       logical :: is_rising = .false.
       !! the rotation or the watched function increases through its level
+      real(wp), allocatable :: y(:)
+      !! (states) at the event, if the functions know them
    end type ending_t
 
    !> Values of the functions at one time.
@@ -51,6 +57,8 @@ module rwmf_simulation_events_first_change
       !! [s]
       real(wp), allocatable :: f(:, :)
       !! (functions, 0:derivatives)
+      real(wp), allocatable :: y(:)
+      !! (states) at an event of a state
    end type moment_t
 
    !> Functions in a span between two times.
@@ -68,8 +76,8 @@ module rwmf_simulation_events_first_change
       type(moment_t), allocatable :: moments(:)
    end type kept_samples_t
 
-   !> Functions of one kind in a step.
-   type, abstract :: functions_t
+   !> Functions of one kind in a step. By default the function is a state.
+   type :: functions_t
       type(step_view_t) :: step
       type(kept_samples_t), pointer :: samples => null()
       !! samples of this step; null: no storage
@@ -77,25 +85,13 @@ module rwmf_simulation_events_first_change
       !! number of functions with events
       integer :: derivatives = 2
       !! 1 if derivatives that cost an evaluation of the right-hand side are not required
+      integer :: states(0:1) = 0
+      !! numbers of the states that are the function and its rate; 0 if they are none. An event of a
+      !! state is the root itself, any other the first moment beyond the root
    contains
-      procedure(evaluate_i), deferred :: evaluate
+      procedure :: evaluate => evaluate_state
       procedure :: watches => no_watches
    end type functions_t
-
-   abstract interface
-      !> Evaluate functions at a state, with their first one or two time derivatives.
-      subroutine evaluate_i(self, t, y, f)
-         import :: functions_t, wp
-         implicit none
-         class(functions_t), intent(in) :: self
-         real(wp), intent(in) :: t
-         !! [s]
-         real(wp), intent(in) :: y(:)
-         !! (states)
-         real(wp), allocatable, intent(out) :: f(:, :)
-         !! (functions, 0:derivatives)
-      end subroutine evaluate_i
-   end interface
 
    !> Expected side of a level for a function or its rate.
    type :: watch_t
@@ -109,10 +105,42 @@ module rwmf_simulation_events_first_change
       integer :: kind = 0
       !! event at the change: one of the `event_` numbers
       integer :: course = any_course
-      !! `any_course`, `monotone` or `changed_at_begin`
+      !! `any_course`, `monotone`, `changed_at_begin` or `changed_at_end`
+      logical :: starts_inside = .false.
+      !! a state that starts on its level has its side at first, even if its rate contradicts it
    end type watch_t
 
 contains
+
+   !> Evaluate functions at a state, with their first one or two time derivatives. By default the
+   !> function is a state.
+   subroutine evaluate_state(self, t, y, f)
+      class(functions_t), intent(in) :: self
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), allocatable, intent(out) :: f(:, :)
+      !! (functions, 0:derivatives)
+      real(wp) :: rates(size(y)), found(0:2)
+
+      call rates_at(self%step%equation, t, y, rates)
+      found = derivatives_of(self%states, y, rates)
+      allocate (f(1, 0:merge(2, 1, self%states(1) > 0)))
+      f(1, :) = found(:ubound(f, 2))
+   end subroutine evaluate_state
+
+   !> Function and its derivatives from states and rates; a second derivative that is unknown is 0.
+   pure function derivatives_of(states, y, rates) result(f)
+      integer, intent(in) :: states(0:1)
+      !! as in `functions_t`
+      real(wp), intent(in) :: y(:), rates(:)
+      !! (states)
+      real(wp) :: f(0:2)
+
+      f = [y(states(0)), rates(states(0)), 0.0_wp]
+      if (states(1) > 0) f(1:) = [y(states(1)), rates(states(1))]
+   end function derivatives_of
 
    !> Declare the events of a function in a span. By default there is none.
    function no_watches(self, i, span) result(watches)
@@ -167,40 +195,45 @@ contains
       if (count_parts(step) == 1) then
          if (shows_no_event(functions, step)) return
       end if
-      functions%step = step
       allocate (functions%samples)
-      call search_parts(functions, ending, is_found, error)
+      call find_event(functions, step, ending, is_found, error)
       deallocate (functions%samples)
       if (is_found .and. .not. allocated(error)) call shorten(step, ending%t, error)
    end subroutine stop_at_event
 
-   !> Search the parts of a step for the first event of the functions.
-   subroutine search_parts(functions, ending, is_found, error)
-      class(functions_t), intent(in) :: functions
+   !> Find the first event of the functions in a step, part by part.
+   subroutine find_event(functions, step, ending, is_found, error)
+      class(functions_t), intent(inout) :: functions
+      type(step_view_t), intent(in) :: step
       type(ending_t), intent(inout) :: ending
+      !! on return the event of the functions, if it precedes the given one
       logical, intent(out) :: is_found
+      !! true if an event precedes the given one
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      type(moment_t) :: a, b
       type(span_t) :: span
       integer :: parts, i, k
 
       is_found = .false.
-      parts = count_parts(functions%step)
-      call sample_functions(functions, functions%step%t_a, b, error)
+      functions%step = step
+      parts = count_parts(step)
+      call take_moment(functions, step%t_a, step%y_a, span%a)
       do i = 1, parts
-         a = b
-         if (.not. allocated(error)) call sample_functions(functions, end_of_part(functions%step, &
-            i, parts), b, error)
-         if (allocated(error)) return
-         span = span_between(functions, a, b)
+         if (i < parts) then
+            call sample_functions(functions, end_of_part(step, i, parts), span%b, error)
+            if (allocated(error)) return
+         else
+            call take_moment(functions, step%t_b, step%y_b, span%b)
+         end if
+         call measure_span(functions, span)
          do k = 1, functions%n
             call stop_at_first(functions, functions%watches(k, span), span, ending, is_found, error)
             if (allocated(error)) return
          end do
          if (is_found) return
+         if (i < parts) call move_moment(span%b, span%a)
       end do
-   end subroutine search_parts
+   end subroutine find_event
 
    !> Sample the functions at a time of the step.
    subroutine sample_functions(functions, t, moment, error)
@@ -222,10 +255,31 @@ contains
       end if
       call sample_state(functions%step, t, y, error)
       if (allocated(error)) return
-      moment%t = t
-      call functions%evaluate(t, y, moment%f)
+      call take_moment(functions, t, y, moment)
       if (associated(functions%samples)) call keep_moment(functions%samples, moment)
    end subroutine sample_functions
+
+   !> Evaluate the functions at a state.
+   subroutine take_moment(functions, t, y, moment)
+      class(functions_t), intent(in) :: functions
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(moment_t), intent(out) :: moment
+
+      moment%t = t
+      call functions%evaluate(t, y, moment%f)
+   end subroutine take_moment
+
+   !> Move a sample.
+   pure subroutine move_moment(from, to)
+      type(moment_t), intent(inout) :: from
+      type(moment_t), intent(inout) :: to
+
+      to%t = from%t
+      call move_alloc(from%f, to%f)
+   end subroutine move_moment
 
    !> Store a sample while there is space.
    pure subroutine keep_moment(samples, moment)
@@ -239,6 +293,18 @@ contains
       samples%moments(samples%n) = moment
    end subroutine keep_moment
 
+   !> Span of a whole step.
+   function span_of(functions) result(span)
+      class(functions_t), intent(in) :: functions
+      type(span_t) :: span
+
+      associate (step => functions%step)
+         call take_moment(functions, step%t_a, step%y_a, span%a)
+         call take_moment(functions, step%t_b, step%y_b, span%b)
+      end associate
+      call measure_span(functions, span)
+   end function span_of
+
    !> Span between two samples.
    function span_between(functions, a, b) result(span)
       class(functions_t), intent(in) :: functions
@@ -247,14 +313,22 @@ contains
 
       span%a = a
       span%b = b
-      call measure_span(fastest_angle(functions%step, b%t - a%t), span)
+      call measure_span(functions, span)
    end function span_between
 
-   !> Compute roughness and largest values of the functions in a span.
+   !> Compute roughness and largest values of the functions in a span of a step.
+   subroutine measure_span(functions, span)
+      class(functions_t), intent(in) :: functions
+      type(span_t), intent(inout) :: span
+
+      call measure_smoothness(fastest_angle(functions%step, span%b%t - span%a%t), span)
+   end subroutine measure_span
+
+   !> Compute roughness and largest values of functions between two samples.
    !>
    !> The functions of a kind drive each other. A vibration that cancels in one of them at both ends
    !> appears in another, so the roughness of the least smooth one applies to all.
-   pure subroutine measure_span(angle, span)
+   pure subroutine measure_smoothness(angle, span)
       real(wp), intent(in) :: angle
       !! phase of the fastest vibration over the span, at least 1 [rad]
       type(span_t), intent(inout) :: span
@@ -269,7 +343,7 @@ contains
             span%rough = max(span%rough, roughness(angle, b%t - a%t, a%f(i, :), b%f(i, :)))
          end do
       end associate
-   end subroutine measure_span
+   end subroutine measure_smoothness
 
    !> Distance of a watched function from its level; negative on the unexpected side.
    pure real(wp) function value_at(watch, moment) result(value)
@@ -283,7 +357,6 @@ contains
    pure integer function changes_in(span, watch) result(changes)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watch
-
       real(wp), dimension(0:ubound(span%a%f, 2)) :: a, b
 
       call see_from_level(span, watch, a, b)
@@ -340,7 +413,7 @@ contains
       are_quiet = .true.
       do i = 1, size(watches)
          select case (watches(i)%course)
-         case (changed_at_begin)
+         case (changed_at_begin, changed_at_end)
             are_quiet = .false.
          case (monotone)
             are_quiet = value_at(watches(i), span%b) >= 0
@@ -402,6 +475,9 @@ contains
             case (changed_at_begin)
                changes = .true.
                span%b = span%a
+            case (changed_at_end)
+               changes = .true.
+               call add_states(functions, watch, span%b, error)
             case (monotone)
                changes = value_at(watch, span%b) < 0
                if (changes) call stop_at_root(functions, watch, span, error)
@@ -411,12 +487,15 @@ contains
             if (allocated(error)) return
             if (.not. (changes .and. span%b%t < ending%t)) cycle
             ending = ending_t(watch%kind, watch%which, span%b%t, watch%side < 0)
+            if (allocated(span%b%y)) call move_alloc(span%b%y, ending%y)
             is_found = .true.
          end associate
       end do
    end subroutine stop_at_first
 
-   !> End a span at the first change of a watched function, if any: at the first moment beyond it.
+   !> End a span at the first change of a watched function, if any.
+   !>
+   !> The end is the first moment beyond the change, or the root of a state.
    subroutine stop_at_change(functions, watch, span, is_found, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watch
@@ -425,6 +504,27 @@ contains
       !! true if the function changes
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
+      integer :: changes
+
+      is_found = .false.
+      if (.not. span%b%t > span%a%t) return
+      changes = changes_in(span, watch)
+      is_found = changes == one_change
+      if (is_found) then
+         call stop_at_root(functions, watch, span, error)
+      else if (changes /= no_change) then
+         call search_halves(functions, watch, span, is_found, error)
+      end if
+   end subroutine stop_at_change
+
+   !> End a span at the first change of a watched function by halving, if any.
+   subroutine search_halves(functions, watch, span, is_found, error)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watch
+      type(span_t), intent(inout) :: span
+      logical, intent(inout) :: is_found
+      !! false; on return true if the function changes
+      type(error_t), allocatable, intent(out) :: error
       integer, parameter :: most_halvings = 20
       !! largest number of halvings; an excursion in a shorter part is round-off
       integer, parameter :: most_samples = 100
@@ -433,11 +533,10 @@ contains
       type(moment_t) :: ahead(0:most_halvings)
       type(span_t) :: part
       real(wp) :: smallest
-      logical :: is_short
+      logical :: is_short, is_state
       integer :: depth, samples
 
-      is_found = .false.
-      if (.not. span%b%t > span%a%t) return
+      is_state = functions%states(watch%order) > 0
       smallest = max((span%b%t - span%a%t)*0.5_wp**most_halvings, 4*spacing(span%b%t))
       part = span
       ahead(0) = span%b
@@ -449,35 +548,50 @@ contains
          case (no_change)
             is_short = .true.
          case (change_at_begin)
-            part%b = part%a
             is_found = .true.
+            if (is_state .and. value_at(watch, part%a) > 0) then
+               ! the value is below the round-off of the polygon, but a state on its level is exact
+               is_short = .true.
+               is_found = value_at(watch, part%b) < 0
+            else if (watch%starts_inside .and. (value_at(watch, part%b) >= 0 &
+               .or. .not. is_short)) then
+               is_found = .false.
+               is_short = value_at(watch, part%b) >= 0
+            else
+               part%b = part%a
+            end if
          case (one_change)
             is_found = .true.
          case default
-            if (is_short) is_found = value_at(watch, part%b) < -noise_in(part, watch)
+            if (is_short) is_found = value_at(watch, part%b) < merge(0.0_wp, -noise_in(part, &
+               watch), is_state)
          end select
          if (is_found) exit
          if (is_short) then
             if (depth == 0) return
             depth = depth - 1
-            part = span_between(functions, part%b, ahead(depth))
+            call move_moment(part%b, part%a)
          else
             depth = depth + 1
             samples = samples + 1
             call sample_functions(functions, part%a%t + (part%b%t - part%a%t)/2, ahead(depth), &
                error)
             if (allocated(error)) return
-            part = span_between(functions, part%a, ahead(depth))
          end if
+         part%b = ahead(depth)
+         call measure_span(functions, part)
       end do
       call stop_at_root(functions, watch, part, error)
-      if (.not. allocated(error)) span = span_between(functions, span%a, part%b)
-   end subroutine stop_at_change
+      if (allocated(error)) return
+      span%b = part%b
+      if (.not. is_state) call measure_span(functions, span)
+   end subroutine search_halves
 
    !> End a span at the first root of a function that is beyond its level at the span's end.
    !>
    !> The root is accurate to round-off of the time. If the function starts beyond its level, the
-   !> span ends at its start.
+   !> span ends at its start. The span is measured again, except for states: their further watches
+   !> are monotone.
    subroutine stop_at_root(functions, watch, span, error)
       class(functions_t), intent(in) :: functions
       type(watch_t), intent(in) :: watch
@@ -488,23 +602,153 @@ contains
       type(moment_t) :: now
       real(wp) :: first
 
-      if (.not. value_at(watch, span%a) > 0) then
-         span = span_between(functions, span%a, span%a)
-         return
-      end if
       associate (a => span%a, b => span%b)
-         secant = secant_between([a%t, b%t], [value_at(watch, a), value_at(watch, b)])
-         first = a%t + root_of(polygon_in(span, watch))*(b%t - a%t)
-         if (first > a%t .and. first < b%t) secant%next = first
-         do while (secant%is_open)
-            call sample_functions(functions, secant%next, now, error)
-            if (allocated(error)) return
-            if (value_at(watch, now) <= 0) b = now
-            if (abs(value_at(watch, now)) <= 0) exit
-            call close_in(secant, value_at(watch, now))
-         end do
+         if (begins_beyond(watch, a)) then
+            b = a
+            call add_states(functions, watch, b, error)
+         else if (functions%states(watch%order) > 0) then
+            call stop_at_state(functions, watch, span, error)
+         else
+            ! a function that starts on its level has positive values before the root
+            secant = secant_between([a%t, b%t], [abs(value_at(watch, a)), value_at(watch, b)])
+            first = a%t + root_of(polygon_in(span, watch))*(b%t - a%t)
+            if (first > a%t .and. first < b%t) secant%next = first
+            do while (secant%is_open)
+               call sample_functions(functions, secant%next, now, error)
+               if (allocated(error)) return
+               if (value_at(watch, now) <= 0) b = now
+               if (abs(value_at(watch, now)) <= 0) exit
+               call close_in(secant, value_at(watch, now))
+            end do
+            call measure_span(functions, span)
+         end if
       end associate
-      span = span_between(functions, span%a, span%b)
    end subroutine stop_at_root
+
+   !> Add the states to a sample on the level of a watched state.
+   subroutine add_states(functions, watch, moment, error)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watch
+      type(moment_t), intent(inout) :: moment
+      type(error_t), allocatable, intent(out) :: error
+
+      associate (step => functions%step, state => functions%states(watch%order))
+         if (state == 0) return
+         moment%y = step%y_a
+         if (moment%t >= step%t_b) then
+            moment%y = step%y_b
+         else if (moment%t > step%t_a) then
+            call sample_state(step, moment%t, moment%y, error)
+         end if
+         moment%y(state) = watch%level
+         moment%f(watch%which, watch%order) = watch%level
+      end associate
+   end subroutine add_states
+
+   !> End a span at the root of a state, with all states there.
+   !>
+   !> A second-order Taylor series makes the last short correction. A few spacings of the time
+   !> matter to a flight of a hundred spacings. Without this correction, its impact would be faster
+   !> than its start, and lightly damped chatter would never end.
+   subroutine stop_at_state(functions, watch, span, error)
+      class(functions_t), intent(in) :: functions
+      type(watch_t), intent(in) :: watch
+      type(span_t), intent(inout) :: span
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), parameter :: short = 2.0e-7_wp
+      !! fraction of the span whose third power times a rate is round-off [-]
+      integer, parameter :: most_points = 200
+      type(bracket_t) :: bracket
+      real(wp), dimension(size(functions%step%y_a)) :: y, rates, rates_a
+      real(wp) :: f(0:2), t, correction
+      integer :: i
+
+      associate (a => span%a, b => span%b, step => functions%step, k => watch%order)
+         bracket = bracket_between(a%t, b%t)
+         t = keep_inside(bracket, a%t + newton_root_of(polygon_in(span, watch))*(b%t - a%t))
+         do i = 1, most_points
+            if (i == most_points .or. .not. bracket%is_open) t = bracket%high
+            call sample_state(step, t, y, error)
+            if (allocated(error)) return
+            call rates_at(step%equation, t, y, rates)
+            f = derivatives_of(functions%states, y, rates)
+            correction = 0
+            if (abs(f(k) - watch%level) <= 0 .or. t >= bracket%high) exit
+            call narrow(bracket, watch%side*(f(k) - watch%level) <= 0, t)
+            correction = correction_at(watch, t, f, a, functions%states(1) > 0)
+            if (abs(correction) <= max(short*(b%t - a%t), 2*epsilon(t)*abs(t)) &
+                .and. t + correction >= bracket%low .and. t + correction <= bracket%high) exit
+            t = keep_inside(bracket, t + correction)
+         end do
+         if (abs(correction) > 0) then
+            call rates_at(step%equation, step%t_a, step%y_a, rates_a)
+            y = y + correction*(rates + correction/2*(rates - rates_a)/max(t - step%t_a, tiny(t)))
+         end if
+         y(functions%states(k)) = watch%level
+         b%t = t + correction
+         b%y = y
+         f = derivatives_of(functions%states, y, rates)
+         b%f(1, :) = f(:ubound(b%f, 2))
+      end associate
+   end subroutine stop_at_state
+
+   !> Distance from a point to the root of the parabola through it; `huge` if its rate leads away
+   !> from the level. The rate of a state with errors may contradict the values around it.
+   pure real(wp) function correction_at(watch, t, f, a, has_bend) result(correction)
+      type(watch_t), intent(in) :: watch
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: f(0:2)
+      !! function and derivatives at the point
+      type(moment_t), intent(in) :: a
+      !! start of the span
+      logical, intent(in) :: has_bend
+      !! the second derivative of the function is known
+      real(wp) :: bend
+
+      correction = huge(t)
+      if (watch%side*f(watch%order + 1) >= 0) return
+      associate (k => watch%order, h => max(t - a%t, tiny(t)))
+         if (k == 0 .and. has_bend) then
+            bend = f(2)
+         else
+            ! of the cubic through values and rates at both times
+            bend = (4*f(k + 1) + 2*a%f(1, k + 1) - 6*((f(k) - a%f(1, k))/h))/h
+         end if
+         correction = correction_of(f(k) - watch%level, f(k + 1), bend)
+      end associate
+   end function correction_at
+
+   !> Return whether a function starts beyond its level, or at its level and goes beyond it.
+   pure logical function begins_beyond(watch, moment)
+      type(watch_t), intent(in) :: watch
+      type(moment_t), intent(in) :: moment
+      integer :: k
+
+      begins_beyond = .not. value_at(watch, moment) > 0
+      if (.not. begins_beyond) return
+      do k = watch%order + 1, ubound(moment%f, 2)
+         associate (rate => watch%side*moment%f(watch%which, k))
+            begins_beyond = .not. rate > 0
+            if (abs(rate) > 0) return
+         end associate
+      end do
+   end function begins_beyond
+
+   !> Distance to the near root of the parabola with a value, rate and second derivative; `huge`
+   !> without a root.
+   pure real(wp) function correction_of(g, rate, bend) result(correction)
+      real(wp), intent(in) :: g, rate
+      real(wp), intent(in) :: bend
+      !! second derivative
+      real(wp) :: slope
+
+      correction = huge(g)
+      slope = rate**2 - 2*g*bend
+      if (slope < 0) return
+      ! slope of the chord up to the root
+      slope = (rate + sign(sqrt(slope), rate))/2
+      if (abs(g) < abs(slope)*sqrt(huge(g))) correction = -g/slope
+   end function correction_of
 
 end module rwmf_simulation_events_first_change

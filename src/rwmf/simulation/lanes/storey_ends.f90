@@ -12,8 +12,8 @@ module rwmf_simulation_lanes_storey_ends
    use rwmf_model_floors_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, side_beyond_zero, stands_still
    use rwmf_model_system_assembly, only: rates_at
-   use rwmf_simulation_events_first_change, only: expect_change, measure_span, moment_t, span_t, &
-      value_at, watch_t
+   use rwmf_simulation_events_first_change, only: expect_change, measure_smoothness, &
+      moment_t, span_t, value_at, watch_t
    use rwmf_simulation_events_fuse_support, only: ends_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_events_step_view, only: count_parts, fastest_angle, quarter_period, &
@@ -336,7 +336,7 @@ contains
       storey%states%a%t = step%t_a
       call take_values(equation, y, rates, batch%branches%d(i, :, :, 1), storey%span%a, &
          storey%states%a)
-      call measure_span(fastest_angle(step, step%t_b - step%t_a), storey%span)
+      call measure_smoothness(fastest_angle(step, step%t_b - step%t_a), storey%span)
       ! only the ends of the states matter
       storey%states%rough = 0
       storey%states%largest = 1

@@ -19,10 +19,10 @@ module rwmf_simulation_recorder_force_envelopes
       velocity
    use rwmf_problem_case, only: case_t, has_numbers, numbers_of
    use rwmf_problem_quantity_table, only: id
-   use rwmf_simulation_events_first_change, only: moment_t, span_between, span_t, &
+   use rwmf_simulation_events_first_change, only: moment_t, span_between, span_of, span_t, &
       stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: step_view_t
-   use rwmf_simulation_events_turns, only: keeps_direction, rotation_t
+   use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece, &
       search_state
    use rwmf_simulation_state_result, only: envelope_extremes_t
@@ -322,11 +322,9 @@ contains
          return
       end if
       rotation%step = piece
-      span%a%t = piece%t_a
-      b%t = piece%t_b
-      call rotation%evaluate(piece%t_a, piece%y_a, span%a%f)
-      call rotation%evaluate(piece%t_b, piece%y_b, b%f)
-      span = span_between(rotation, span%a, b)
+      rotation%states = [1, 2]
+      span = span_of(rotation)
+      b = span%b
       watch = watch_t(1, 1, side=sign(1.0_wp, span%a%f(1, 1)))
       if (abs(span%a%f(1, 1)) <= 0) watch%side = sign(1.0_wp, span%a%f(1, 2))
       do i = 1, most_turns

@@ -19,12 +19,12 @@ module rwmf_simulation_recorder_recorder
    use rwmf_motion_ground_motion, only: acceleration, interval_end, vertical_acceleration
    use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: all_quantities, id
-   use rwmf_simulation_events_first_change, only: changes_in, moment_t, span_between, span_t, &
-      stop_at_change, watch_t
+   use rwmf_simulation_events_first_change, only: changes_in, functions_t, moment_t, &
+      span_between, span_of, span_t, stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
       sample_state, step_view_t, until
    use rwmf_simulation_events_storey_events, only: displacements_t
-   use rwmf_simulation_events_turns, only: fastest_in, velocity_t
+   use rwmf_simulation_events_rotation_events, only: fastest_in
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
       observe_demands_at_rest, put_demands, put_storeys
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
@@ -398,8 +398,8 @@ contains
       type(recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
-      type(velocity_t) :: velocity
-      type(moment_t) :: a, b
+      type(functions_t) :: velocity
+      type(moment_t) :: b
       type(span_t) :: span
       type(watch_t) :: watch
       logical :: is_found
@@ -409,17 +409,15 @@ contains
 
       if (fastest_in(piece) < recorder%theta_dot_max) return
       velocity%step = piece
-      call velocity%evaluate(piece%t_a, piece%y_a, a%f)
-      call velocity%evaluate(piece%t_b, piece%y_b, b%f)
-      a%t = piece%t_a
-      b%t = piece%t_b
-      span = span_between(velocity, a, b)
-      watch = watch_t(1, 1, side=sign(1.0_wp, a%f(1, 1)))
+      velocity%states = [2, 0]
+      span = span_of(velocity)
+      b = span%b
+      watch = watch_t(1, 1, side=sign(1.0_wp, span%a%f(1, 1)))
       select case (changes_in(span, watch))
       case (no_change)
          return
       case (one_change)
-         call observe_extremum(recorder, piece, [a%f(1, 1), b%f(1, 1)], error)
+         call observe_extremum(recorder, piece, [span%a%f(1, 1), b%f(1, 1)], error)
       case default
          do i = 1, most_turns
             if (stays_within(recorder%theta_dot_max, span)) return

@@ -6,7 +6,7 @@ module rwmf_simulation_recorder_storey_drifts
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_math_sign_changes, only: no_change
    use rwmf_simulation_events_first_change, only: changes_in, moment_t, sample_functions, &
-      kept_samples_t, span_between, span_t, stop_at_change, watch_t
+      kept_samples_t, span_between, span_of, span_t, stop_at_change, watch_t
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
    use rwmf_simulation_events_storey_events, only: displacements_t
    implicit none
@@ -75,21 +75,18 @@ contains
    logical function is_inside(largest, times, floors)
       real(wp), intent(inout) :: largest(:), times(:)
       class(displacements_t), intent(inout) :: floors
-      type(moment_t) :: a, b
       type(span_t) :: span
       integer :: k
 
-      a%t = floors%step%t_a
-      b%t = floors%step%t_b
       floors%derivatives = 1
-      call floors%evaluate(a%t, floors%step%y_a, a%f)
-      call floors%evaluate(b%t, floors%step%y_b, b%f)
+      span = span_of(floors)
       floors%derivatives = 2
-      where (abs(b%f(:, 0)) > largest)
-         largest = abs(b%f(:, 0))
-         times = b%t
-      end where
-      span = span_between(floors, a, b)
+      associate (b => span%b)
+         where (abs(b%f(:, 0)) > largest)
+            largest = abs(b%f(:, 0))
+            times = b%t
+         end where
+      end associate
       is_inside = .true.
       do k = 1, size(largest)
          is_inside = is_inside .and. stays_within(largest(k), k, span)
