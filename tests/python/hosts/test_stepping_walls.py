@@ -319,9 +319,10 @@ def test_a_wall_in_many_threads() -> None:
 
 
 def test_the_interpreter_runs_during_a_call() -> None:
-    """Two threads that compute get about the same processor time, whatever else the machine does.
+    """During a call of half a second another thread of Python computes.
 
-    An interpreter that waits for the call would get a switch interval of 5 ms before and after it.
+    Processor time counts, which does not depend on what else the machine does. An interpreter that
+    waits for the call would get a switch interval of 5 ms before and after it.
     """
     case = case_of().replace(solver={"rtol": 1e-12})
     started = threading.Event()
@@ -339,7 +340,7 @@ def test_the_interpreter_runs_during_a_call() -> None:
         pass
     of_interpreter = time.thread_time() - begin
     of_call = time.process_time() - of_all - of_interpreter
-    assert of_interpreter > 0.25 * of_call > 10 * sys.getswitchinterval()
+    assert min(of_interpreter, of_call) > 10 * sys.getswitchinterval()
 
 
 def test_ctrl_c_stops_many_walls() -> None:
