@@ -321,7 +321,7 @@ def test_a_wall_in_many_threads() -> None:
 def test_the_interpreter_runs_during_a_call() -> None:
     """During a call of half a second another thread of Python computes.
 
-    Processor time counts, which does not depend on what else the machine does. An interpreter that
+    Processor time counts; it does not depend on the load of the machine. An interpreter that
     waits for the call would get a switch interval of 5 ms before and after it.
     """
     case = case_of().replace(solver={"rtol": 1e-12})
