@@ -183,8 +183,11 @@ def test_unit_is_valid_and_repeats_the_run(name: str, exported: Callable[[str], 
     expected = summary(case) if case.motion is not None else {}
     shared = unit.outputs().keys() & expected.keys()
     assert case.motion is None or len(shared) > 8
+    # the moment at a hinge is round-off of the moments in the wall
+    round_off = {"wall_moment_base_max_N_m": 1e-12 * expected.get("wall_moment_max_N_m", 0.0)}
     for key in sorted(shared):
-        assert unit[key] == pytest.approx(expected[key], rel=2e-6, abs=1e-9, nan_ok=True), key
+        least = max(1e-9, round_off.get(key, 0.0))
+        assert unit[key] == pytest.approx(expected[key], rel=2e-6, abs=least, nan_ok=True), key
 
 
 def test_same_bits_as_the_run_at_the_samples_of_a_record(record: Path) -> None:
