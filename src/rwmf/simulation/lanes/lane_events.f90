@@ -34,6 +34,8 @@ module rwmf_simulation_lanes_lane_events
    !! event in addition to those of the rotation: a further state leaves its window
    integer, parameter :: most_trials = 6
    !! largest number of trial steps to an event
+   real(wp), parameter :: same = 1.0e-3_wp
+   !! distance below which two events of a step may be simultaneous [-]
 
 contains
 
@@ -76,6 +78,10 @@ contains
       ! two events at nearly the same time may precede each other in turn
       lane%trials = merge(0, lane%trials + 1, lane%target_event == no_event)
       call find_in_rotation(lane, i, batch, quartic, x, is_clear)
+      ! a spring on the rotation may turn at the same instant as a storey: the search of single runs
+      ! knows their order
+      if (lane%equation%has_bilinear_springs .and. lane%target_event /= no_event) is_clear = &
+         is_clear .and. abs(lane%storey%at - x) > same
       if (is_clear .and. lane%storey%at <= merge(1.0_wp, x, lane%target_event == no_event)) then
          lane%target_event = at_storey
          lane%storey%target = lane%storey%first
@@ -216,7 +222,6 @@ contains
       type(batch_t), intent(in) :: batch
       real(wp), intent(inout) :: x
       !! position of the event found in the step [-]
-      real(wp), parameter :: same = 1.0e-3_wp
       real(wp) :: z, rise, bend, root, at
 
       associate (table => batch%table, further => further_state(lane%equation))

@@ -132,9 +132,7 @@ contains
       step%t_a = batch%table(i, of_time)
       step%t_b = step%t_a + batch%table(i, of_trial)
       lane%storey%at = huge(1.0_wp)
-      ! a spring on the rotation may turn at the same instant as a storey: the search of single runs
-      ! knows the order
-      lane%is_smooth = count_parts(step) == 1 .and. .not. lane%equation%has_bilinear_springs
+      lane%is_smooth = count_parts(step) == 1
       if (.not. lane%is_smooth) return
       if (batch%branches%n > 0) then
          if (batch%branches%is_quiet(i, 0) <= 0 .or. lane%target_event == at_storey) then
