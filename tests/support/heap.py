@@ -48,7 +48,7 @@ def growth(cycle: Callable[[int], None], n: int) -> tuple[int, int]:
     """
     cycle(max(10, n // 10))
     rounds = []
-    # a leak grows in each round, what is kept once in one of them only
+    # a leak grows in each round, a cache in one of them only
     for _ in range(2):
         before = _in_use()
         cycle(n)
