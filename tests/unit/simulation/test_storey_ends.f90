@@ -16,9 +16,10 @@ program test_storey_ends
    use rwmf_model_system_assembly, only: build_equation
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_first_change, only: any_course, changed_at_begin, changes_in, &
-      expect_change, measure_smoothness, moment_t, monotone, span_between, span_t, value_at, watch_t
    use rwmf_simulation_events_storey_events, only: displacements_t, hysteretic_t, list_ends, zero_of
+   use rwmf_simulation_events_watched_spans, only: any_course, changed_at_begin, changes_in, &
+      expect_change, measure_smoothness, moment_t, monotone, span_between, span_t, value_at, &
+      watch_t
    implicit none
 
    character(*), parameter :: wall = "&wall h=2.0, b=0.5 / &model formulation='exact' / "

@@ -3,7 +3,7 @@ module rwmf_simulation_events_drift_events
    use rwmf_core_kinds, only: wp
    use rwmf_model_drift_limits, only: drift_ratios
    use rwmf_model_system_assembly, only: equation_t
-   use rwmf_simulation_events_first_change, only: functions_t, span_t, watch_t
+   use rwmf_simulation_events_watched_spans, only: functions_t, span_t, watch_t
    use rwmf_simulation_state_result, only: event_collapsed
    implicit none
    private

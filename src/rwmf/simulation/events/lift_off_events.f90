@@ -6,8 +6,8 @@ module rwmf_simulation_events_lift_off_events
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t, interval_of, uplift_demands
    use rwmf_model_system_lift_off, only: find_uplift_acceleration, lifting_side
-   use rwmf_simulation_events_first_change, only: functions_t, span_t, watch_t
    use rwmf_simulation_events_step_view, only: rates_in, step_view_t
+   use rwmf_simulation_events_watched_spans, only: functions_t, span_t, watch_t
    use rwmf_simulation_state_result, only: event_lift_off
    implicit none
    private

@@ -4,9 +4,9 @@ module rwmf_simulation_events_rotation_events
    use rwmf_math_sign_changes, only: change_at_begin, no_change, one_change, polygon_t, roughness, &
       value_polygon
    use rwmf_model_hysteresis_bouc_wen, only: will_pass_zero
-   use rwmf_simulation_events_first_change, only: changed_at_end, changes_in, functions_t, &
-      monotone, span_t, watch_t
    use rwmf_simulation_events_step_view, only: fastest_angle, step_view_t
+   use rwmf_simulation_events_watched_spans, only: changed_at_end, changes_in, functions_t, &
+      monotone, span_t, watch_t
    use rwmf_simulation_state_result, only: event_branch, event_impact, event_overturned, &
       event_passage, event_peak
    implicit none

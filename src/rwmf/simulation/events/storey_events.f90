@@ -10,8 +10,9 @@ module rwmf_simulation_events_storey_events
       is_softening, loading_direction_of, pass_storey_limit, settle_storeys, &
       side_beyond_zero, stands_still, start_storeys, stop_at_zero, storey_word, turn_storey
    use rwmf_model_system_assembly, only: rates_at
-   use rwmf_simulation_events_first_change, only: changed_at_begin, ending_t, functions_t, &
-      monotone, span_t, value_at, watch_t
+   use rwmf_simulation_events_first_change, only: ending_t
+   use rwmf_simulation_events_watched_spans, only: changed_at_begin, functions_t, monotone, &
+      span_t, value_at, watch_t
    use rwmf_simulation_state_result, only: event_storey_limit, event_storey_turn, event_storey_zero
    implicit none
    private

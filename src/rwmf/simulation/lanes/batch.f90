@@ -14,8 +14,8 @@ module rwmf_simulation_lanes_batch
    use rwmf_model_equation, only: enter_interval, equation_t, ground, interval_of, vertical_ground
    use rwmf_motion_ground_motion, only: fastest_rate, interval_end, interval_last, &
       is_piecewise_linear, line_of, line_t, motion_t, step_parts, vertical_line_of
-   use rwmf_simulation_events_first_change, only: span_t, watch_t
    use rwmf_simulation_events_step_quartic, only: no_event
+   use rwmf_simulation_events_watched_spans, only: span_t, watch_t
    use rwmf_simulation_hybrid_free_vibration, only: long_rest
    use rwmf_simulation_recorder_recorder, only: needs_all_steps, recorder_t
    use rwmf_simulation_state_hybrid_state, only: hybrid_t

@@ -12,14 +12,14 @@ module rwmf_simulation_lanes_storey_ends
    use rwmf_model_floors_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, side_beyond_zero, stands_still
    use rwmf_model_system_assembly, only: rates_at
-   use rwmf_simulation_events_first_change, only: expect_change, measure_smoothness, &
-      moment_t, span_t, value_at, watch_t
    use rwmf_simulation_events_fuse_support, only: ends_on_fuses
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_events_step_view, only: count_parts, fastest_angle, quarter_period, &
       step_view_t
    use rwmf_simulation_events_storey_events, only: list_ends, zero_of
    use rwmf_simulation_events_watched_functions, only: keeps_limits
+   use rwmf_simulation_events_watched_spans, only: expect_change, measure_smoothness, moment_t, &
+      span_t, value_at, watch_t
    use rwmf_simulation_lanes_batch, only: at_storey, batch_t, follow_interval, &
       lane_state_t, storey_end_t
    use rwmf_simulation_state_result, only: event_storey_zero

@@ -19,10 +19,10 @@ module rwmf_simulation_recorder_force_envelopes
       velocity
    use rwmf_problem_case, only: case_t, has_numbers, numbers_of
    use rwmf_problem_quantity_table, only: id
-   use rwmf_simulation_events_first_change, only: moment_t, span_between, span_of, span_t, &
-      stop_at_change, watch_t
+   use rwmf_simulation_events_first_change, only: stop_at_change
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
+   use rwmf_simulation_events_watched_spans, only: moment_t, span_between, span_of, span_t, watch_t
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece, &
       search_state
    use rwmf_simulation_state_result, only: envelope_extremes_t

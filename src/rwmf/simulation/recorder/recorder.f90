@@ -19,12 +19,13 @@ module rwmf_simulation_recorder_recorder
    use rwmf_motion_ground_motion, only: acceleration, interval_end, vertical_acceleration
    use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: all_quantities, id
-   use rwmf_simulation_events_first_change, only: changes_in, functions_t, moment_t, &
-      span_between, span_of, span_t, stop_at_change, watch_t
+   use rwmf_simulation_events_first_change, only: stop_at_change
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, from, is_short, &
       sample_state, step_view_t, until
    use rwmf_simulation_events_storey_events, only: displacements_t
    use rwmf_simulation_events_rotation_events, only: fastest_in
+   use rwmf_simulation_events_watched_spans, only: changes_in, functions_t, moment_t, &
+      span_between, span_of, span_t, watch_t
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
       observe_demands_at_rest, put_demands, put_storeys
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies

@@ -5,10 +5,11 @@ module rwmf_simulation_recorder_storey_drifts
    use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_math_sign_changes, only: no_change
-   use rwmf_simulation_events_first_change, only: changes_in, moment_t, sample_functions, &
-      kept_samples_t, span_between, span_of, span_t, stop_at_change, watch_t
+   use rwmf_simulation_events_first_change, only: stop_at_change
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, step_view_t
    use rwmf_simulation_events_storey_events, only: displacements_t
+   use rwmf_simulation_events_watched_spans, only: changes_in, kept_samples_t, moment_t, &
+      sample_functions, span_between, span_of, span_t, watch_t
    implicit none
    private
 
