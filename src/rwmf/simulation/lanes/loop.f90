@@ -8,7 +8,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: at_limit, is_done, is_rejected, needs_inspection, &
-      of_calm, of_inspection, of_length, of_steps, of_time, of_trial
+      of_calm, of_length, of_steps, of_time, of_trial
    use rwmf_integrator_lane_control, only: accept_or_reject_one => accept_or_reject, &
       pass_one => advance_intervals, plan_one => plan_step
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step

@@ -304,18 +304,15 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(step_view_t), intent(in) :: step
-      type(batch_t), intent(inout) :: batch
+      type(batch_t), intent(in) :: batch
       type(storey_end_t), intent(inout) :: storey
 
       call create_spans(equation%n, batch%branches%n, storey)
       storey%y(:) = batch%y_new(i, :)
       call rates_at(equation, step%t_b, storey%y, storey%rates)
-      if (.not. batch%branches%is_screened) call storey_motion(equation, equation%state%side, &
-         storey%y, batch%branches%d(i, :, 0, 2), batch%branches%d(i, :, 1, 2))
       storey%span%b%t = step%t_b
-      storey%states%b%t = step%t_b
-      call take_values(equation, storey%y, storey%rates, batch%branches%d(i, :, :, 2), &
-         storey%span%b, storey%states%b)
+      call take_values(equation, storey%y, storey%rates, batch%branches%is_screened, &
+         batch%branches%d(i, :, :, 2), storey%span%b, storey%states%b)
    end subroutine measure_end
 
    !> Evaluate the storeys at the beginning of an attempted step, and measure the step.
@@ -324,18 +321,15 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(step_view_t), intent(in) :: step
-      type(batch_t), intent(inout) :: batch
+      type(batch_t), intent(in) :: batch
       type(storey_end_t), intent(inout) :: storey
       real(wp), dimension(size(storey%y)) :: y, rates
 
       y = batch%y(i, :)
       rates = batch%k(i, :, 1)
-      if (.not. batch%branches%is_screened) call storey_motion(equation, equation%state%side, y, &
-         batch%branches%d(i, :, 0, 1), batch%branches%d(i, :, 1, 1))
       storey%span%a%t = step%t_a
-      storey%states%a%t = step%t_a
-      call take_values(equation, y, rates, batch%branches%d(i, :, :, 1), storey%span%a, &
-         storey%states%a)
+      call take_values(equation, y, rates, batch%branches%is_screened, &
+         batch%branches%d(i, :, :, 1), storey%span%a, storey%states%a)
       call measure_smoothness(fastest_angle(step, step%t_b - step%t_a), storey%span)
       ! only the ends of the states matter
       storey%states%rough = 0
@@ -343,16 +337,24 @@ contains
    end subroutine measure_begin
 
    !> Store displacements and hysteretic states of the storeys at one end of a step.
-   pure subroutine take_values(equation, y, rates, d, span_end, states_end)
+   subroutine take_values(equation, y, rates, is_screened, d, span_end, states_end)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:), rates(:)
       !! (states) with their rates
+      logical, intent(in) :: is_screened
+      !! the loop over lanes has computed the displacements
       real(wp), intent(in) :: d(:, 0:)
-      !! (storeys, 0:1) displacements [m] and rates [m/s]
+      !! (storeys, 0:1) displacements [m] and rates [m/s], if the loop has computed them
       type(moment_t), intent(inout) :: span_end
+      !! with its time
       type(moment_t), intent(inout) :: states_end
 
-      span_end%f(:, :1) = d
+      states_end%t = span_end%t
+      if (is_screened) then
+         span_end%f(:, :1) = d
+      else
+         call storey_motion(equation, equation%state%side, y, span_end%f(:, 0), span_end%f(:, 1))
+      end if
       span_end%f(:, 2) = storey_accelerations(equation, equation%state%side, y, rates)
       if (.not. allocated(equation%floors%laws)) return
       states_end%f(:, 0) = hysteretic_states(equation, y)
