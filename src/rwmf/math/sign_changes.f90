@@ -193,12 +193,16 @@ contains
    !> Sign changes of the function of a polygon, as one of the constants above.
    !>
    !> Coefficients within round-off have no sign; those within their margin may have either sign.
-   pure integer function changes_of(polygon, noise) result(changes)
+   pure integer function changes_of(polygon, noise, noise_at_ends) result(changes)
       type(polygon_t), intent(in) :: polygon
       real(wp), intent(in) :: noise
-      !! round-off of the function
+      !! round-off of the coefficients
+      real(wp), intent(in), optional :: noise_at_ends
+      !! round-off of the first and the last one, which are values of the function; default: noise
       integer :: fewest, most, sign_now, k, open
       !! numbers of changes; last sign found; number of undecided coefficients since
+      real(wp) :: at_ends, least
+      !! the default or `noise_at_ends`; smallest coefficient with a sign
       logical :: begins_open
 
       fewest = 0
@@ -206,10 +210,13 @@ contains
       sign_now = 0
       open = 0
       begins_open = .false.
+      at_ends = noise
+      if (present(noise_at_ends)) at_ends = noise_at_ends
       do k = 0, polygon%n
+         least = merge(at_ends, noise, k == 0 .or. k == polygon%n)
          associate (c => polygon%c(k), margin => polygon%margin(k))
-            if (abs(c) <= max(margin, noise)) then
-               if (margin > noise) open = open + 1
+            if (abs(c) <= max(margin, least)) then
+               if (margin > least) open = open + 1
                cycle
             end if
             if (sign_now == 0) begins_open = open > 0
@@ -226,7 +233,7 @@ contains
       if (most == 0) changes = no_change
       ! The root of a function that begins at zero has no bracket.
       if (fewest == 1 .and. most == 1) then
-         if (polygon%c(0) > noise .and. polygon%c(polygon%n) < -noise) changes = one_change
+         if (polygon%c(0) > at_ends .and. polygon%c(polygon%n) < -at_ends) changes = one_change
       end if
    end function changes_of
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -115,3 +116,69 @@ def test_a_stiff_storey_among_soft_ones(stiff: int, method: str) -> None:
         found = rwmf.sweep(case, points={"scale": [1.0]}, quantities=names).isel(point=0)
     for name in names:
         assert float(found[name]) == pytest.approx(float(truth[name]), rel=100 * rtol)
+
+
+QUIET: dict[str, dict[str, Any]] = {
+    "one storey": {"n": 1, "m": 0.5, "xi_s": 0.02, "u_y": 0.02},
+    "three storeys": {"n": 3, "m": 2.0, "xi_s": 0.05, "u_y": 0.02},
+    "six storeys": {"n": 6, "m": 0.5, "xi_s": 0.05, "u_y": 0.002},
+}
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-7, 1e-9])
+@pytest.mark.parametrize("name", QUIET)
+def test_turns_below_the_tolerance_end(name: str, rtol: float) -> None:
+    """Before the pulse, `adams` takes steps over whole periods; smooth storeys turn in them."""
+    n, m, xi_s, u_y = (QUIET[name][key] for key in ("n", "m", "xi_s", "u_y"))
+    case = rwmf.Case(
+        frame={"xi_s": xi_s},
+        storeys={"m_over_m_w": [m] * n, "k_over_m_w": [800.0] * n, "height": [4.0] * n} | _FULL,
+        yielding={"storey_u_y": [u_y] * n, "law": "bouc_wen", "hardening": 0.05},
+        motion={"kind": "ricker", "a_max_g": 0.4, "T_p": 1.0},
+        solver={"t_end": 6.0, "method": "adams", "rtol": rtol},
+    )
+    truth = rwmf.simulate(case.replace(solver={"method": "dop853", "rtol": 1e-12})).u_s_max
+    assert float(rwmf.simulate(case).u_s_max) == pytest.approx(float(truth), rel=100 * rtol)
+
+
+def test_a_reversal_in_the_first_step_after_another() -> None:
+    """The first step of a multistep method is of order 1: its displacements contradict its rates.
+
+    Three storeys in free vibration turn almost together.
+    """
+    case = rwmf.Case(
+        frame={"xi_s": 0.02},
+        storeys={"m_over_m_w": [0.5] * 3, "k_over_m_w": [800.0] * 3, "height": [4.0] * 3} | _FULL,
+        yielding={"storey_u_y": [0.02] * 3, "law": "bouc_wen", "hardening": 0.05},
+        motion={"kind": "one_sine", "a_max_g": 0.7, "T_p": 0.8},
+        solver={"t_end": 6.0, "method": "adams", "rtol": 1e-7},
+    )
+    run = rwmf.simulate(case)
+    truth = rwmf.simulate(case.replace(solver={"method": "dop853", "rtol": 1e-12}))
+    for quantity in ("u_s_max", "storey_1_residual_drift"):
+        assert float(run[quantity]) == pytest.approx(float(truth[quantity]), rel=1e-5)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("rtol", [1e-10, 1e-11, 1e-12, 1e-13])
+def test_a_fuse_unloads_where_a_linked_storey_reverses(
+    rtol: float, method: str, elcentro: Path
+) -> None:
+    """Both turn with the wall at one instant; round-off may put either first."""
+    case = rwmf.Case(
+        wall={"h": 2.0, "b": 0.25},
+        frame={"xi_s": 0.0},
+        storeys={"m_over_m_w": [5.0], "k_over_m_w": [5000.0], "height": [4.0]} | _FULL,
+        yielding={"storey_u_y": [0.001], "law": "bouc_wen", "hardening": 0.05, "exponent": 5.0},
+        impact={"rule": "coupled"},
+        fuse={"eta_y": 0.2, "stroke_y": 0.002, "hardening": 0.05},
+        nl_damper={"eta_1": 0.05, "exponent": 0.3},
+        motion={"kind": "record", "file": str(elcentro), "unit": "g", "scale": 1.5},
+        solver={"t_end": 6.0, "method": method.replace("row", "dop853"), "rtol": rtol},
+    )
+    if method == "row":
+        found = rwmf.sweep(case, points={"scale": [1.0]}, quantities=["u_s_max"]).u_s_max[0]
+    else:
+        found = rwmf.simulate(case).u_s_max
+    # by `adams` at rtol 1e-12
+    assert float(found) == pytest.approx(0.0754575510956, rel=1e-8)

@@ -12,6 +12,7 @@ program test_sign_changes
    if (checks%wants('two_changes')) call check_two_changes()
    if (checks%wants('vibrations')) call check_vibrations()
    if (checks%wants('begins_at_zero')) call check_begins_at_zero()
+   if (checks%wants('known_ends')) call check_known_ends()
    if (checks%wants('root')) call check_root()
    call checks%finish()
 
@@ -121,6 +122,19 @@ contains
       call checks%that(changes_of(value_polygon(1.0_wp, -up, -end_up, 0.0_wp), 0.0_wp) &
          == change_at_begin, 'it falls from zero')
    end subroutine check_begins_at_zero
+
+   !> The ends of a polygon may be known far better than its middle.
+   subroutine check_known_ends()
+      type(polygon_t) :: polygon
+
+      polygon = rate_polygon(1.0e-6_wp, [1.0_wp, 1.0e-7_wp, 0.0_wp], [1.0_wp, 1.0e-7_wp, 0.0_wp], &
+         0.0_wp)
+      polygon%c(1:polygon%n - 1) = -1.0e-7_wp
+      call checks%that(changes_of(polygon, 1.0e-6_wp, 1.0e-9_wp) == no_change, 'round-off inside')
+      polygon%c(polygon%n) = -1.0e-7_wp
+      call checks%that(changes_of(polygon, 1.0e-6_wp, 1.0e-9_wp) == one_change, 'a change inside')
+      call checks%that(changes_of(polygon, 1.0e-6_wp) == no_change, 'all is round-off')
+   end subroutine check_known_ends
 
    !> Location of a single change, that of 1/2 - x**3.
    subroutine check_root()

@@ -21,6 +21,8 @@ module rwmf_simulation_events_watched_spans
    public :: span_between, span_of, measure_span, measure_smoothness
    public :: value_at, changes_in, expect_change, noise_in, polygon_in
 
+   integer, parameter :: spacings = 8
+   !! round-off of the functions [spacings of their largest values]
    integer, parameter :: any_course = 0
    !! the function may change and return
    integer, parameter :: monotone = 1
@@ -260,7 +262,8 @@ contains
       changes = no_change
       if (is_positive(span%b%t - span%a%t, a, b, span%rough, noise_in(span, watch), &
          watch%order)) return
-      changes = changes_of(polygon_in(span, watch), noise_in(span, watch))
+      changes = changes_of(polygon_in(span, watch), noise_in(span, watch), noise_at_ends(span, &
+         watch))
    end function changes_in
 
    !> Find the position of a change in a span from its ends alone.
@@ -303,18 +306,29 @@ contains
 
    !> Round-off of a watched function.
    !>
-   !> The functions of a kind are differences of the same states. The polygon of a rate contains
-   !> five times the mean rate, which has large round-off in a short span. A reversal hidden by it
-   !> changes the values only by round-off.
+   !> The functions of a kind are differences of the same states. Inside a span, the polygon of a
+   !> rate contains five times the mean rate, which has large round-off in a short span. A reversal
+   !> hidden by it changes the values only by round-off.
    pure real(wp) function noise_in(span, watch) result(noise)
       type(span_t), intent(in) :: span
       type(watch_t), intent(in) :: watch
-      integer, parameter :: spacings = 8
 
       noise = max(abs(watch%level), span%largest(0))
       if (watch%order == 1) noise = span%largest(1) + 5*span%largest(0)/(span%b%t - span%a%t)
       noise = spacings*epsilon(noise)*noise
    end function noise_in
+
+   !> Round-off of a watched function at the ends of a span: of its value and of the time.
+   pure real(wp) function noise_at_ends(span, watch) result(noise)
+      type(span_t), intent(in) :: span
+      type(watch_t), intent(in) :: watch
+      real(wp) :: fastest
+
+      noise = noise_in(span, watch)
+      if (watch%order == 0 .or. size(span%a%f, 2) < 3) return
+      fastest = max(maxval(abs(span%a%f(:, 2))), maxval(abs(span%b%f(:, 2))))
+      noise = min(noise, spacings*epsilon(noise)*(span%largest(1) + abs(span%b%t)*fastest))
+   end function noise_at_ends
 
    !> Polygon of a watched function in a span.
    pure type(polygon_t) function polygon_in(span, watch) result(polygon)

@@ -310,6 +310,11 @@ contains
          if (abs(rest) <= max(short*h, 2*epsilon(t)*t)) then
             if (lane%target_event == at_storey) then
                call reach_target(lane, i, batch, rest, y)
+               if (lane%equation%state%ends_at_peak .and. turns_at(t, batch%y(i, 2), y(2), &
+                  rates(2))) then
+                  call inspect_step(lane, i, batch)
+                  return
+               end if
             else
                ! interpolate the rates by the cubic through both ends
                do j = 1, lane%equation%n
@@ -335,6 +340,19 @@ contains
          end if
       end associate
    end subroutine converge_to_event
+
+   !> Return whether the rotation turns before the end of a step or within round-off of it.
+   pure logical function turns_at(t, v_a, v_b, rate)
+      real(wp), intent(in) :: t
+      !! end of the step [s]
+      real(wp), intent(in) :: v_a, v_b
+      !! angular velocity at both ends [rad/s]
+      real(wp), intent(in) :: rate
+      !! its rate at the end [rad/s2]
+      integer, parameter :: spacings = 8
+
+      turns_at = v_a*v_b < 0 .or. abs(v_b) <= spacings*spacing(t)*abs(rate)
+   end function turns_at
 
    !> Return whether the last stage of a step is accurate enough as its rates at an end of the
    !> window.
