@@ -226,8 +226,8 @@ contains
    !> Largest expected duration of a piece that a turn of a frame or storey may begin [s].
    !>
    !> Below the absolute tolerance, a multistep method may take its first step over several periods
-   !> of a vibration. The end of such a step contradicts the rates at its beginning, and a frame
-   !> that has just turned would turn again at once, without end.
+   !> of a vibration. The end of such a step contradicts the rates at its beginning. A frame that
+   !> has just turned would then turn again at once, without end.
    pure real(wp) function longest_piece(equation) result(longest)
       type(equation_t), intent(in) :: equation
       real(wp), parameter :: angle = 1
