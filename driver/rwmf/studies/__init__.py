@@ -4,8 +4,8 @@ from rwmf._risk.level_statistics import demand_percentiles
 from rwmf.studies.bands import sensitivity_bands
 from rwmf.studies.capacities import annual_frequency, fragility_median
 from rwmf.studies.displacement_design import displacement_based_prestress
+from rwmf.studies.earlier_names import fragility, incremental_dynamic_analysis
 from rwmf.studies.equal_response import equal_response
-from rwmf.studies.fragility import fragility, incremental_dynamic_analysis
 from rwmf.studies.friction import friction_spectra
 from rwmf.studies.overturning import overturning_map
 from rwmf.studies.statistics import cumulative_distribution, percentiles

@@ -13,7 +13,7 @@ module rwmf_embedding_member
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_math_cantilever, only: deflection
-   use rwmf_model_bilinear, only: is_broken
+   use rwmf_model_bilinear_spring, only: is_broken
    use rwmf_model_equation, only: discrete_state_t, equation_t
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, turn_back
    use rwmf_model_impact_rule, only: impact_law

@@ -1,7 +1,7 @@
 !> Force of the unbonded cable over the weight of the wall, and its lever arm.
 module rwmf_model_cable
    use rwmf_core_kinds, only: wp
-   use rwmf_model_bilinear, only: bilinear_energy, bilinear_force, bilinear_tangent
+   use rwmf_model_bilinear_spring, only: bilinear_energy, bilinear_force, bilinear_tangent
    use rwmf_model_lanes, only: cable_coefficients
    use rwmf_model_spring, only: branch_t, spring_t
    implicit none

@@ -17,7 +17,7 @@ module rwmf_simulation_run
    use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
       tendon_is_broken
    use rwmf_model_impact_rule, only: balanced_restitution, impact_law
-   use rwmf_model_system_rest, only: inverse_inertia
+   use rwmf_model_system_rest_after_chatter, only: inverse_inertia
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
    use rwmf_problem_case, only: case_t
    use rwmf_problem_frame_strength, only: has_strength, storey_strengths, yield_displacement, &

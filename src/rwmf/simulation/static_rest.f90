@@ -15,10 +15,10 @@ module rwmf_simulation_static_rest
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_floors_yielding_storeys, only: pass_storey_limit, settle_storeys
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
-   use rwmf_model_hysteresis_laws, only: loading_direction, spring_limits
+   use rwmf_model_hysteresis_spring_laws, only: loading_direction, spring_limits
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, turn_back
    use rwmf_model_lanes, only: lane_motion_t
-   use rwmf_model_system_rest, only: hold_wall, release_wall
+   use rwmf_model_system_rest_after_chatter, only: hold_wall, release_wall
    implicit none
    private
 

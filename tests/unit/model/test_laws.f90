@@ -3,9 +3,9 @@
 program test_laws
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_laws, only: loading_direction, new_branch, new_spring, pass_limit, &
-      spring_energy, spring_force, spring_limits, spring_loss, spring_plastic, spring_residual, &
-      turn_spring
+   use rwmf_model_hysteresis_spring_laws, only: loading_direction, new_branch, new_spring, &
+      pass_limit, spring_energy, spring_force, spring_limits, spring_loss, spring_plastic, &
+      spring_residual, turn_spring
    use rwmf_model_spring, only: branch_t, spring_t
    use rwmf_problem_case, only: spring_law_t
    implicit none

@@ -5,9 +5,9 @@ program test_memory
       restore_stepping, save_stepping, snapshot_t, stepping_t, wall_forces_t, wall_state_t
    use rwmf_core_error, only: err_input, error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_model_bilinear, only: is_broken
-   use rwmf_model_hysteresis_laws, only: new_spring, pass_limit, spring_energy, spring_force, &
-      spring_limits, spring_loss, spring_plastic, turn_spring
+   use rwmf_model_bilinear_spring, only: is_broken
+   use rwmf_model_hysteresis_spring_laws, only: new_spring, pass_limit, spring_energy, &
+      spring_force, spring_limits, spring_loss, spring_plastic, turn_spring
    use rwmf_model_spring, only: branch_t, spring_t
    use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       second_derivative

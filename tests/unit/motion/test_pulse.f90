@@ -6,7 +6,7 @@ program test_pulse
    use rwmf_motion_ground_motion, only: acceleration, has_jump, interval_at, interval_end, &
       interval_last, motion_end, motion_from_case, motion_t, peak_acceleration, scaled_motion, &
       turning_point
-   use rwmf_motion_pulse_shape, only: type_c_phase
+   use rwmf_motion_near_fault_pulse, only: type_c_phase
    use rwmf_problem_case, only: case_t
    use rwmf_text_strings, only: real_to_text
    use scenes, only: block_scene

@@ -17,7 +17,7 @@
 !> become constant matrices of these shapes.
 module rwmf_model_effects_bending_loop
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
+   use rwmf_model_hysteresis_bouc_wen_loop, only: raise_state
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_bending, of_input, of_plastic, &
       of_viscous, power_count
    use rwmf_model_scene, only: term_t

@@ -4,7 +4,7 @@ module rwmf_model_effects_fuse
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t, &
       place_left, place_right, sprung_t
-   use rwmf_model_hysteresis_laws, only: new_spring
+   use rwmf_model_hysteresis_spring_laws, only: new_spring
    use rwmf_model_hysteresis_spring_set, only: add_springs, fuses_energy
    use rwmf_model_scene, only: under_corner
    use rwmf_model_spring, only: spring_t

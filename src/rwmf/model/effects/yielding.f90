@@ -9,7 +9,7 @@ module rwmf_model_effects_yielding
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_sizes, &
       prepare_bouc_wen
-   use rwmf_model_hysteresis_laws, only: new_spring
+   use rwmf_model_hysteresis_spring_laws, only: new_spring
    use rwmf_model_hysteresis_spring_set, only: add_springs, yielding_energy
    use rwmf_model_hysteresis_storey_springs, only: choose_storey_springs
    use rwmf_model_scene, only: through_link

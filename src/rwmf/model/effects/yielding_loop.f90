@@ -1,7 +1,7 @@
 !> Frame with smooth hysteresis in the equation of motion, for all lanes.
 module rwmf_model_effects_yielding_loop
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
+   use rwmf_model_hysteresis_bouc_wen_loop, only: hysteretic_rate, raise_state
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_plastic, power_count
    implicit none
    private
@@ -29,10 +29,11 @@ contains
       !$omp simd
       do i = 1, lane_count
          motion%moment(i) = motion%moment(i) - motion%side(i)*coef(i, 1)*motion%lever(i)*z(i)
-         z_dot(i) = motion%side(i)*coef(i, 2)*motion%j(i)*motion%rate(i)*(1 - coef(i, 3)*power(i))
+         z_dot(i) = hysteretic_rate(motion%side(i)*coef(i, 2)*motion%j(i)*motion%rate(i), &
+            coef(i, 3), power(i))
       end do
-      if (motion%is_bent) z_dot = z_dot + motion%side*coef(:, 2)*motion%w_rate*(1 - coef(:, 3) &
-         *power)
+      if (motion%is_bent) z_dot = z_dot + hysteretic_rate(motion%side*coef(:, 2)*motion%w_rate, &
+         coef(:, 3), power)
    end subroutine add_bouc_wen
 
    !> Add the power dissipated by plastic flow: hysteretic force times plastic velocity.

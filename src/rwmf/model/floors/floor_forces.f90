@@ -8,7 +8,7 @@ module rwmf_model_floors_floor_forces
       frame_motion, ground, straight_displacement
    use rwmf_model_floor_motion, only: floor_accelerations, floor_motion, storey_motion
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_laws, only: spring_energy
+   use rwmf_model_hysteresis_spring_laws, only: spring_energy
    use rwmf_model_spring, only: branch_t
    use rwmf_problem_quantity_table, only: id
    implicit none

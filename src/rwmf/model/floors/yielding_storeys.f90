@@ -12,8 +12,9 @@ module rwmf_model_floors_yielding_storeys
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_hysteresis_bouc_wen, only: follow_signs
    use rwmf_model_hysteresis_bouc_wen_backbone, only: unloaded_displacement
-   use rwmf_model_hysteresis_laws, only: branch_word, load_spring, loading_direction, new_branch, &
-      pass_limit, spring_force, spring_limits, spring_loss, spring_residual, turn_spring
+   use rwmf_model_hysteresis_spring_laws, only: branch_word, load_spring, loading_direction, &
+      new_branch, pass_limit, spring_force, spring_limits, spring_loss, spring_residual, &
+      turn_spring
    use rwmf_problem_quantity_table, only: id
    implicit none
    private

@@ -7,15 +7,15 @@
 module rwmf_model_hysteresis_spring_set
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
-   use rwmf_model_bilinear, only: is_broken
+   use rwmf_model_bilinear_spring, only: is_broken
    use rwmf_model_cable, only: cable_elongation
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
       straight_displacement, frame_mass, model_t, place_frame, place_left, place_right, &
       renew_coefficients, sprung_t, window_t
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_hysteresis_laws, only: forget_loss, has_wear, loading_direction, new_branch, &
-      pass_limit, spring_energy, spring_force, spring_limits, spring_loss, spring_plastic, &
-      spring_residual, turn_spring
+   use rwmf_model_hysteresis_spring_laws, only: forget_loss, has_wear, loading_direction, &
+      new_branch, pass_limit, spring_energy, spring_force, spring_limits, spring_loss, &
+      spring_plastic, spring_residual, turn_spring
    use rwmf_model_spring, only: branch_t, spring_t
    use rwmf_problem_quantity_table, only: id
    implicit none

@@ -3,7 +3,7 @@ module rwmf_model_hysteresis_storey_springs
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t
    use rwmf_model_hysteresis_bouc_wen, only: new_hysteresis
-   use rwmf_model_hysteresis_laws, only: new_branch, new_spring
+   use rwmf_model_hysteresis_spring_laws, only: new_branch, new_spring
    use rwmf_problem_case, only: case_t
    use rwmf_problem_frame_strength, only: first_yield, frame_hardening, frame_law, has_branches
    implicit none

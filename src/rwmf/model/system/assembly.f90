@@ -15,7 +15,7 @@ module rwmf_model_system_assembly
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
       frame_displacement, ground, has_further_effects, interval_of, kinematics_at, uplift_demand, &
       renew_coefficients, vertical_ground, sprung_t
-   use rwmf_model_hysteresis_laws, only: new_branch, new_spring
+   use rwmf_model_hysteresis_spring_laws, only: new_branch, new_spring
    use rwmf_model_hysteresis_spring_set, only: add_springs
    use rwmf_model_kinematics, only: geometry_of
    use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &

@@ -15,7 +15,7 @@ module rwmf_model_system_demands
    use rwmf_model_floor_motion, only: floor_accelerations, floor_motion, follows_roof
    use rwmf_model_floors_floor_forces, only: column_shears, forces_of_linked_floors, link_pulls
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
-   use rwmf_model_hysteresis_laws, only: spring_force
+   use rwmf_model_hysteresis_spring_laws, only: spring_force
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_system_bent_sections, only: bent_sections_t, create_bent_sections, &
       find_bent_extremes

@@ -13,7 +13,7 @@ module rwmf_simulation_hybrid_elastic_chatter
    use rwmf_model_system_assembly, only: equation_t, interval_of, second_derivative
    use rwmf_model_system_energy, only: impact_loss
    use rwmf_model_system_lift_off, only: demand_turns
-   use rwmf_model_system_rest, only: decelerations
+   use rwmf_model_system_rest_after_chatter, only: decelerations
    use rwmf_simulation_recorder_energy_balance, only: add_work
    use rwmf_simulation_recorder_recorder, only: observe_chatter, observe_rest, recorder_t
    use rwmf_simulation_state_hybrid_state, only: hybrid_t, mode_rocking

@@ -16,12 +16,12 @@ module rwmf_simulation_hybrid_hybrid_loop
       second_derivative
    use rwmf_model_system_lift_off, only: find_uplift_capacity, find_lift_off, &
       find_uplift_acceleration
-   use rwmf_model_system_rest, only: release_wall
+   use rwmf_model_system_rest_after_chatter, only: release_wall
    use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
    use rwmf_simulation_events_drift_events, only: has_collapsed
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_fuse_support, only: check_fuses
-   use rwmf_simulation_events_lift_off_events, only: side_pulled
+   use rwmf_simulation_events_held_wall_events, only: side_pulled
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: start_storeys
    use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter

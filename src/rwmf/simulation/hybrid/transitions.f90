@@ -13,8 +13,8 @@ module rwmf_simulation_hybrid_transitions
    use rwmf_model_system_energy, only: mechanical_energy
    use rwmf_model_system_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, &
       pull_duration
-   use rwmf_model_system_rest, only: decelerations, elastic_loss, hold_wall, may_rest, &
-      release_wall, will_settle
+   use rwmf_model_system_rest_after_chatter, only: decelerations, elastic_loss, hold_wall, &
+      may_rest, release_wall, will_settle
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_storey_events, only: end_branch, settle_storeys

@@ -21,7 +21,7 @@ module rwmf_simulation_lanes_lane_events
    use rwmf_simulation_lanes_lane_loading, only: bound_work, catch_up, enter_batch, forget_target, &
       further_state, load_line
    use rwmf_simulation_lanes_lane_outputs, only: pass_step
-   use rwmf_simulation_lanes_storey_ends, only: reach_target
+   use rwmf_simulation_lanes_lane_limits, only: reach_target
    use rwmf_simulation_state_hybrid_state, only: mode_rocking
    use rwmf_simulation_state_result, only: event_branch, event_impact, event_overturned, &
       event_passage, event_peak
@@ -308,21 +308,7 @@ contains
          short = min(0.1_wp*sqrt(lane%integrator%tolerance%rtol), merge(1.0e-4_wp, 1.0e-5_wp, &
             lane%equation%n == 2))
          if (abs(rest) <= max(short*h, 2*epsilon(t)*t)) then
-            if (lane%target_event == at_storey) then
-               call reach_target(lane, i, batch, rest, y)
-               if (lane%equation%state%ends_at_peak .and. turns_at(t, batch%y(i, 2), y(2), &
-                  rates(2))) then
-                  call inspect_step(lane, i, batch)
-                  return
-               end if
-            else
-               ! interpolate the rates by the cubic through both ends
-               do j = 1, lane%equation%n
-                  y(j) = y(j) + rest*(rates(j) + rest/h*(3*(batch%y(i, j) - y(j))/h &
-                     + batch%k(i, j, 1) + 2*rates(j)))
-               end do
-            end if
-            call happen(lane, i, t + rest, y, batch)
+            call reach_event(lane, i, t, rest, y, rates, batch)
             return
          end if
          lane%trials = lane%trials + 1
@@ -340,6 +326,40 @@ contains
          end if
       end associate
    end subroutine converge_to_event
+
+   !> Interpolate the states at the event near the end of a step, and apply it.
+   subroutine reach_event(lane, i, t, rest, y, rates, batch)
+      type(lane_state_t), intent(inout), target :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      real(wp), intent(in) :: t
+      !! end of the step [s]
+      real(wp), intent(inout) :: rest
+      !! time from the end of the step to the event; refined on return [s]
+      real(wp), intent(inout) :: y(:)
+      !! (states) at the end of the step; on return at the event
+      real(wp), intent(in) :: rates(:)
+      !! (states) at the end of the step
+      type(batch_t), intent(inout) :: batch
+      integer :: j
+
+      if (lane%target_event == at_storey) then
+         call reach_target(lane, i, batch, rest, y)
+         if (lane%equation%state%ends_at_peak .and. turns_at(t, batch%y(i, 2), y(2), rates(2))) then
+            call inspect_step(lane, i, batch)
+            return
+         end if
+      else
+         ! interpolate the rates by the cubic through both ends
+         associate (h => batch%table(i, of_trial))
+            do j = 1, lane%equation%n
+               y(j) = y(j) + rest*(rates(j) + rest/h*(3*(batch%y(i, j) - y(j))/h &
+                  + batch%k(i, j, 1) + 2*rates(j)))
+            end do
+         end associate
+      end if
+      call happen(lane, i, t + rest, y, batch)
+   end subroutine reach_event
 
    !> Return whether the rotation turns before the end of a step or within round-off of it.
    pure logical function turns_at(t, v_a, v_b, rate)

@@ -18,7 +18,7 @@ module rwmf_simulation_lanes_lane_loading
    use rwmf_simulation_lanes_batch, only: batch_t, follow_interval, lane_state_t, line_row, &
       longest_step
    use rwmf_simulation_lanes_output_screen, only: begin_screen, restart_screen
-   use rwmf_simulation_lanes_storey_ends, only: load_limits
+   use rwmf_simulation_lanes_lane_limits, only: load_limits
    use rwmf_simulation_state_hybrid_state, only: check_creep, check_progress, has_ended, &
       mode_held, mode_rest, mode_rocking, most_creeping, progress_t
    use rwmf_text_strings, only: real_to_text

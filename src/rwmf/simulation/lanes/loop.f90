@@ -23,7 +23,7 @@ module rwmf_simulation_lanes_loop
    use rwmf_simulation_lanes_lane_loading, only: bound_work, catch_up, check_length, &
       forget_target, further_state, join_batch
    use rwmf_simulation_lanes_lane_outputs, only: choose_steps, observe_steps
-   use rwmf_simulation_lanes_storey_ends, only: inspect_limits
+   use rwmf_simulation_lanes_lane_limits, only: inspect_limits
    use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_state_hybrid_state, only: check_progress, hybrid_t, most_creeping
    implicit none

@@ -8,7 +8,7 @@ module rwmf_simulation_pushover_curve_path
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: discrete_state_t, model_t, place_left, place_right
    use rwmf_model_floor_motion, only: follows_roof, storey_motion
-   use rwmf_model_hysteresis_laws, only: branch_word
+   use rwmf_model_hysteresis_spring_laws, only: branch_word
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
    use rwmf_model_system_assembly, only: enter_side
    use rwmf_model_system_energy, only: mechanical_energy

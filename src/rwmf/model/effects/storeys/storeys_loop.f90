@@ -2,7 +2,7 @@
 !> roof have states, and with link springs the roof, too; with one mode no floor has.
 module rwmf_model_effects_storeys_storeys_loop
    use rwmf_core_kinds, only: wp
-   use rwmf_model_hysteresis_bouc_wen_rate, only: raise_state
+   use rwmf_model_hysteresis_bouc_wen_loop, only: hysteretic_rate, raise_state
    use rwmf_model_lanes, only: lane_count, lane_motion_t, of_input, of_plastic, of_viscous, &
       power_count
    use rwmf_model_scene, only: term_t
@@ -213,7 +213,8 @@ contains
          !$omp simd
          do i = 1, lane_count
             shear(i, j) = shear(i, j) + coef(i, j)*y(i, 2*free + j)
-            y_dot(i, 2*free + j) = coef(i, n + j)*rate(i)*(1 - coef(i, 2*n + j)*power(i))
+            y_dot(i, 2*free + j) = hysteretic_rate(coef(i, n + j)*rate(i), coef(i, 2*n + j), &
+               power(i))
          end do
       end do
    end subroutine add_smooth_shears

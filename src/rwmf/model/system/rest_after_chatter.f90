@@ -1,6 +1,6 @@
 !> Transition from chatter to rest. The condition depends only on the ground motion, unless further
 !> states change while the wall is on its base.
-module rwmf_model_system_rest
+module rwmf_model_system_rest_after_chatter
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, uplift_demands
    use rwmf_model_system_assembly, only: enter_side, rhs, second_derivative
@@ -355,4 +355,4 @@ contains
       end associate
    end function inverse_inertia
 
-end module rwmf_model_system_rest
+end module rwmf_model_system_rest_after_chatter

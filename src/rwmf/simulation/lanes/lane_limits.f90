@@ -2,7 +2,7 @@
 !> and fuses.
 !>
 !> The ends of a step show the first end of a branch in it. A trial step then leads to its time.
-module rwmf_simulation_lanes_storey_ends
+module rwmf_simulation_lanes_lane_limits
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_lane_columns, only: of_inspection, of_time, of_trial
    use rwmf_integrator_lane_quiet, only: find_quiet_one => find_quiet_steps, of_direction, &
@@ -377,4 +377,4 @@ contains
       allocate (storey%states%a%f(n, 0:1), storey%states%b%f(n, 0:1), source=0.0_wp)
    end subroutine create_spans
 
-end module rwmf_simulation_lanes_storey_ends
+end module rwmf_simulation_lanes_lane_limits

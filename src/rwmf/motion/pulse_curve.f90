@@ -4,12 +4,12 @@
 !> With a vertical record a pulse needs further knots. The resting wall bears the horizontal motion
 !> less a straight line, which turns where the slope of the pulse equals that of the line
 !> (`steep_time`).
-module rwmf_motion_pulse
+module rwmf_motion_pulse_curve
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_motion_polyline, only: next_extremum
-   use rwmf_motion_pulse_shape, only: amplitude_of, angular_frequency, build_pulse, cut_times, &
-      pulse_gain, pulse_shape, pulse_slope, pulse_t, type_c_phase
+   use rwmf_motion_near_fault_pulse, only: amplitude_of, angular_frequency, build_pulse, &
+      cut_times, pulse_gain, pulse_shape, pulse_slope, pulse_t, type_c_phase
    use rwmf_problem_case, only: motion_spec_t
    implicit none
    private
@@ -214,4 +214,4 @@ contains
       time = bracket%high
    end function steep_time_of_pulse
 
-end module rwmf_motion_pulse
+end module rwmf_motion_pulse_curve

@@ -3,15 +3,27 @@
 !>
 !> `lost` is the factor of |z|**n in the current piece of motion: 1 while |z| grows, 1 - 2 beta
 !> while it decreases. Where z**n replaces |z|**n and n is odd, `lost` carries the sign of z.
-module rwmf_model_hysteresis_bouc_wen_rate
+module rwmf_model_hysteresis_bouc_wen_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count
    implicit none
    private
 
-   public :: raise_state
+   public :: raise_state, hysteretic_rate
 
 contains
+
+   !> Rate of the hysteretic state [1/s].
+   elemental real(wp) function hysteretic_rate(speed, lost, power) result(z_dot)
+      real(wp), intent(in) :: speed
+      !! velocity over the yield displacement [1/s]
+      real(wp), intent(in) :: lost
+      !! see above [-]
+      real(wp), intent(in) :: power
+      !! result of `raise_state` [-]
+
+      z_dot = speed*(1 - lost*power)
+   end function hysteretic_rate
 
    !> Compute z**n, or |z|**n if n is even or not a small natural number.
    !>
@@ -56,4 +68,4 @@ contains
       end if
    end subroutine raise_state
 
-end module rwmf_model_hysteresis_bouc_wen_rate
+end module rwmf_model_hysteresis_bouc_wen_loop

@@ -1,8 +1,8 @@
 !> Common interface of all springs with memory: initial branch, force and energy of a branch, and
 !> transitions between branches. Numbers are in the caller's units, see `spring_t`.
-module rwmf_model_hysteresis_laws
+module rwmf_model_hysteresis_spring_laws
    use rwmf_core_kinds, only: wp
-   use rwmf_model_bilinear, only: bilinear_energy, bilinear_force, bilinear_limits, &
+   use rwmf_model_bilinear_spring, only: bilinear_energy, bilinear_force, bilinear_limits, &
       bilinear_loss, bilinear_plastic, bilinear_residual, bilinear_word, draw_line, is_yielding, &
       pass_bilinear, turn_bilinear
    use rwmf_model_hysteresis_degrading, only: degrading_energy, degrading_loss, degrading_word, &
@@ -270,4 +270,4 @@ contains
       end select
    end function branch_word
 
-end module rwmf_model_hysteresis_laws
+end module rwmf_model_hysteresis_spring_laws

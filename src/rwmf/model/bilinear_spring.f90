@@ -13,7 +13,7 @@
 !> A spring with H < 0 softens. A friction spring with `breakaway` above 1 sticks with a larger
 !> force than it slips with. When it begins to slip, the force drops, p grows accordingly and the
 !> released energy is dissipated. Numbers are in the caller's units, see `spring_t`.
-module rwmf_model_bilinear
+module rwmf_model_bilinear_spring
    use rwmf_core_kinds, only: wp
    use rwmf_model_spring, only: branch_t, spring_t
    implicit none
@@ -276,4 +276,4 @@ contains
       if (branch%kind == broken) word = 'rupture'
    end function bilinear_word
 
-end module rwmf_model_bilinear
+end module rwmf_model_bilinear_spring

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from rwmf._arguments import case_of, checked, dataset_of
-from rwmf._risk.curves import fragility as fit
+from rwmf._risk.fragility_curves import fragility as fit
 from rwmf._risk.normal import exceedance
 from rwmf._sweep.axes import name_axes
 from rwmf._sweep.computation import SweepOptions, sweep

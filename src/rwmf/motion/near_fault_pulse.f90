@@ -3,7 +3,7 @@
 !>
 !> Each pulse is cut at its extrema and zeros and is monotone between two cuts. An integrator that
 !> stops at the cuts cannot step over a narrow pulse.
-module rwmf_motion_pulse_shape
+module rwmf_motion_near_fault_pulse
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
    use rwmf_problem_case, only: motion_spec_t
@@ -375,4 +375,4 @@ contains
       end do
    end function type_c_phase
 
-end module rwmf_motion_pulse_shape
+end module rwmf_motion_near_fault_pulse

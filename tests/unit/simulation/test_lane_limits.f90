@@ -1,6 +1,6 @@
 !> Ends of the branches of storeys in steps of lanes. The loop over lanes agrees with the rule for
 !> one step, and both ends of a step give the position.
-program test_storey_ends
+program test_lane_limits
    use check, only: checks_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -218,4 +218,4 @@ contains
       call measure_smoothness(1.0_wp, span)
    end function vibration
 
-end program test_storey_ends
+end program test_lane_limits
