@@ -31,7 +31,7 @@ module rwmf_bindings_python_kernel
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: all_quantities, key_length, quantities_text
    use rwmf_problem_scene_axes, only: axis_t, list_axes
-   use rwmf_simulation_conditioning, only: count_digits => digits_of
+   use rwmf_simulation_peak_sensitivity, only: count_digits => digits_of
    use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
    use rwmf_simulation_simulate, only: simulate_with_motion
    use rwmf_simulation_state_result, only: event_collapsed, event_impact, event_name

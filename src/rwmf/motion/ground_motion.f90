@@ -6,7 +6,7 @@
 module rwmf_motion_ground_motion
    use rwmf_core_kinds, only: wp
    use rwmf_motion_host_motion, only: ground_t
-   use rwmf_motion_polyline, only: last_until, line_t, lines_t, lines_through, merged_times, &
+   use rwmf_motion_record_lines, only: last_until, line_t, lines_t, lines_through, merged_times, &
       next_eighth, on_knots
    use rwmf_motion_pulse_curve, only: build_curve, curve_gain, curve_rate, curve_t, curve_turn, &
       curve_value, knots_with_bends, steep_time

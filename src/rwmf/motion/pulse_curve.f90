@@ -7,7 +7,7 @@
 module rwmf_motion_pulse_curve
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
-   use rwmf_motion_polyline, only: next_extremum
+   use rwmf_motion_record_lines, only: next_extremum
    use rwmf_motion_near_fault_pulse, only: amplitude_of, angular_frequency, build_pulse, &
       cut_times, pulse_gain, pulse_shape, pulse_slope, pulse_t, type_c_phase
    use rwmf_problem_case, only: motion_spec_t

@@ -7,7 +7,7 @@ module rwmf_simulation_simulate
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_quantity_table, only: all_quantities, is_peak, key_length
    use rwmf_problem_rules, only: fail_key
-   use rwmf_simulation_conditioning, only: measure_sensitivities, needs_probe
+   use rwmf_simulation_peak_sensitivity, only: measure_sensitivities, needs_probe
    use rwmf_simulation_error_control, only: run_to_accuracy, verify_run
    use rwmf_simulation_peak, only: ask_for_peak, list_reported, reports_peak
    use rwmf_simulation_quantity_words, only: list_quantities

@@ -7,7 +7,7 @@ module rwmf_spectrum_estimates
    use rwmf_core_kinds, only: wp
    use rwmf_motion_ground_motion, only: motion_t, refined_motion, scaled_motion
    use rwmf_problem_quantity_table, only: key_length
-   use rwmf_simulation_conditioning, only: has_motion, probe_step, sensitivity_of
+   use rwmf_simulation_peak_sensitivity, only: has_motion, probe_step, sensitivity_of
    use rwmf_simulation_error_control, only: first_tolerance, is_close_enough, most_refinements, &
       next_tolerance, refinement, relative_change, tightest, verifying_tolerance
    use rwmf_spectrum_lane_rows, only: ordinate_t, queue_t, run_ordinates

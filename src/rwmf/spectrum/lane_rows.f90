@@ -16,7 +16,7 @@ module rwmf_spectrum_lane_rows
    use rwmf_motion_ground_motion, only: is_piecewise_linear, motion_t, refined_motion, &
       scaled_motion
    use rwmf_problem_case, only: case_t, has_floors
-   use rwmf_simulation_conditioning, only: perturb
+   use rwmf_simulation_peak_sensitivity, only: perturb
    use rwmf_simulation_finite_check, only: is_finite
    use rwmf_simulation_lanes_batch, only: create_batch, lane_state_t, leave_batch, &
       tabulate_lines, batch_t

@@ -12,7 +12,7 @@ module rwmf_spectrum_quantities
       look_up, of_demands, of_displacement, of_energy, of_envelopes, of_reactions, of_storeys, &
       of_velocity, of_verification, own_key, sensitivity_id
    use rwmf_problem_rules, only: fail_key
-   use rwmf_simulation_conditioning, only: is_conditioned, round_off_of
+   use rwmf_simulation_peak_sensitivity, only: is_conditioned, round_off_of
    use rwmf_simulation_finite_check, only: may_report
    use rwmf_simulation_peak, only: list_reported
    use rwmf_simulation_quantity_words, only: list_quantities

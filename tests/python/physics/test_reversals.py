@@ -182,3 +182,19 @@ def test_a_fuse_unloads_where_a_linked_storey_reverses(
         found = rwmf.simulate(case).u_s_max
     # by `adams` at rtol 1e-12
     assert float(found) == pytest.approx(0.0754575510956, rel=1e-8)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-5, 1e-6])
+def test_a_smooth_frame_lifts_the_wall_below_the_tolerance(rtol: float) -> None:
+    """A flight from rest leads away from the base, whatever the first step of `adams` shows."""
+    case = rwmf.Case(
+        wall={"h": 2.0, "b": 0.5},
+        frame={"T_s": 0.8, "gamma": 200.0, "xi_s": 0.0},
+        yielding={"u_y": 0.01, "law": "bouc_wen", "hardening": 0.05, "exponent": 1.0},
+        impact={"e": 0.95},
+        fuse={"eta_y": 0.2, "stroke_y": 0.002, "hardening": 0.05},
+        motion={"kind": "one_sine", "a_max_g": 0.7, "T_p": 0.3},
+        solver={"t_end": 6.0, "method": "adams", "rtol": rtol},
+    )
+    truth = rwmf.simulate(case.replace(solver={"method": "dop853", "rtol": 1e-11})).u_s_max
+    assert float(rwmf.simulate(case).u_s_max) == pytest.approx(float(truth), rel=100 * rtol)

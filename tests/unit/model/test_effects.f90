@@ -11,7 +11,7 @@ program test_effects
       kinematics_at, second_derivative
    use rwmf_model_system_jacobian, only: jacobian
    use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
-   use rwmf_motion_polyline, only: merged_times
+   use rwmf_motion_record_lines, only: merged_times
    use rwmf_problem_case, only: case_t, damper_t, inerter_t, link_t
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: result_t

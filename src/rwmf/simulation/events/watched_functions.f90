@@ -6,7 +6,7 @@ module rwmf_simulation_events_watched_functions
    use rwmf_core_error, only: error_t
    use rwmf_simulation_events_drift_events, only: drifts_t
    use rwmf_simulation_events_first_change, only: ending_t, shows_no_event, stop_at_event
-   use rwmf_simulation_events_held_wall_events, only: reserve_t
+   use rwmf_simulation_events_held_wall_lift_off, only: reserve_t
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_events_storey_events, only: displacements_t, hysteretic_t
    use rwmf_simulation_events_watched_spans, only: functions_t

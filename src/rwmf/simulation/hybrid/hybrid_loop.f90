@@ -21,7 +21,7 @@ module rwmf_simulation_hybrid_hybrid_loop
    use rwmf_simulation_events_drift_events, only: has_collapsed
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_fuse_support, only: check_fuses
-   use rwmf_simulation_events_held_wall_events, only: side_pulled
+   use rwmf_simulation_events_held_wall_lift_off, only: side_pulled
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: start_storeys
    use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter

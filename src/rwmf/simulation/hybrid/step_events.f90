@@ -124,11 +124,9 @@ contains
       rotation%is_rocking = hybrid%mode == mode_rocking
       if (step%equation%has_wall) rotation%overturning_angle = hybrid%overturning_angle
       if (.not. recorder%keeps_events) rotation%known = [recorder%theta_min, recorder%theta_max]
-      if (step%equation%has_loading_direction) then
-         rotation%direction = step%equation%state%signs%loading_direction
-      else
-         call leave_base(rotation, step)
-      end if
+      if (step%equation%has_loading_direction) rotation%direction = &
+         step%equation%state%signs%loading_direction
+      call leave_base(rotation, step)
    end subroutine set_limits
 
    !> Set the direction of a flight that starts with theta' = 0: away from the base.

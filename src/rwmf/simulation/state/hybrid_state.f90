@@ -141,11 +141,23 @@ contains
       if (t - creep%t < creep%shortest) call fail(error, err_numerical, '&nl_damper: exponent = ' &
          //trim(real_to_text(creep%exponent))//': the dampers hold the displaced wall almost ' &
          //'still at t = '//trim(real_to_text(t))//' s, and steps become too short: ' &
-         //'increase exponent (from 0.5 on the wall does not stick) or reduce eta_1', &
-         'too_many_steps')
+         //trim(advice_on(creep%exponent)), 'too_many_steps')
       creep%steps = steps
       creep%t = t
    end subroutine check_creep
+
+   !> Advice on a creeping wall that makes no progress.
+   pure function advice_on(exponent) result(advice)
+      real(wp), intent(in) :: exponent
+      !! of the dampers [-]
+      character(80) :: advice
+
+      if (exponent < 0.5_wp) then
+         advice = 'increase exponent (from 0.5 on the wall does not stick) or reduce eta_1'
+      else
+         advice = 'raise rtol, reduce eta_1 or choose method = ''auto'''
+      end if
+   end function advice_on
 
    !> Return whether both corners of the wall are on the base.
    elemental logical function is_at_rest(hybrid)

@@ -3,7 +3,7 @@
 !> A second run gives them, the probe: the same case, method and tolerance with a slightly stronger
 !> motion, both amplitudes of a vertical motion together, and the initial state with them. The
 !> difference of the two runs is almost free of their common error.
-module rwmf_simulation_conditioning
+module rwmf_simulation_peak_sensitivity
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: err_interrupt, error_t
    use rwmf_core_kinds, only: wp
@@ -300,4 +300,4 @@ contains
          //'); compare many similar motions')
    end subroutine warn_of_sensitivity
 
-end module rwmf_simulation_conditioning
+end module rwmf_simulation_peak_sensitivity

@@ -1,5 +1,5 @@
 !> Piecewise linear functions of time, and the merging of two sequences of knots.
-module rwmf_motion_polyline
+module rwmf_motion_record_lines
    use rwmf_core_kinds, only: pi, wp
    implicit none
    private
@@ -165,4 +165,4 @@ contains
       next = min(next, t_end)
    end function next_eighth
 
-end module rwmf_motion_polyline
+end module rwmf_motion_record_lines

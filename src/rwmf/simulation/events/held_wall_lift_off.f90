@@ -2,7 +2,7 @@
 !>
 !> The reaction of the base depends on the further states. Lift-off is therefore a root of a
 !> function known only from the integrator's states.
-module rwmf_simulation_events_held_wall_events
+module rwmf_simulation_events_held_wall_lift_off
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: equation_t, interval_of, uplift_demands
    use rwmf_model_system_lift_off, only: find_uplift_acceleration, lifting_side
@@ -85,4 +85,4 @@ contains
          kind=event_lift_off)]
    end function watch_reserve
 
-end module rwmf_simulation_events_held_wall_events
+end module rwmf_simulation_events_held_wall_lift_off
