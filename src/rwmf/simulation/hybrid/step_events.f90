@@ -124,8 +124,10 @@ contains
       rotation%is_rocking = hybrid%mode == mode_rocking
       if (step%equation%has_wall) rotation%overturning_angle = hybrid%overturning_angle
       if (.not. recorder%keeps_events) rotation%known = [recorder%theta_min, recorder%theta_max]
-      if (step%equation%has_loading_direction) rotation%direction = &
-         step%equation%state%signs%loading_direction
+      if (step%equation%has_loading_direction) then
+         rotation%direction = step%equation%state%signs%loading_direction
+         rotation%knows_direction = abs(step%y_a(2)) <= 0
+      end if
       call leave_base(rotation, step)
    end subroutine set_limits
 
