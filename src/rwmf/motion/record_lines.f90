@@ -1,4 +1,5 @@
-!> Piecewise linear functions of time, and the merging of two sequences of knots.
+!> Straight lines through the samples of a record, and the merging of two sequences of knots
+!> (`rwmf_motion_ground_motion` evaluates them).
 module rwmf_motion_record_lines
    use rwmf_core_kinds, only: pi, wp
    implicit none

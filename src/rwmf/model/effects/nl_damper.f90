@@ -3,7 +3,8 @@
 !>
 !> The stroke of the damper under the lifting corner is the chord 4b sin(phi/2). It has the
 !> velocity v = 2b cos(phi/2) phi' and the arm 2b cos(phi/2). Under a hinged wall both dampers act,
-!> each with half of this stroke and arm. The law has a kink at v = 0.
+!> each with half of this stroke and arm. The law has a kink at v = 0. The loop of the force is in
+!> `rwmf_model_effects_nl_damper_loop`.
 module rwmf_model_effects_nl_damper
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp

@@ -1,5 +1,6 @@
-!> Transition from chatter to rest. The condition depends only on the ground motion, unless further
-!> states change while the wall is on its base.
+!> Conditions under which chatter ends in rest (`rwmf_simulation_hybrid_transitions` applies them).
+!> They depend only on the ground motion, unless further states change while the wall is on its
+!> base.
 module rwmf_model_system_rest_after_chatter
    use rwmf_core_kinds, only: wp
    use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, uplift_demands
