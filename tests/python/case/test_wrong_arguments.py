@@ -100,7 +100,7 @@ def _found() -> dict[str, Any]:
         "forces": rwmf.simulate(case.replace(output={"reactions": True})),
         "spectrum": rwmf.spectrum(case, **grid),
         "analysis": analysis,
-        "fragility": rwmf.studies.earlier_names(analysis, limit),
+        "fragility": rwmf.studies.fragility(analysis, limit),
         "stripes": rwmf.stripes(case, records, [0.1, 0.4, 1.5], "u_s_max"),
         "risk": rwmf.risk((0.9, 0.4), (2e-4, 2.5)),
         "suite": rwmf.studies.suite_spectra(case, grid, records),

@@ -108,7 +108,7 @@ def _fragility(case: rwmf.Case, figure: Figure) -> None:
         found = rwmf.studies.incremental_dynamic_analysis(case, levels, records)
         # mirrored records have equal responses: round-off would decide at the median itself
         above = 1.1 * float(found[quantity].isel(scale=1).median())
-        rwmf.plot.draw_fragility(rwmf.studies.earlier_names(found, above), figure.subplots())
+        rwmf.plot.draw_fragility(rwmf.studies.fragility(found, above), figure.subplots())
 
 
 def _equal_response(case: rwmf.Case, figure: Figure) -> None:
