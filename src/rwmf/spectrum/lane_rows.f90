@@ -9,6 +9,8 @@ module rwmf_spectrum_lane_rows
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_lane_columns, only: of_length
    use rwmf_integrator_lane_kernels, only: best_level, lane_kernels_of, batch_width
+   use rwmf_integrator_series_series_kernels, only: series_order
+   use rwmf_integrator_series_series_lanes, only: series_width
    use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, &
       tsitouras_papakostas_64, tsitouras_papakostas_75
    use rwmf_model_scene, only: is_same_scene, scene_t
@@ -26,6 +28,9 @@ module rwmf_spectrum_lane_rows
    use rwmf_simulation_recorder_recorder, only: finish_recorder, recorder_t
    use rwmf_simulation_run, only: begin_run, fill_result, guess_size, is_much_smaller, &
       most_passes, response_size
+   use rwmf_simulation_series_series_batch, only: create_series_batch, is_served, series_batch_t
+   use rwmf_simulation_series_series_events, only: step_series
+   use rwmf_simulation_series_series_loading, only: join_series
    use rwmf_simulation_state_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, &
       mode_overturned
    use rwmf_simulation_state_result, only: result_t
@@ -110,6 +115,8 @@ module rwmf_spectrum_lane_rows
       !! place of the hysteretic state
       integer :: stages
       !! number of stages of the pair
+      integer :: order
+      !! order of the series; 0 for a pair
       integer :: max_steps
       real(wp) :: t_end
       !! [s]
@@ -156,11 +163,15 @@ contains
       type(kind_t), allocatable :: kind
       integer :: i
 
-      allocate (lanes(width), runs(width))
+      allocate (lanes(max(width, series_width)), runs(max(width, series_width)))
       do i = 1, width
          call take_ordinate(queue, control, next, ordinates, kind, runs(i), lanes(i))
       end do
       if (runs(1)%ordinate == 0) return
+      if (kind%order > 0) then
+         call run_series(queue, control, next, ordinates, kind, runs, lanes)
+         return
+      end if
       call create_batch(runs(1)%equation, pair_for(runs(1)%case, runs(1)%equation), &
          runs(1)%hybrid%max_steps, width, batch)
       batch%kernels = lane_kernels_of(best_level())
@@ -208,6 +219,54 @@ contains
          end do
       end subroutine step_lanes
    end subroutine run_batch
+
+   !> Advance lanes by Taylor series until the queue is empty.
+   subroutine run_series(queue, control, next, ordinates, kind, runs, lanes)
+      type(queue_t), intent(in) :: queue
+      type(control_t), intent(in) :: control
+      integer, intent(inout) :: next
+      !! number of ordinates taken by all threads
+      type(ordinate_t), intent(inout) :: ordinates(:)
+      type(kind_t), allocatable, intent(inout) :: kind
+      type(lane_run_t), intent(inout), target :: runs(:)
+      !! runs of the first lanes
+      type(lane_state_t), intent(inout) :: lanes(:)
+      type(series_batch_t) :: batch
+      integer :: i
+
+      if (queue%rows%has_own_motion) then
+         call create_series_batch(best_level(), kind%order, batch)
+      else
+         call create_series_batch(best_level(), kind%order, batch, queue%motion)
+      end if
+      do i = series_width + 1, size(runs)
+         if (runs(i)%ordinate > 0) call run_alone(queue, control, runs(i), lanes(i), &
+            ordinates(runs(i)%ordinate))
+      end do
+      do i = 1, series_width
+         if (runs(i)%ordinate > 0) call join_series(lanes(i), i, batch)
+      end do
+      do
+         if (batch%has_ended) then
+            batch%has_ended = .false.
+            do i = 1, series_width
+               do while (.not. batch%lanes%is_busy(i) > 0)
+                  if (runs(i)%ordinate > 0) call finish_ordinate(queue%request, control, runs(i), &
+                     lanes(i)%error, ordinates(runs(i)%ordinate))
+                  if (runs(i)%ordinate == 0) call take_ordinate(queue, control, next, ordinates, &
+                     kind, runs(i), lanes(i))
+                  batch%is_busy(i) = runs(i)%ordinate > 0
+                  if (.not. batch%is_busy(i)) exit
+                  call join_series(lanes(i), i, batch)
+               end do
+            end do
+            if (.not. any(batch%is_busy)) return
+            batch%has_ended = .false.
+         end if
+         if (is_cancelled(control)) return
+         call step_series(lanes, batch)
+      end do
+   end subroutine run_series
 
    !> Take the next ordinate from the queue and begin its run.
    !>
@@ -291,8 +350,20 @@ contains
       pair = pair_for(run%case, run%equation)
       kind = kind_t(run%equation%scene, run%equation%has_vertical, &
          run%equation%has_loading_direction, run%equation%hysteresis%place, pair%stages, &
-         run%case%solver%max_steps, run%case%solver%t_end)
+         order_for(run), run%case%solver%max_steps, run%case%solver%t_end)
    end function kind_of
+
+   !> Order of the series for a run; 0 if a pair has to integrate it.
+   !>
+   !> Runs at several tolerances and runs that verify others use the pair of the highest order.
+   integer function order_for(run) result(order)
+      type(lane_run_t), intent(in) :: run
+
+      order = 0
+      if (run%hybrid%settled_angle > 0 .and. run%case%solver%rtol >= 1.0e-11_wp &
+          .and. .not. allocated(run%case%solver%accuracy) .and. is_served(run%equation)) &
+         order = series_order(run%case%solver%rtol)
+   end function order_for
 
    !> True if a run can step in a batch of this kind.
    logical function is_of_kind(run, kind)
@@ -305,6 +376,7 @@ contains
          .and. (own%has_vertical .eqv. kind%has_vertical) &
          .and. (own%has_loading_direction .eqv. kind%has_loading_direction) &
          .and. own%place == kind%place .and. own%stages == kind%stages &
+         .and. own%order == kind%order &
          .and. own%max_steps == kind%max_steps .and. abs(own%t_end - kind%t_end) <= 0
    end function is_of_kind
 

@@ -1,0 +1,131 @@
+!> Lanes of runs that advance by Taylor series: their state, coefficients, windows and records.
+!>
+!> The first index of every array is the lane. Flags are reals, 0 or 1, because logical variables
+!> prevent vectorisation.
+module rwmf_integrator_series_series_lanes
+   use rwmf_core_kinds, only: wp
+   implicit none
+   private
+
+   public :: series_lanes_t, series_width, most_terms_of_series, left, right
+
+   integer, parameter :: series_width = 8
+   !! number of lanes
+   integer, parameter :: most_terms_of_series = 12
+   !! highest order
+   integer, parameter :: left = 1
+   !! index of values for theta < 0
+   integer, parameter :: right = 2
+   !! index of values for theta > 0
+
+   !> Lanes that step together.
+   type :: series_lanes_t
+      ! time and ground motion
+      real(wp) :: t(series_width)
+      !! current time [s]
+      real(wp) :: limit(series_width)
+      !! end of the interval of the motion, or of the run [s]
+      real(wp) :: length(series_width)
+      !! length of a step that divides the interval into equal parts [s]
+      real(wp) :: share(series_width)
+      !! largest such length [s]
+      real(wp) :: longest(series_width)
+      !! longest step of the lane [s]
+      real(wp) :: ground(series_width, 3)
+      !! line of the ground acceleration: a_0 [m/s2], slope [m/s3], t_0 [s]
+      ! state
+      real(wp) :: side(series_width)
+      !! sign of theta: +1 or -1
+      real(wp) :: phi(series_width)
+      !! |theta| [rad]
+      real(wp) :: rate(series_width)
+      !! phi' [rad/s]
+      real(wp) :: multiplicity(series_width)
+      !! order of the root of phi at the start of the step: 1 after an impact, 2 after a lift-off, 0
+      !! away from the base
+      ! coefficients of the equation of motion, per m_w R**2
+      real(wp) :: inverse_radius(series_width)
+      !! 1/R [1/m]
+      real(wp) :: cosine(series_width)
+      !! cos(alpha) [-]
+      real(wp) :: sine_wall(series_width)
+      !! sin(alpha), for gravity [-]
+      real(wp) :: sine_link(series_width, 2)
+      !! by side: sin(alpha), or 0 with the link above the pivot, for its displacement [-]
+      real(wp) :: sine_lever(series_width, 2)
+      !! by side: the same for the arm of its force [-]
+      real(wp) :: inertia(series_width)
+      !! inertia of the wall [-]
+      real(wp) :: gravity(series_width)
+      !! g/R [1/s2]
+      real(wp) :: mass(series_width)
+      !! gamma [-]
+      real(wp) :: damping(series_width)
+      !! 2 xi_s omega_s [1/s]
+      real(wp) :: stiffness(series_width)
+      !! slope of the frame's spring over m_s [1/s2]
+      real(wp) :: offset(series_width)
+      !! force of that spring at zero displacement, over m_s R [1/s2]
+      real(wp) :: cable(series_width, 2)
+      !! by side: moment of the cable at phi = 0 [1/s2]
+      real(wp) :: cable_slope(series_width, 2)
+      !! by side: its rate [1/(rad s2)]
+      ! control of the step
+      real(wp) :: rtol(series_width)
+      !! requested relative tolerance [-]
+      real(wp) :: least_size(series_width)
+      !! part of the expected size of the rotation [rad]
+      real(wp) :: frequency(series_width)
+      !! frequency whose phase angle scales the tolerance of a step [rad/s]
+      ! window and records
+      real(wp) :: upper(series_width)
+      !! upper end of the window of phi [rad]
+      real(wp) :: top(series_width, 2)
+      !! by side: largest phi so far [rad]
+      real(wp) :: fastest(series_width)
+      !! largest |phi'| at the ends of steps [rad/s]
+      ! impacts
+      real(wp) :: factor(series_width)
+      !! velocity factor e [-]
+      real(wp) :: uplift(series_width, 2)
+      !! by side: ground acceleration at uplift of the resting wall [m/s2]
+      real(wp) :: gain(series_width)
+      !! angular acceleration per ground acceleration beyond it [1/m]
+      real(wp) :: settled(series_width)
+      !! part of the largest rotation below which chatter may be omitted [-]
+      real(wp) :: negligible(series_width)
+      !! part of the largest velocity below which a wall may rest [-]
+      real(wp) :: impacts(series_width)
+      !! number of impacts [-]
+      real(wp) :: steps(series_width)
+      !! number of steps [-]
+      ! the present step
+      real(wp) :: is_busy(series_width)
+      !! the lane has a run in motion
+      real(wp) :: is_moving(series_width)
+      !! the lane has a run in motion whose series converges in an eighth of its length
+      real(wp) :: p(series_width, 0:most_terms_of_series)
+      !! series of phi in the time over the length h [rad]
+      real(wp) :: h(series_width)
+      !! length of the series [s]
+      real(wp) :: x(series_width)
+      !! end of the step over h [-]
+      real(wp) :: x_most(series_width)
+      !! end of the step without an event, over h [-]
+      real(wp) :: phi_end(series_width)
+      !! phi at the end of the step [rad]
+      real(wp) :: rate_end(series_width)
+      !! h phi' there [rad]
+      real(wp) :: has_root(series_width)
+      !! the step crosses the lower end of the window exactly once, and no other end
+      real(wp) :: is_open(series_width)
+      !! a search must show whether phi leaves its window
+      real(wp) :: may_peak(series_width)
+      !! phi may have a maximum above the largest one so far
+      real(wp) :: needs_care(series_width)
+      !! the step ends at an event that no loop applies
+      real(wp) :: is_at_limit(series_width)
+      !! the step ends at the limit
+   end type series_lanes_t
+
+end module rwmf_integrator_series_series_lanes

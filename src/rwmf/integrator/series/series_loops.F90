@@ -1,0 +1,360 @@
+!> Steps of lanes by Taylor series: the series, their lengths, screens for events, impacts.
+!>
+!> Each loop is written for one lane. The unit is compiled once for each order, so that the compiler
+!> unrolls the recurrences and keeps their coefficients in registers.
+module rwmf_integrator_series_series_loops
+   use rwmf_core_kinds, only: wp
+   use rwmf_integrator_series_series_lanes, only: left, right, series_lanes_t, series_width
+   use rwmf_model_lanes, only: lane_cosine => cosine, lane_sine => sine
+   implicit none
+   private
+
+   public :: expand_lanes, screen_lanes, find_roots, end_steps
+
+#ifndef SERIES_ORDER
+#define SERIES_ORDER 8
+#endif
+   integer, parameter :: order = SERIES_ORDER
+   !! of the series
+
+contains
+
+   !> Compute the series of phi in the time over the length of the series.
+   !>
+   !> With the series of sin(phi) and cos(phi), all kinematics are linear combinations of both. The
+   !> force F at the link contains the acceleration of the frame, which leaves five products.
+   pure subroutine expand_lanes(lanes)
+      type(series_lanes_t), intent(inout) :: lanes
+      real(wp), dimension(0:order) :: p, v, sp, cp, j, kv, lever, force, q
+      real(wp) :: h, rest, hh, side, ca, sw, sl, sr, x, y, push, ramp, damp, stiff, grav, cable, &
+         slope, a, b, d, u, w, m, inverse, jv, gamma, of_cosine, of_sine
+      integer :: i, k, n
+
+      !$omp simd private(p, v, sp, cp, j, kv, lever, force, q, h, rest, hh, side, ca, sw, sl, sr) &
+      !$omp& private(x, y, push, ramp, damp, stiff, grav, cable, slope, a, b, d, u, w, m) &
+      !$omp& private(inverse, jv, gamma, of_cosine, of_sine, k, n)
+      do i = 1, series_width
+         rest = lanes%limit(i) - lanes%t(i)
+         h = lanes%length(i)
+         h = merge(rest, h, rest <= h*1.000001_wp)
+         lanes%h(i) = h
+         hh = h*h
+         side = lanes%side(i)
+         ca = lanes%cosine(i)
+         sw = lanes%sine_wall(i)
+         x = lanes%sine_link(i, left)
+         sl = lanes%sine_link(i, right)
+         sl = merge(sl, x, side > 0)
+         x = lanes%sine_lever(i, left)
+         sr = lanes%sine_lever(i, right)
+         sr = merge(sr, x, side > 0)
+         x = lanes%cable(i, left)
+         cable = lanes%cable(i, right)
+         cable = hh*merge(cable, x, side > 0)
+         x = lanes%cable_slope(i, left)
+         slope = lanes%cable_slope(i, right)
+         slope = hh*merge(slope, x, side > 0)
+         gamma = lanes%mass(i)
+         damp = lanes%damping(i)*h
+         stiff = lanes%stiffness(i)*hh
+         grav = lanes%gravity(i)*hh
+         x = side*(lanes%inverse_radius(i)*hh)
+         push = x*(lanes%ground(i, 1) + lanes%ground(i, 2)*(lanes%t(i) - lanes%ground(i, 3)))
+         ramp = x*lanes%ground(i, 2)*h
+         p(0) = lanes%phi(i)
+         v(0) = h*lanes%rate(i)
+         p(1) = v(0)
+         x = lane_sine(0.5_wp*p(0))
+         y = lane_cosine(0.5_wp*p(0))
+         sp(0) = 2*x*y
+         x = 2*x*x
+         cp(0) = 1 - x
+         y = ca*sp(0)
+         u = 2*(sl*x + y)
+         m = (grav*(sw - (sw*x + y)) + ((ca - ca*x) + sw*sp(0))*push) + cable
+         lever(0) = 2*((ca - ca*x) + sr*sp(0))
+         j(0) = 2*((ca - ca*x) + sl*sp(0))
+         inverse = -1/(lanes%inertia(i) + gamma*(lever(0)*j(0)))
+         w = push + hh*side*lanes%offset(i)
+         of_cosine = grav*sw + push*ca
+         of_sine = push*sw - grav*ca
+         x = ramp*ca
+         y = ramp*sw
+         ca = 2*ca
+         sl = 2*sl
+         sr = 2*sr
+         !GCC$ unroll 16
+         do n = 0, order - 2
+            a = cp(0)*v(n)
+            b = sp(0)*v(n)
+            !GCC$ unroll 16
+            do k = 1, n
+               a = a + cp(k)*v(n - k)
+               b = b + sp(k)*v(n - k)
+            end do
+            sp(n + 1) = a*(1.0_wp/(n + 1))
+            cp(n + 1) = b*(-1.0_wp/(n + 1))
+            jv = ca*a + sl*b
+            kv(n) = sl*a - ca*b
+            if (n > 0) then
+               lever(n) = ca*cp(n) + sr*sp(n)
+               j(n) = ca*cp(n) + sl*sp(n)
+               m = (of_cosine*cp(n) + of_sine*sp(n)) + d
+               w = merge(ramp, 0.0_wp, n == 1)
+            end if
+            d = x*cp(n) + y*sp(n)
+            m = m + slope*p(n)
+            w = w + (damp*jv + stiff*u)
+            !GCC$ unroll 16
+            do k = 0, n
+               w = w + kv(k)*v(n - k)
+            end do
+            a = 0
+            !GCC$ unroll 16
+            do k = 1, n
+               w = w + j(k)*q(n - k)
+               a = a + lever(k)*force(n - k)
+            end do
+            q(n) = (m + gamma*(a + lever(0)*w))*inverse
+            force(n) = w + j(0)*q(n)
+            v(n + 1) = q(n)*(1.0_wp/(n + 1))
+            p(n + 2) = q(n)*(1.0_wp/((n + 1)*(n + 2)))
+            u = jv*(1.0_wp/(n + 1))
+         end do
+         !GCC$ unroll 16
+         do n = 0, order
+            lanes%p(i, n) = p(n)
+         end do
+      end do
+   end subroutine expand_lanes
+
+   !> Choose the length of each step from its last terms, and screen it for events.
+   !>
+   !> Each screen is a proof for the polynomial: the Bernstein coefficients of a cubic less the sum
+   !> of the other terms; a velocity without a sign change; an acceleration without one. A root at
+   !> the start is known by its multiplicity and divided out.
+   pure subroutine screen_lanes(lanes)
+      type(series_lanes_t), intent(inout) :: lanes
+      real(wp), parameter :: share = 0.4_wp
+      real(wp), parameter :: third = 1.0_wp/3
+      real(wp) :: p(0:order), x, last, size, tol, f, d, x2, x3, tail4, tail5, tail7, slope, bend, &
+         root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, moving
+      integer :: i, k
+
+      !$omp simd private(p, x, last, size, tol, f, d, x2, x3, tail4, tail5, tail7, slope, bend) &
+      !$omp& private(root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, k) &
+      !$omp& private(moving)
+      do i = 1, series_width
+         !GCC$ unroll 16
+         do k = 0, order
+            p(k) = lanes%p(i, k)
+         end do
+         q0 = lanes%top(i, left)
+         top = lanes%top(i, right)
+         size = lanes%rtol(i)*max(q0, top) + lanes%least_size(i)
+         top = merge(top, q0, lanes%side(i) > 0)
+         tol = share*size*min(1.0_wp, lanes%frequency(i)*lanes%h(i))
+         last = max(abs(p(order)), 0.1_wp*abs(p(order - 1)))
+         x = merge(0.7_wp, 1.0_wp, last > tol)
+         x = merge(0.5_wp, x, last*0.7_wp**(order - 1) > tol)
+         x = merge(0.35_wp, x, last*0.5_wp**(order - 1) > tol)
+         x = merge(0.25_wp, x, last*0.35_wp**(order - 1) > tol)
+         x = merge(0.125_wp, x, last*0.25_wp**(order - 1) > tol)
+         moving = merge(lanes%is_busy(i), 0.0_wp, last*0.125_wp**(order - 1) <= tol)
+         lanes%is_moving(i) = moving
+         f = p(order)
+         d = 0
+         !GCC$ unroll 16
+         do k = order - 1, 0, -1
+            d = d*x + f
+            f = f*x + p(k)
+         end do
+         x2 = x*x
+         x3 = x2*x
+         tail7 = 0
+         slope = 0
+         bend = 0
+         !GCC$ unroll 16
+         do k = 4, order
+            if (k == 7) tail7 = 0
+            tail7 = tail7 + abs(p(k))
+            slope = slope + k*abs(p(k))
+            bend = bend + (k*(k - 1))*abs(p(k))
+         end do
+         tail5 = tail7 + (abs(p(5)) + abs(p(6)))
+         tail4 = tail5 + abs(p(4))
+         slope = slope*x3
+         bend = bend*x2
+         ! values above the base
+         root = lanes%multiplicity(i)
+         q0 = merge(p(3), merge(p(1), p(0), root > 0.5_wp), root > 1.5_wp)
+         q1 = merge(p(4), merge(p(2), p(1), root > 0.5_wp), root > 1.5_wp)*x
+         q2 = merge(p(5), merge(p(3), p(2), root > 0.5_wp), root > 1.5_wp)*x2
+         q3 = merge(p(6), merge(p(4), p(3), root > 0.5_wp), root > 1.5_wp)*x3
+         last = merge(tail7, merge(tail5, tail4, root > 0.5_wp), root > 1.5_wp)
+         q3 = q0 + q1 + q2 + q3
+         q2 = q0 + third*(2*q1 + q2)
+         q1 = q0 + third*q1
+         least = min(min(q0, q1), min(q2, q3)) - last*(x2*x2)
+         ! below a lift-off at once, the motion begins with phi''
+         least = merge(min(least, p(2) + tiny(x)), least, root > 1.5_wp)
+         ! largest phi
+         q1 = p(0) + third*p(1)*x
+         q2 = p(0) + third*(2*p(1)*x + p(2)*x2)
+         q3 = p(0) + (p(1)*x + p(2)*x2 + p(3)*x3)
+         most = max(max(p(0), q1), max(q2, q3)) + tail4*(x2*x2)
+         ! phi' and phi'' without a sign change
+         q1 = p(1) + p(2)*x
+         q2 = p(1) + 2*p(2)*x + 3*p(3)*x2
+         rises = min(p(1), min(q1, q2)) - slope
+         falls = -max(p(1), max(q1, q2)) - slope
+         q1 = 2*p(2)
+         q2 = 2*p(2) + 6*p(3)*x
+         up = min(q1, q2) - bend
+         down = -max(q1, q2) - bend
+         ! calm: phi stays positive
+         low = merge(1.0_wp, 0.0_wp, least > 0)
+         low = merge(1.0_wp, low, min(rises, p(0) + tiny(x)) > 0)
+         low = merge(1.0_wp, low, min(down, f) > 0)
+         low = merge(1.0_wp, low, min(up, min(root, p(1) + tiny(x))) > 0)
+         ! one simple root
+         one = merge(1.0_wp, 0.0_wp, max(max(down, falls), min(up, 0.5_wp - root)) > 0)
+         one = merge(one, 0.0_wp, f < 0)
+         one = merge(one, 0.0_wp, max(p(0), min(root, p(1))) > 0)
+         low = low*(1 - one)
+         ! the upper end
+         tol = merge(1.0_wp, 0.0_wp, most < lanes%upper(i))
+         tol = merge(1.0_wp, tol, min(falls, lanes%upper(i) - p(0)) > 0)
+         lanes%has_root(i) = moving*one*tol
+         lanes%is_open(i) = moving*(1 - tol*max(one, low))
+         tol = merge(top, max(top, f), lanes%is_open(i) > 0)
+         tol = merge(1.0_wp, 0.0_wp, most > tol)
+         tol = merge(0.0_wp, tol, max(max(rises, falls), up) > 0)
+         tol = merge(0.0_wp, tol, min(down, d) > 0)
+         lanes%may_peak(i) = moving*tol
+         lanes%x(i) = x
+         lanes%x_most(i) = x
+         lanes%phi_end(i) = f
+         lanes%rate_end(i) = d
+      end do
+   end subroutine screen_lanes
+
+   !> Find the single roots of phi by Newton's method from the root of the parabola at the start.
+   pure subroutine find_roots(lanes)
+      type(series_lanes_t), intent(inout) :: lanes
+      real(wp), parameter :: precision = 1.0e-3_wp
+      !! largest phi at a root over the tolerance [-]
+      real(wp), parameter :: nearness = 1.0e-6_wp
+      !! last step of Newton's method over the position [-]
+      integer, parameter :: most = 6
+      real(wp) :: z(series_width), is_left(series_width), f, d, x, root
+      integer :: i, k, round
+
+      !$omp simd private(f, d, x, root)
+      do i = 1, series_width
+         f = lanes%p(i, 0)
+         d = lanes%p(i, 1)
+         x = lanes%p(i, 2)
+         root = sqrt(max(d*d - 4*x*f, 0.0_wp))
+         z(i) = merge((d + root)/(-2*x), 2*f/(root - d), d > 0)
+         z(i) = merge(z(i), lanes%x(i), x < 0)
+         z(i) = merge(z(i), lanes%x(i), min(z(i), lanes%x(i) - z(i)) > 0)
+         is_left(i) = lanes%has_root(i)
+      end do
+      do round = 1, most
+         !$omp simd private(f, d, x, root, k)
+         do i = 1, series_width
+            x = z(i)
+            f = lanes%p(i, order)
+            d = 0
+            !GCC$ unroll 16
+            do k = order - 1, 0, -1
+               d = d*x + f
+               f = f*x + lanes%p(i, k)
+            end do
+            lanes%x(i) = merge(x, lanes%x(i), is_left(i) > 0)
+            lanes%rate_end(i) = merge(d, lanes%rate_end(i), is_left(i) > 0)
+            root = x - f/d
+            root = merge(root, 0.5_wp*x, root > 0)
+            root = merge(root, 0.5_wp*(x + lanes%x_most(i)), d < 0)
+            z(i) = min(root, lanes%x_most(i))
+            root = precision*(lanes%rtol(i)*max(lanes%top(i, left), lanes%top(i, right)) &
+               + lanes%least_size(i))
+            root = max(d, max(abs(f) - root, abs(f) + nearness*(d*x)))
+            is_left(i) = merge(is_left(i), 0.0_wp, root >= 0)
+         end do
+         if (.not. any(is_left > 0)) exit
+      end do
+      !$omp simd
+      do i = 1, series_width
+         lanes%phi_end(i) = merge(0.0_wp, lanes%phi_end(i), lanes%has_root(i) > 0)
+         lanes%has_root(i) = lanes%has_root(i) - is_left(i)
+         lanes%is_open(i) = max(lanes%is_open(i), is_left(i))
+      end do
+   end subroutine find_roots
+
+   !> Move all lanes to the ends of their steps, and apply impacts after which the wall rocks on.
+   pure subroutine end_steps(lanes)
+      type(series_lanes_t), intent(inout) :: lanes
+      real(wp), parameter :: followable = 64
+      !! shortest duration of a flight in spacings of the time [-]
+      real(wp) :: moving, h, t, rate, after, speed, ground, ahead, least, hit, care, size, x
+      integer :: i
+
+      !$omp simd private(moving, h, t, rate, after, speed, ground, ahead, least, hit, care, size, x)
+      do i = 1, series_width
+         moving = lanes%is_moving(i)
+         h = lanes%h(i)
+         x = lanes%x(i)
+         hit = moving*lanes%has_root(i)
+         care = moving*lanes%needs_care(i)
+         t = lanes%t(i) + h*x
+         least = merge(1.0_wp, 0.0_wp, min(lanes%limit(i) - t, (1 - x) + (lanes%limit(i) &
+            - lanes%t(i) - h)) <= 0)
+         t = merge(t, lanes%limit(i), least <= 0)
+         lanes%is_at_limit(i) = moving*least
+         t = merge(t, lanes%t(i), moving > 0)
+         lanes%t(i) = t
+         rate = lanes%rate_end(i)/h
+         speed = abs(rate)
+         lanes%fastest(i) = merge(max(lanes%fastest(i), speed), lanes%fastest(i), moving > 0)
+         after = lanes%factor(i)*speed
+         ! rest after the impact, or a flight too short to follow
+         ground = lanes%ground(i, 1) + lanes%ground(i, 2)*(t - lanes%ground(i, 3))
+         ahead = lanes%uplift(i, left) - ground
+         least = lanes%uplift(i, right) + ground
+         size = lanes%gain(i)*max(ahead, least)
+         least = lanes%gain(i)*min(ahead, least)
+         ahead = max(lanes%negligible(i)*lanes%fastest(i), followable*epsilon(t)*(t*size))
+         size = max(lanes%top(i, left), lanes%top(i, right))
+         size = 2*least*(lanes%settled(i)*size) - after*after
+         size = merge(0.0_wp, 1.0_wp, min(after - ahead, -size) > 0)
+         care = max(care, hit*size)
+         hit = hit*(1 - care)
+         lanes%needs_care(i) = care
+         lanes%impacts(i) = lanes%impacts(i) + hit
+         lanes%steps(i) = lanes%steps(i) + moving
+         x = lanes%side(i)
+         lanes%side(i) = merge(-x, x, hit > 0)
+         rate = merge(after, rate, hit > 0)
+         h = lanes%rate(i)
+         lanes%rate(i) = merge(rate, h, moving > 0)
+         rate = lanes%phi_end(i)
+         h = lanes%phi(i)
+         lanes%phi(i) = merge(rate, h, moving > 0)
+         rate = lanes%multiplicity(i)
+         rate = merge(hit, rate, moving > 0)
+         lanes%multiplicity(i) = rate
+         h = lanes%top(i, right)
+         rate = merge(max(h, lanes%phi_end(i)), h, moving > 0)
+         lanes%top(i, right) = merge(rate, h, x > 0)
+         h = lanes%top(i, left)
+         rate = merge(max(h, lanes%phi_end(i)), h, moving > 0)
+         lanes%top(i, left) = merge(h, rate, x > 0)
+         h = lanes%length(i)
+         rate = merge(min(lanes%share(i), 2*h), h, lanes%x_most(i) >= 0.7_wp)
+         lanes%length(i) = merge(rate, h, moving > 0)
+      end do
+   end subroutine end_steps
+
+end module rwmf_integrator_series_series_loops

@@ -1,0 +1,121 @@
+!> Batch of runs that advance by Taylor series (`series_batch_t`), and the scenes that it serves.
+module rwmf_simulation_series_series_batch
+   use rwmf_core_kinds, only: wp
+   use rwmf_integrator_series_series_kernels, only: series_kernels_of, series_kernels_t
+   use rwmf_integrator_series_series_lanes, only: series_lanes_t, series_width
+   use rwmf_model_equation, only: equation_t, has_further_effects
+   use rwmf_model_scene, only: frame_term, linear_cable_term
+   use rwmf_motion_ground_motion, only: interval_end, interval_last, is_piecewise_linear, line_of, &
+      line_t, motion_t
+   implicit none
+   private
+
+   public :: series_batch_t, create_series_batch, is_served
+
+   !> Runs that step together.
+   type :: series_batch_t
+      type(series_lanes_t) :: lanes
+      type(series_kernels_t) :: kernels
+      integer :: interval(series_width) = 0
+      !! number of the interval of the motion of each lane
+      logical :: is_busy(series_width) = .false.
+      !! the lane has a run
+      logical :: has_ended = .true.
+      !! a run is over, or a lane has none
+      real(wp), allocatable :: lines(:, :)
+      !! (4, intervals of the motion from 0) end [s], a_0 [m/s2], slope [m/s3], t_0 [s]; not
+      !! allocated if the lanes have separate motions
+      integer :: steps_left = 0
+      !! number of common steps until the numbers of steps are checked
+   end type series_batch_t
+
+contains
+
+   !> Create a batch with finite numbers in its idle lanes.
+   subroutine create_series_batch(level, order, batch, motion)
+      integer, intent(in) :: level
+      !! instruction set, as for `series_kernels_of`
+      integer, intent(in) :: order
+      !! of the series
+      type(series_batch_t), intent(out) :: batch
+      type(motion_t), intent(in), optional :: motion
+      !! common to all lanes
+
+      batch%kernels = series_kernels_of(level, order)
+      batch%lanes = idle_lanes()
+      if (present(motion)) call tabulate(motion, batch%lines)
+   end subroutine create_series_batch
+
+   !> Tabulate the straight lines of a motion.
+   pure subroutine tabulate(motion, lines)
+      type(motion_t), intent(in) :: motion
+      real(wp), allocatable, intent(out) :: lines(:, :)
+      type(line_t) :: line
+      integer :: i
+
+      allocate (lines(4, 0:interval_last(motion)))
+      do i = 0, interval_last(motion)
+         line = line_of(motion, i)
+         lines(:, i) = [interval_end(motion, i), line%a_0, line%slope, line%t_0]
+      end do
+   end subroutine tabulate
+
+   !> Numbers of lanes without a run, with which the loops compute without an exception.
+   pure type(series_lanes_t) function idle_lanes() result(lanes)
+      lanes%t = 0
+      lanes%limit = 1
+      lanes%length = 1
+      lanes%share = 1
+      lanes%longest = 1
+      lanes%ground = 0
+      lanes%side = 1
+      lanes%phi = 1
+      lanes%rate = 0
+      lanes%multiplicity = 0
+      lanes%inverse_radius = 1
+      lanes%cosine = 1
+      lanes%sine_wall = 0
+      lanes%sine_link = 0
+      lanes%sine_lever = 0
+      lanes%inertia = 1
+      lanes%gravity = 0
+      lanes%mass = 0
+      lanes%damping = 0
+      lanes%stiffness = 0
+      lanes%offset = 0
+      lanes%cable = 0
+      lanes%cable_slope = 0
+      lanes%rtol = 1
+      lanes%least_size = 1
+      lanes%frequency = 1
+      lanes%upper = 2
+      lanes%top = 1
+      lanes%fastest = 1
+      lanes%factor = 1
+      lanes%uplift = 1
+      lanes%gain = 1
+      lanes%settled = 0
+      lanes%negligible = 0
+      lanes%impacts = 0
+      lanes%steps = 0
+      lanes%is_busy = 0
+      lanes%needs_care = 0
+      lanes%is_at_limit = 0
+   end function idle_lanes
+
+   !> Return whether the series knows all terms of a scene: a rocking wall, and possibly a frame and
+   !> a cable with a linear law.
+   pure logical function is_served(equation)
+      type(equation_t), intent(in) :: equation
+
+      is_served = equation%has_impacts .and. equation%n == 2 .and. .not. (equation%has_vertical &
+         .or. equation%has_bilinear_springs .or. equation%has_loading_direction &
+         .or. equation%cable%is_tendon .or. equation%geometry%link > 0)
+      if (is_served) is_served = all(equation%scene%terms%effect == frame_term &
+         .or. equation%scene%terms%effect == linear_cable_term)
+      if (is_served) is_served = .not. has_further_effects(equation) &
+         .and. abs(equation%floors%excited_mass_ratio - 1) <= 0 &
+         .and. is_piecewise_linear(equation%motion)
+   end function is_served
+
+end module rwmf_simulation_series_series_batch

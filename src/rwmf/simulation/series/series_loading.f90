@@ -1,0 +1,254 @@
+!> Loading of the lanes of a series: a new run, the next interval of the motion, or the state after an
+!> event; and back to the run.
+module rwmf_simulation_series_series_loading
+   use rwmf_core_control, only: control_t
+   use rwmf_core_error, only: err_numerical, fail
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_integrator_interface_integrator, only: step_too_small
+   use rwmf_integrator_series_series_lanes, only: left, right, series_width
+   use rwmf_model_cable, only: cable_row
+   use rwmf_model_equation, only: enter_interval, enter_side, equation_t, frame_displacement, &
+      frame_mass, interval_of
+   use rwmf_model_system_rest_after_chatter, only: inverse_inertia
+   use rwmf_motion_ground_motion, only: interval_end, interval_last, line_of, line_t
+   use rwmf_simulation_hybrid_hybrid_loop, only: check_steps, stay_at_rest
+   use rwmf_simulation_hybrid_transitions, only: negligible
+   use rwmf_simulation_lanes_batch, only: lane_state_t
+   use rwmf_simulation_series_series_batch, only: series_batch_t
+   use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, mode_rest, progress_t
+   use rwmf_text_strings, only: real_to_text
+   implicit none
+   private
+
+   public :: join_series, enter_series, leave_series, enter_next_interval, shorten_steps, check_work
+
+contains
+
+   !> Add a lane with a new run to the batch.
+   subroutine join_series(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      real(wp), parameter :: angle = 1.5_wp
+      !! phase angle of the fastest vibration in a step [rad]
+      real(wp), parameter :: part = 0.1_wp
+      !! part of the absolute tolerance beside that of the largest rotation so far [-]
+      integer :: m
+
+      batch%is_busy(i) = .true.
+      batch%lanes%is_busy(i) = 0
+      if (allocated(lane%error)) return
+      lane%hybrid%progress = progress_t()
+      call load_coefficients(lane%equation, i, batch)
+      associate (lanes => batch%lanes, equation => lane%equation, hybrid => lane%hybrid, &
+         tolerance => lane%integrator%tolerance)
+         lanes%rtol(i) = tolerance%rtol
+         lanes%least_size(i) = part*tolerance%atol(1)
+         lanes%frequency(i) = max(equation%p%omega_s, sqrt(equation%p%g_over_R))
+         lanes%longest(i) = angle/lanes%frequency(i)
+         lanes%upper(i) = hybrid%overturning_angle
+         lanes%top(i, :) = 0
+         lanes%fastest(i) = lane%recorder%theta_dot_ends
+         lanes%factor(i) = hybrid%restitution%e
+         ! a table of factors is for the common transitions
+         if (allocated(hybrid%restitution%speed)) lanes%factor(i) = 0
+         do m = left, right
+            lanes%uplift(i, m) = equation%state%uplift_acceleration(2*m - 3)
+         end do
+         lanes%gain(i) = inverse_inertia(equation)
+         lanes%negligible(i) = negligible*hybrid%rtol
+         lanes%settled(i) = max(hybrid%settled_angle, lanes%negligible(i))
+         lanes%impacts(i) = 0
+         lanes%steps(i) = 0
+      end associate
+      call enter_series(lane, i, batch)
+   end subroutine join_series
+
+   !> Load the coefficients of the equation of motion, for both sides.
+   subroutine load_coefficients(equation, i, batch)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      real(wp) :: row(4)
+      integer :: m
+
+      associate (lanes => batch%lanes, p => equation%p, geometry => equation%geometry)
+         lanes%inverse_radius(i) = 1/p%R
+         lanes%cosine(i) = geometry%cos_alpha
+         lanes%sine_wall(i) = geometry%sine_wall
+         lanes%inertia(i) = equation%inertia
+         lanes%gravity(i) = p%g_over_R
+         lanes%mass(i) = merge(frame_mass(equation), 0.0_wp, equation%has_frame)
+         lanes%damping(i) = p%two_xi_omega
+         lanes%stiffness(i) = equation%state%frame_slope
+         lanes%offset(i) = equation%state%frame_offset/p%R
+         do m = left, right
+            lanes%sine_link(i, m) = geometry%sine_link(2*m - 3)
+            lanes%sine_lever(i, m) = geometry%sine_lever(2*m - 3)
+            row = 0
+            if (equation%has_cable) row = cable_row(equation%cable, equation%state%tendon, 2*m - 3, &
+               p%g_over_R)
+            lanes%cable(i, m) = row(1)
+            lanes%cable_slope(i, m) = row(2)
+         end do
+      end associate
+   end subroutine load_coefficients
+
+   !> Prepare a lane for a common step. If its run is over, the lane does not move.
+   subroutine enter_series(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      type(control_t) :: no_control
+
+      batch%lanes%is_busy(i) = 0
+      batch%has_ended = .true.
+      associate (hybrid => lane%hybrid, equation => lane%equation)
+         do
+            if (allocated(lane%error)) return
+            if (hybrid%t >= lane%t_end .or. has_ended(hybrid)) return
+            call check_steps(hybrid, lane%integrator, no_control, lane%error)
+            if (allocated(lane%error)) return
+            if (hybrid%mode /= mode_rest) exit
+            call stay_at_rest(hybrid, equation, lane%recorder, lane%t_end, lane%error)
+            if (allocated(lane%error)) return
+            call check_progress(hybrid%progress, size(hybrid%y), hybrid%t, lane%error)
+         end do
+         batch%lanes%is_busy(i) = 1
+         batch%lanes%t(i) = hybrid%t
+         batch%lanes%side(i) = equation%state%side
+         batch%lanes%phi(i) = abs(hybrid%y(1))
+         batch%lanes%rate(i) = equation%state%side*hybrid%y(2)
+         batch%lanes%multiplicity(i) = 0
+         if (.not. abs(hybrid%y(1)) > 0) batch%lanes%multiplicity(i) = merge(1, 2, &
+            batch%lanes%rate(i) > 0)
+         batch%interval(i) = interval_of(equation) - 1
+         call enter_next_interval(lane, i, batch)
+      end associate
+   end subroutine enter_series
+
+   !> Load the interval of the motion after the present one. At the end of the run the lane stops.
+   subroutine enter_next_interval(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      type(line_t) :: line
+      real(wp) :: limit, rest
+
+      associate (lanes => batch%lanes, k => batch%interval(i))
+         do
+            if (lanes%t(i) >= lane%t_end) then
+               call leave_series(lane, i, batch)
+               batch%has_ended = .true.
+               return
+            end if
+            k = k + 1
+            if (allocated(batch%lines)) then
+               limit = min(batch%lines(1, k), lane%t_end)
+               lanes%ground(i, 1) = batch%lines(2, k)
+               lanes%ground(i, 2) = batch%lines(3, k)
+               lanes%ground(i, 3) = batch%lines(4, k)
+            else
+               limit = min(interval_end(lane%equation%motion, k), lane%t_end)
+               line = line_of(lane%equation%motion, k)
+               lanes%ground(i, 1) = line%a_0
+               lanes%ground(i, 2) = line%slope
+               lanes%ground(i, 3) = line%t_0
+            end if
+            rest = limit - lanes%t(i)
+            if (rest > 8*epsilon(limit)*limit) exit
+            lanes%t(i) = max(limit, lanes%t(i))
+         end do
+         lanes%limit(i) = limit
+         lanes%share(i) = rest
+         if (rest > lanes%longest(i)) lanes%share(i) = rest/(aint(rest/lanes%longest(i)) + 1)
+         lanes%length(i) = lanes%share(i)
+      end associate
+   end subroutine enter_next_interval
+
+   !> Return the state of a lane to its run. The lane does not move afterwards.
+   subroutine leave_series(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      integer :: side, m
+
+      associate (lanes => batch%lanes, hybrid => lane%hybrid, equation => lane%equation, &
+                 recorder => lane%recorder)
+         lanes%is_busy(i) = 0
+         hybrid%t = lanes%t(i)
+         side = nint(lanes%side(i))
+         hybrid%y(:) = side*[lanes%phi(i), lanes%rate(i)]
+         if (equation%state%side /= side) call enter_side(equation%model_t, equation%state, side)
+         if (interval_of(equation) /= batch%interval(i)) call enter_interval(equation%model_t, &
+            equation%state, min(batch%interval(i), interval_last(equation%motion)))
+         lane%integrator%steps = lane%integrator%steps + nint(lanes%steps(i), i8)
+         lanes%steps(i) = 0
+         recorder%impacts = recorder%impacts + nint(lanes%impacts(i), i8)
+         lanes%impacts(i) = 0
+         recorder%theta_dot_ends = max(recorder%theta_dot_ends, lanes%fastest(i))
+         recorder%theta_max = max(recorder%theta_max, lanes%top(i, right))
+         recorder%theta_min = min(recorder%theta_min, -lanes%top(i, left))
+         if (.not. equation%has_frame) return
+         do m = left, right
+            recorder%u_max = max(recorder%u_max, abs(frame_displacement(equation, 2*m - 3, &
+               [(2*m - 3)*lanes%top(i, m)])))
+         end do
+      end associate
+   end subroutine leave_series
+
+   !> Shorten the series of lanes whose terms do not decay. Fail if a series is below the resolution
+   !> of the time.
+   subroutine shorten_steps(lanes, batch)
+      type(lane_state_t), intent(inout) :: lanes(:)
+      type(series_batch_t), intent(inout) :: batch
+      real(wp), parameter :: eighth = 0.125_wp
+      integer :: i
+
+      do i = 1, series_width
+         if (batch%lanes%is_moving(i) >= batch%lanes%is_busy(i)) cycle
+         batch%lanes%length(i) = eighth*batch%lanes%h(i)
+         if (batch%lanes%length(i) > 8*spacing(batch%lanes%t(i))) cycle
+         call leave_series(lanes(i), i, batch)
+         batch%has_ended = .true.
+         call fail(lanes(i)%error, err_numerical, step_too_small//'; t = ' &
+            //trim(real_to_text(lanes(i)%hybrid%t))//' s')
+      end do
+   end subroutine shorten_steps
+
+   !> Check the numbers of steps of all runs, and that their times advance.
+   subroutine check_work(lanes, batch)
+      type(lane_state_t), intent(inout) :: lanes(:)
+      type(series_batch_t), intent(inout) :: batch
+      integer, parameter :: few = 1000, many = 1000000
+      !! numbers of common steps between two checks, and of steps after which a run must have advanced
+      type(control_t) :: no_control
+      real(wp) :: most
+      integer :: i
+
+      most = few
+      do i = 1, series_width
+         if (.not. batch%lanes%is_busy(i) > 0) cycle
+         associate (lane => lanes(i), hybrid => lanes(i)%hybrid)
+            lane%integrator%steps = lane%integrator%steps + nint(batch%lanes%steps(i), i8)
+            batch%lanes%steps(i) = 0
+            hybrid%t = batch%lanes%t(i)
+            call check_steps(hybrid, lane%integrator, no_control, lane%error)
+            hybrid%progress%count = many
+            if (.not. allocated(lane%error)) call check_progress(hybrid%progress, 2, hybrid%t, &
+               lane%error)
+            most = min(most, real(hybrid%max_steps - lane%integrator%steps, wp))
+            if (.not. allocated(lane%error)) cycle
+            call leave_series(lane, i, batch)
+            batch%has_ended = .true.
+         end associate
+      end do
+      batch%steps_left = int(max(most, 0.0_wp))
+   end subroutine check_work
+
+end module rwmf_simulation_series_series_loading
