@@ -164,14 +164,16 @@ contains
       integer :: i
 
       allocate (lanes(max(width, series_width)), runs(max(width, series_width)))
-      do i = 1, width
-         call take_ordinate(queue, control, next, ordinates, kind, runs(i), lanes(i))
-      end do
+      call take_ordinate(queue, control, next, ordinates, kind, runs(1), lanes(1))
       if (runs(1)%ordinate == 0) return
       if (kind%order > 0) then
-         call run_series(queue, control, next, ordinates, kind, runs, lanes)
+         call run_series(queue, control, next, ordinates, kind, runs(:series_width), &
+            lanes(:series_width))
          return
       end if
+      do i = 2, width
+         call take_ordinate(queue, control, next, ordinates, kind, runs(i), lanes(i))
+      end do
       call create_batch(runs(1)%equation, pair_for(runs(1)%case, runs(1)%equation), &
          runs(1)%hybrid%max_steps, width, batch)
       batch%kernels = lane_kernels_of(best_level())
@@ -229,7 +231,7 @@ contains
       type(ordinate_t), intent(inout) :: ordinates(:)
       type(kind_t), allocatable, intent(inout) :: kind
       type(lane_run_t), intent(inout), target :: runs(:)
-      !! runs of the first lanes
+      !! runs of the lanes, the first one set up
       type(lane_state_t), intent(inout) :: lanes(:)
       type(series_batch_t) :: batch
       integer :: i
@@ -239,13 +241,7 @@ contains
       else
          call create_series_batch(best_level(), kind%order, batch, queue%motion)
       end if
-      do i = series_width + 1, size(runs)
-         if (runs(i)%ordinate > 0) call run_alone(queue, control, runs(i), lanes(i), &
-            ordinates(runs(i)%ordinate))
-      end do
-      do i = 1, series_width
-         if (runs(i)%ordinate > 0) call join_series(lanes(i), i, batch)
-      end do
+      call join_series(lanes(1), 1, batch)
       do
          if (batch%has_ended) then
             batch%has_ended = .false.

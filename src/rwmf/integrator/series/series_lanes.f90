@@ -126,6 +126,13 @@ module rwmf_integrator_series_series_lanes
       !! the step ends at an event that no loop applies
       real(wp) :: is_at_limit(series_width)
       !! the step ends at the limit
+      ! of any lane
+      logical :: some_root
+      logical :: some_open
+      logical :: some_peak
+      logical :: some_short
+      !! a series has to be shortened
+      logical :: needs_some_care
    end type series_lanes_t
 
 end module rwmf_integrator_series_series_lanes

@@ -22,17 +22,18 @@ contains
    !> Compute the series of phi in the time over the length of the series.
    !>
    !> With the series of sin(phi) and cos(phi), all kinematics are linear combinations of both. The
-   !> force F at the link contains the acceleration of the frame, which leaves five products.
+   !> rate of the displacement, j phi', and the force at the link then leave three products. The last
+   !> coefficient of the acceleration is the only unknown of each round.
    pure subroutine expand_lanes(lanes)
       type(series_lanes_t), intent(inout) :: lanes
-      real(wp), dimension(0:order) :: p, v, sp, cp, j, kv, lever, force, q
-      real(wp) :: h, rest, hh, side, ca, sw, sl, sr, x, y, push, ramp, damp, stiff, grav, cable, &
-         slope, a, b, d, u, w, m, inverse, jv, gamma, of_cosine, of_sine
+      real(wp), dimension(0:order) :: p, v, sp, cp, lever, force
+      real(wp) :: h, rest, hh, side, ca, sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, &
+         cable, slope, a, b, d, u, w, m, inverse, j, jv, q, gamma, of_cosine, of_sine
       integer :: i, k, n
 
-      !$omp simd private(p, v, sp, cp, j, kv, lever, force, q, h, rest, hh, side, ca, sw, sl, sr) &
-      !$omp& private(x, y, push, ramp, damp, stiff, grav, cable, slope, a, b, d, u, w, m) &
-      !$omp& private(inverse, jv, gamma, of_cosine, of_sine, k, n)
+      !$omp simd private(p, v, sp, cp, lever, force, h, rest, hh, side, ca, sw, sl, sr, x, y, z) &
+      !$omp& private(push, ramp, damp, stiff, grav, cable, slope, a, b, d, u, w, m, inverse, j) &
+      !$omp& private(jv, q, gamma, of_cosine, of_sine, k, n)
       do i = 1, series_width
          rest = lanes%limit(i) - lanes%t(i)
          h = lanes%length(i)
@@ -73,8 +74,8 @@ contains
          u = 2*(sl*x + y)
          m = (grav*(sw - (sw*x + y)) + ((ca - ca*x) + sw*sp(0))*push) + cable
          lever(0) = 2*((ca - ca*x) + sr*sp(0))
-         j(0) = 2*((ca - ca*x) + sl*sp(0))
-         inverse = -1/(lanes%inertia(i) + gamma*(lever(0)*j(0)))
+         j = 2*((ca - ca*x) + sl*sp(0))
+         inverse = -1/(lanes%inertia(i) + gamma*(lever(0)*j))
          w = push + hh*side*lanes%offset(i)
          of_cosine = grav*sw + push*ca
          of_sine = push*sw - grav*ca
@@ -83,43 +84,43 @@ contains
          ca = 2*ca
          sl = 2*sl
          sr = 2*sr
+         a = cp(0)*v(0)
+         b = sp(0)*v(0)
+         jv = j*v(0)
          !GCC$ unroll 16
          do n = 0, order - 2
-            a = cp(0)*v(n)
-            b = sp(0)*v(n)
-            !GCC$ unroll 16
-            do k = 1, n
-               a = a + cp(k)*v(n - k)
-               b = b + sp(k)*v(n - k)
-            end do
             sp(n + 1) = a*(1.0_wp/(n + 1))
             cp(n + 1) = b*(-1.0_wp/(n + 1))
-            jv = ca*a + sl*b
-            kv(n) = sl*a - ca*b
             if (n > 0) then
                lever(n) = ca*cp(n) + sr*sp(n)
-               j(n) = ca*cp(n) + sl*sp(n)
                m = (of_cosine*cp(n) + of_sine*sp(n)) + d
                w = merge(ramp, 0.0_wp, n == 1)
             end if
             d = x*cp(n) + y*sp(n)
             m = m + slope*p(n)
             w = w + (damp*jv + stiff*u)
+            u = jv*(1.0_wp/(n + 1))
+            a = cp(1)*v(n)
+            b = sp(1)*v(n)
             !GCC$ unroll 16
-            do k = 0, n
-               w = w + kv(k)*v(n - k)
+            do k = 2, n + 1
+               a = a + cp(k)*v(n + 1 - k)
+               b = b + sp(k)*v(n + 1 - k)
             end do
-            a = 0
+            jv = ca*a + sl*b
+            w = w + (n + 1)*jv
+            z = lever(0)*w
             !GCC$ unroll 16
             do k = 1, n
-               w = w + j(k)*q(n - k)
-               a = a + lever(k)*force(n - k)
+               z = z + lever(k)*force(n - k)
             end do
-            q(n) = (m + gamma*(a + lever(0)*w))*inverse
-            force(n) = w + j(0)*q(n)
-            v(n + 1) = q(n)*(1.0_wp/(n + 1))
-            p(n + 2) = q(n)*(1.0_wp/((n + 1)*(n + 2)))
-            u = jv*(1.0_wp/(n + 1))
+            q = (m + gamma*z)*inverse
+            force(n) = w + j*q
+            v(n + 1) = q*(1.0_wp/(n + 1))
+            p(n + 2) = q*(1.0_wp/((n + 1)*(n + 2)))
+            a = a + cp(0)*v(n + 1)
+            b = b + sp(0)*v(n + 1)
+            jv = jv + j*v(n + 1)
          end do
          !GCC$ unroll 16
          do n = 0, order
@@ -138,12 +139,17 @@ contains
       real(wp), parameter :: share = 0.4_wp
       real(wp), parameter :: third = 1.0_wp/3
       real(wp) :: p(0:order), x, last, size, tol, f, d, x2, x3, tail4, tail5, tail7, slope, bend, &
-         root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, moving
+         root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, moving, roots, opens, &
+         peaks, shorts
       integer :: i, k
 
+      roots = 0
+      opens = 0
+      peaks = 0
+      shorts = 0
       !$omp simd private(p, x, last, size, tol, f, d, x2, x3, tail4, tail5, tail7, slope, bend) &
       !$omp& private(root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, k) &
-      !$omp& private(moving)
+      !$omp& private(moving) reduction(+:roots, opens, peaks, shorts)
       do i = 1, series_width
          !GCC$ unroll 16
          do k = 0, order
@@ -172,18 +178,17 @@ contains
          x2 = x*x
          x3 = x2*x
          tail7 = 0
-         slope = 0
          bend = 0
          !GCC$ unroll 16
          do k = 4, order
             if (k == 7) tail7 = 0
             tail7 = tail7 + abs(p(k))
-            slope = slope + k*abs(p(k))
             bend = bend + (k*(k - 1))*abs(p(k))
          end do
          tail5 = tail7 + (abs(p(5)) + abs(p(6)))
          tail4 = tail5 + abs(p(4))
-         slope = slope*x3
+         ! k/(k (k - 1)) is at most a third
+         slope = third*bend*x3
          bend = bend*x2
          ! values above the base
          root = lanes%multiplicity(i)
@@ -231,12 +236,21 @@ contains
          tol = merge(1.0_wp, 0.0_wp, most > tol)
          tol = merge(0.0_wp, tol, max(max(rises, falls), up) > 0)
          tol = merge(0.0_wp, tol, min(down, d) > 0)
-         lanes%may_peak(i) = moving*tol
+         tol = moving*tol
+         lanes%may_peak(i) = tol
+         peaks = peaks + tol
+         roots = roots + lanes%has_root(i)
+         opens = opens + lanes%is_open(i)
+         shorts = shorts + (lanes%is_busy(i) - moving)
          lanes%x(i) = x
          lanes%x_most(i) = x
          lanes%phi_end(i) = f
          lanes%rate_end(i) = d
       end do
+      lanes%some_root = roots > 0
+      lanes%some_open = opens > 0
+      lanes%some_peak = peaks > 0
+      lanes%some_short = shorts > 0
    end subroutine screen_lanes
 
    !> Find the single roots of phi by Newton's method from the root of the parabola at the start.
@@ -247,7 +261,7 @@ contains
       real(wp), parameter :: nearness = 1.0e-6_wp
       !! last step of Newton's method over the position [-]
       integer, parameter :: most = 6
-      real(wp) :: z(series_width), is_left(series_width), f, d, x, root
+      real(wp) :: z(series_width), is_left(series_width), f, d, x, root, left_over
       integer :: i, k, round
 
       !$omp simd private(f, d, x, root)
@@ -262,7 +276,8 @@ contains
          is_left(i) = lanes%has_root(i)
       end do
       do round = 1, most
-         !$omp simd private(f, d, x, root, k)
+         left_over = 0
+         !$omp simd private(f, d, x, root, k) reduction(+:left_over)
          do i = 1, series_width
             x = z(i)
             f = lanes%p(i, order)
@@ -282,8 +297,9 @@ contains
                + lanes%least_size(i))
             root = max(d, max(abs(f) - root, abs(f) + nearness*(d*x)))
             is_left(i) = merge(is_left(i), 0.0_wp, root >= 0)
+            left_over = left_over + is_left(i)
          end do
-         if (.not. any(is_left > 0)) exit
+         if (.not. left_over > 0) exit
       end do
       !$omp simd
       do i = 1, series_width
@@ -291,6 +307,7 @@ contains
          lanes%has_root(i) = lanes%has_root(i) - is_left(i)
          lanes%is_open(i) = max(lanes%is_open(i), is_left(i))
       end do
+      lanes%some_open = lanes%some_open .or. left_over > 0
    end subroutine find_roots
 
    !> Move all lanes to the ends of their steps, and apply impacts after which the wall rocks on.
@@ -298,10 +315,13 @@ contains
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: followable = 64
       !! shortest duration of a flight in spacings of the time [-]
-      real(wp) :: moving, h, t, rate, after, speed, ground, ahead, least, hit, care, size, x
+      real(wp) :: moving, h, t, rate, after, speed, ground, ahead, least, hit, care, size, x, &
+         cares
       integer :: i
 
-      !$omp simd private(moving, h, t, rate, after, speed, ground, ahead, least, hit, care, size, x)
+      cares = 0
+      !$omp simd private(moving, h, t, rate, after, speed, ground, ahead, least, hit, care, size) &
+      !$omp& private(x) reduction(+:cares)
       do i = 1, series_width
          moving = lanes%is_moving(i)
          h = lanes%h(i)
@@ -332,6 +352,7 @@ contains
          care = max(care, hit*size)
          hit = hit*(1 - care)
          lanes%needs_care(i) = care
+         cares = cares + care
          lanes%impacts(i) = lanes%impacts(i) + hit
          lanes%steps(i) = lanes%steps(i) + moving
          x = lanes%side(i)
@@ -355,6 +376,7 @@ contains
          rate = merge(min(lanes%share(i), 2*h), h, lanes%x_most(i) >= 0.7_wp)
          lanes%length(i) = merge(rate, h, moving > 0)
       end do
+      lanes%needs_some_care = cares > 0
    end subroutine end_steps
 
 end module rwmf_integrator_series_series_loops

@@ -11,8 +11,8 @@ module rwmf_simulation_series_series_events
    use rwmf_simulation_hybrid_transitions, only: apply_event
    use rwmf_simulation_lanes_batch, only: lane_state_t
    use rwmf_simulation_series_series_batch, only: series_batch_t
-   use rwmf_simulation_series_series_loading, only: check_work, enter_next_interval, &
-      enter_series, leave_series, shorten_steps
+   use rwmf_simulation_series_series_loading, only: check_work, enter_series, &
+      leave_series, pass_knots, shorten_steps
    use rwmf_simulation_state_result, only: event_impact, event_overturned
    implicit none
    private
@@ -29,27 +29,25 @@ contains
 
       call batch%kernels%expand_lanes(batch%lanes)
       call batch%kernels%screen_lanes(batch%lanes)
-      if (any(batch%lanes%is_moving < batch%lanes%is_busy)) call shorten_steps(lanes, batch)
-      if (any(batch%lanes%has_root > 0)) call batch%kernels%find_roots(batch%lanes)
-      if (any(batch%lanes%is_open > 0)) then
+      if (batch%lanes%some_short) call shorten_steps(lanes, batch)
+      if (batch%lanes%some_root) call batch%kernels%find_roots(batch%lanes)
+      if (batch%lanes%some_open) then
          do i = 1, series_width
             if (batch%lanes%is_open(i) > 0) call search_step(i, batch)
          end do
       end if
-      if (any(batch%lanes%may_peak > 0)) then
+      if (batch%lanes%some_peak) then
          do i = 1, series_width
             if (batch%lanes%may_peak(i) > 0) call find_peak(i, batch)
          end do
       end if
       call batch%kernels%end_steps(batch%lanes)
-      if (any(batch%lanes%needs_care > 0)) then
+      if (batch%lanes%needs_some_care) then
          do i = 1, series_width
             if (batch%lanes%needs_care(i) > 0) call apply_rare_event(lanes(i), i, batch)
          end do
       end if
-      do i = 1, series_width
-         if (batch%lanes%is_at_limit(i) > 0) call enter_next_interval(lanes(i), i, batch)
-      end do
+      call pass_knots(lanes, batch)
       batch%steps_left = batch%steps_left - 1
       if (batch%steps_left < 0) call check_work(lanes, batch)
    end subroutine step_series

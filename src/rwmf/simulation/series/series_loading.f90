@@ -20,7 +20,7 @@ module rwmf_simulation_series_series_loading
    implicit none
    private
 
-   public :: join_series, enter_series, leave_series, enter_next_interval, shorten_steps, check_work
+   public :: join_series, enter_series, leave_series, pass_knots, shorten_steps, check_work
 
 contains
 
@@ -129,6 +129,36 @@ contains
          call enter_next_interval(lane, i, batch)
       end associate
    end subroutine enter_series
+
+   !> Move lanes at the ends of their intervals to the next ones.
+   subroutine pass_knots(lanes, batch)
+      type(lane_state_t), intent(inout) :: lanes(:)
+      type(series_batch_t), intent(inout) :: batch
+      real(wp) :: limit, rest
+      integer :: i, k
+
+      do i = 1, series_width
+         if (.not. batch%lanes%is_at_limit(i) > 0) cycle
+         if (allocated(batch%lines)) then
+            ! most intervals of a record last for one step
+            k = min(batch%interval(i) + 1, ubound(batch%lines, 2))
+            limit = batch%lines(1, k)
+            rest = limit - batch%lanes%t(i)
+            if (rest > 8*epsilon(limit)*limit .and. rest <= batch%lanes%longest(i) &
+                .and. limit < lanes(i)%t_end) then
+               batch%interval(i) = k
+               batch%lanes%limit(i) = limit
+               batch%lanes%share(i) = rest
+               batch%lanes%length(i) = rest
+               batch%lanes%ground(i, 1) = batch%lines(2, k)
+               batch%lanes%ground(i, 2) = batch%lines(3, k)
+               batch%lanes%ground(i, 3) = batch%lines(4, k)
+               cycle
+            end if
+         end if
+         call enter_next_interval(lanes(i), i, batch)
+      end do
+   end subroutine pass_knots
 
    !> Load the interval of the motion after the present one. At the end of the run the lane stops.
    subroutine enter_next_interval(lane, i, batch)
