@@ -239,7 +239,7 @@ contains
       if (queue%rows%has_own_motion) then
          call create_series_batch(best_level(), kind%order, batch)
       else
-         call create_series_batch(best_level(), kind%order, batch, queue%motion)
+         call create_series_batch(best_level(), kind%order, batch, queue%motion, kind%t_end)
       end if
       call join_series(lanes(1), 1, batch)
       do

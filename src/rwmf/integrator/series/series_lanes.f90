@@ -75,6 +75,8 @@ module rwmf_integrator_series_series_lanes
       !! requested relative tolerance [-]
       real(wp) :: least_size(series_width)
       !! part of the expected size of the rotation [rad]
+      real(wp) :: allowance(series_width)
+      !! part of the tolerance for the last term of a step [-]
       real(wp) :: frequency(series_width)
       !! frequency whose phase angle scales the tolerance of a step [rad/s]
       ! window and records

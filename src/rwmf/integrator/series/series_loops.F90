@@ -136,7 +136,6 @@ contains
    !> the start is known by its multiplicity and divided out.
    pure subroutine screen_lanes(lanes)
       type(series_lanes_t), intent(inout) :: lanes
-      real(wp), parameter :: share = 0.4_wp
       real(wp), parameter :: third = 1.0_wp/3
       real(wp) :: p(0:order), x, last, size, tol, f, d, x2, x3, tail4, tail5, tail7, slope, bend, &
          root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, moving, roots, opens, &
@@ -159,7 +158,7 @@ contains
          top = lanes%top(i, right)
          size = lanes%rtol(i)*max(q0, top) + lanes%least_size(i)
          top = merge(top, q0, lanes%side(i) > 0)
-         tol = share*size*min(1.0_wp, lanes%frequency(i)*lanes%h(i))
+         tol = lanes%allowance(i)*size*min(1.0_wp, lanes%frequency(i)*lanes%h(i))
          last = max(abs(p(order)), 0.1_wp*abs(p(order - 1)))
          x = merge(0.7_wp, 1.0_wp, last > tol)
          x = merge(0.5_wp, x, last*0.7_wp**(order - 1) > tol)

@@ -23,8 +23,8 @@ module rwmf_simulation_series_series_batch
       logical :: has_ended = .true.
       !! a run is over, or a lane has none
       real(wp), allocatable :: lines(:, :)
-      !! (4, intervals of the motion from 0) end [s], a_0 [m/s2], slope [m/s3], t_0 [s]; not
-      !! allocated if the lanes have separate motions
+      !! (4, intervals of the motion from 0) end [s], a_0 [m/s2], slope [m/s3], t_0 [s]. The end is
+      !! negative where a lane has to enter the interval by itself: too short, or the last one.
       integer :: steps_left = 0
       !! number of common steps until the numbers of steps are checked
    end type series_batch_t
@@ -32,7 +32,7 @@ module rwmf_simulation_series_series_batch
 contains
 
    !> Create a batch with finite numbers in its idle lanes.
-   subroutine create_series_batch(level, order, batch, motion)
+   subroutine create_series_batch(level, order, batch, motion, t_end)
       integer, intent(in) :: level
       !! instruction set, as for `series_kernels_of`
       integer, intent(in) :: order
@@ -40,23 +40,36 @@ contains
       type(series_batch_t), intent(out) :: batch
       type(motion_t), intent(in), optional :: motion
       !! common to all lanes
+      real(wp), intent(in), optional :: t_end
+      !! end of all runs; present with a motion [s]
 
       batch%kernels = series_kernels_of(level, order)
       batch%lanes = idle_lanes()
-      if (present(motion)) call tabulate(motion, batch%lines)
+      if (present(motion)) then
+         call tabulate(motion, t_end, batch%lines)
+      else
+         allocate (batch%lines(4, 0:0), source=-1.0_wp)
+      end if
    end subroutine create_series_batch
 
    !> Tabulate the straight lines of a motion.
-   pure subroutine tabulate(motion, lines)
+   pure subroutine tabulate(motion, t_end, lines)
       type(motion_t), intent(in) :: motion
+      real(wp), intent(in) :: t_end
+      !! [s]
       real(wp), allocatable, intent(out) :: lines(:, :)
       type(line_t) :: line
+      real(wp) :: begin, limit
       integer :: i
 
       allocate (lines(4, 0:interval_last(motion)))
+      begin = 0
       do i = 0, interval_last(motion)
          line = line_of(motion, i)
-         lines(:, i) = [interval_end(motion, i), line%a_0, line%slope, line%t_0]
+         limit = interval_end(motion, i)
+         lines(:, i) = [limit, line%a_0, line%slope, line%t_0]
+         if (limit - begin <= 8*epsilon(limit)*limit .or. limit >= t_end) lines(1, i) = -1
+         begin = limit
       end do
    end subroutine tabulate
 
@@ -87,6 +100,7 @@ contains
       lanes%cable_slope = 0
       lanes%rtol = 1
       lanes%least_size = 1
+      lanes%allowance = 1
       lanes%frequency = 1
       lanes%upper = 2
       lanes%top = 1

@@ -5,7 +5,8 @@ module rwmf_simulation_series_series_loading
    use rwmf_core_error, only: err_numerical, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_interface_integrator, only: step_too_small
-   use rwmf_integrator_series_series_lanes, only: left, right, series_width
+   use rwmf_integrator_series_series_lanes, only: left, right, series_lanes_t, &
+      series_width
    use rwmf_model_cable, only: cable_row
    use rwmf_model_equation, only: enter_interval, enter_side, equation_t, frame_displacement, &
       frame_mass, interval_of
@@ -46,6 +47,7 @@ contains
          lanes%rtol(i) = tolerance%rtol
          lanes%least_size(i) = part*tolerance%atol(1)
          lanes%frequency(i) = max(equation%p%omega_s, sqrt(equation%p%g_over_R))
+         lanes%allowance(i) = allowance_of(equation, lanes%frequency(i)*lane%t_end)
          lanes%longest(i) = angle/lanes%frequency(i)
          lanes%upper(i) = hybrid%overturning_angle
          lanes%top(i, :) = 0
@@ -64,6 +66,21 @@ contains
       end associate
       call enter_series(lane, i, batch)
    end subroutine join_series
+
+   !> Part of the tolerance for the last term of a step.
+   !>
+   !> The error of a step is a small part of this term. Damping bounds the sum of the errors; without
+   !> it they add up over the run.
+   pure real(wp) function allowance_of(equation, angle) result(part)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: angle
+      !! phase angle of the vibration over the whole run [rad]
+      real(wp), parameter :: most = 0.4_wp
+      real(wp), parameter :: span = 50
+      !! phase angle over which errors may add up with this part [rad]
+
+      part = most*min(1.0_wp, span*max(equation%p%xi_s, 1/angle))
+   end function allowance_of
 
    !> Load the coefficients of the equation of motion, for both sides.
    subroutine load_coefficients(equation, i, batch)
@@ -134,31 +151,49 @@ contains
    subroutine pass_knots(lanes, batch)
       type(lane_state_t), intent(inout) :: lanes(:)
       type(series_batch_t), intent(inout) :: batch
-      real(wp) :: limit, rest
-      integer :: i, k
+      integer :: i, left_over
 
+      call pass_plain_knots(ubound(batch%lines, 2), batch%lines, batch%interval, batch%lanes, &
+         left_over)
+      if (left_over == 0) return
       do i = 1, series_width
-         if (.not. batch%lanes%is_at_limit(i) > 0) cycle
-         if (allocated(batch%lines)) then
-            ! most intervals of a record last for one step
-            k = min(batch%interval(i) + 1, ubound(batch%lines, 2))
-            limit = batch%lines(1, k)
-            rest = limit - batch%lanes%t(i)
-            if (rest > 8*epsilon(limit)*limit .and. rest <= batch%lanes%longest(i) &
-                .and. limit < lanes(i)%t_end) then
-               batch%interval(i) = k
-               batch%lanes%limit(i) = limit
-               batch%lanes%share(i) = rest
-               batch%lanes%length(i) = rest
-               batch%lanes%ground(i, 1) = batch%lines(2, k)
-               batch%lanes%ground(i, 2) = batch%lines(3, k)
-               batch%lanes%ground(i, 3) = batch%lines(4, k)
-               cycle
-            end if
-         end if
-         call enter_next_interval(lanes(i), i, batch)
+         if (batch%lanes%is_at_limit(i) > 0) call enter_next_interval(lanes(i), i, batch)
       end do
    end subroutine pass_knots
+
+   !> Move lanes to the next intervals if these are in the table and last for one step, as most
+   !> intervals of a record do.
+   pure subroutine pass_plain_knots(last, lines, interval, lanes, left_over)
+      integer, intent(in) :: last
+      !! number of the last interval in the table
+      real(wp), intent(in) :: lines(4, 0:last)
+      !! see `series_batch_t`
+      integer, intent(inout) :: interval(series_width)
+      type(series_lanes_t), intent(inout) :: lanes
+      integer, intent(out) :: left_over
+      !! number of lanes that remain at their limits
+      real(wp) :: rest
+      integer :: i, k
+
+      left_over = 0
+      do i = 1, series_width
+         if (.not. lanes%is_at_limit(i) > 0) cycle
+         k = min(interval(i) + 1, last)
+         rest = lines(1, k) - lanes%t(i)
+         if (.not. (rest > 0 .and. rest <= lanes%longest(i))) then
+            left_over = left_over + 1
+            cycle
+         end if
+         interval(i) = k
+         lanes%is_at_limit(i) = 0
+         lanes%limit(i) = lines(1, k)
+         lanes%share(i) = rest
+         lanes%length(i) = rest
+         lanes%ground(i, 1) = lines(2, k)
+         lanes%ground(i, 2) = lines(3, k)
+         lanes%ground(i, 3) = lines(4, k)
+      end do
+   end subroutine pass_plain_knots
 
    !> Load the interval of the motion after the present one. At the end of the run the lane stops.
    subroutine enter_next_interval(lane, i, batch)
@@ -177,18 +212,11 @@ contains
                return
             end if
             k = k + 1
-            if (allocated(batch%lines)) then
-               limit = min(batch%lines(1, k), lane%t_end)
-               lanes%ground(i, 1) = batch%lines(2, k)
-               lanes%ground(i, 2) = batch%lines(3, k)
-               lanes%ground(i, 3) = batch%lines(4, k)
-            else
-               limit = min(interval_end(lane%equation%motion, k), lane%t_end)
-               line = line_of(lane%equation%motion, k)
-               lanes%ground(i, 1) = line%a_0
-               lanes%ground(i, 2) = line%slope
-               lanes%ground(i, 3) = line%t_0
-            end if
+            limit = min(interval_end(lane%equation%motion, k), lane%t_end)
+            line = line_of(lane%equation%motion, k)
+            lanes%ground(i, 1) = line%a_0
+            lanes%ground(i, 2) = line%slope
+            lanes%ground(i, 3) = line%t_0
             rest = limit - lanes%t(i)
             if (rest > 8*epsilon(limit)*limit) exit
             lanes%t(i) = max(limit, lanes%t(i))
