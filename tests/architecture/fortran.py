@@ -2,8 +2,8 @@
 
 An arrow is a `use`, inside any `#ifdef`. Where a macro names the module, the arrow goes to every
 module that the macro can mean: its `#define` in the same file, and the `-D` of the `meson.build`
-beside it. A module with the suffix of a number of lanes or of an instruction set (`_l16`, `_v3`,
-`_l16_v3`) is the file named so by tools/join-sources.py.
+beside it. A module with the suffix of a number of lanes, of an order or of an instruction set
+(`_l16`, `_o8`, `_v3`, `_l16_v3`) is the file named so by tools/join-sources.py.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 
 # Modules that no source of ours contains.
 INTRINSIC = re.compile(r"(iso_c_binding|iso_fortran_env|ieee_\w+|omp_lib)$")
-LANES = re.compile(r"(?=_[lv]\d)(_l\d+)?(_v\d+)?$")
+LANES = re.compile(r"(?=_[lov]\d)(_[lo]\d+)?(_v\d+)?$")
 SUNDIALS = re.compile(r"f(cvode|arkode|farkode|kinsol|ida|nvector|sun)\w*_mod$")
 
 _USE = re.compile(r"use\b\s*(?:,\s*(?:non_)?intrinsic\s*)?(?:::)?\s*(\w+)", re.IGNORECASE)

@@ -47,6 +47,8 @@ LARGE: dict[str, str] = {
     "rwmf_integrator_lane_step:attempt_step": "a block of lanes as plain arrays",
     "rwmf_integrator_lane_quiet:find_quiet_steps": "a block of lanes as plain arrays",
     "rwmf_integrator_lane_screens:screen_steps": "a block of lanes as plain arrays",
+    "rwmf_integrator_series_series_loops:expand_lanes": "a vectorised loop: a call would end it",
+    "rwmf_integrator_series_series_loops:screen_lanes": "a vectorised loop: a call would end it",
     "rwmf_embedding_element_events:next_impact": _STEP_OF_A_HOST,
     "rwmf_embedding_element_events:next_lift_off": _STEP_OF_A_HOST,
     "rwmf_bindings_c_element:c_respond": _CALLER_IS_NO_FORTRAN,

@@ -252,10 +252,17 @@ def test_peak_of_a_flight_that_begins_in_its_step(tmp_path: Path) -> None:
         assert np.max(np.abs(found / truth - 1)) < 1e-9, file.name
 
 
-@pytest.mark.parametrize("source", ["integrator/lane_control.f90", "model/lanes.F90"])
-def test_every_loop_is_vectorised(source: str) -> None:
+@pytest.mark.parametrize(
+    ("source", "unit"),
+    [
+        ("integrator/lane_control.f90", "lane_unit_*.vec"),
+        ("model/lanes.F90", "lane_unit_*.vec"),
+        ("integrator/series/series_loops.F90", "series_unit_*.vec"),
+    ],
+)
+def test_every_loop_is_vectorised(source: str, unit: str) -> None:
     """The compiler's report of the build names every loop that `!$omp simd` marks."""
-    reports = sorted((BUILD / "src" / "rwmf" / "integrator").glob("lane_unit_*.vec"))
+    reports = sorted((BUILD / "src" / "rwmf" / "integrator").glob(unit))
     if not reports:
         pytest.skip("no build folder")
     for report in reports:
@@ -273,13 +280,14 @@ def test_every_loop_is_vectorised(source: str) -> None:
 
 def _marked_loops(path: Path) -> list[tuple[range, bool]]:
     """List the loops after `!$omp simd`: lines, of which the report names one; choice."""
-    lines = [line.strip() for line in path.read_text(encoding="utf-8").splitlines()]
+    lines = [line.rstrip() for line in path.read_text(encoding="utf-8").splitlines()]
     loops = []
     for number, line in enumerate(lines):
-        if line.startswith("!$omp simd"):
+        if line.strip().startswith("!$omp simd"):
             # The report also contains the mark as the initial value of a reduction.
-            begin = next(k for k in range(number, len(lines)) if lines[k].startswith("do "))
-            text = lines[begin : lines.index("end do", begin)]
+            begin = next(k for k in range(number, len(lines)) if lines[k].strip().startswith("do "))
+            indent = lines[begin][: lines[begin].index("do ")]
+            text = lines[begin : lines.index(f"{indent}end do", begin)]
             chooses = any("merge(" in part for part in text)
             loops.append((range(begin + 1, begin + len(text) + 2), chooses))
     return loops

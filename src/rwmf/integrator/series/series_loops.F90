@@ -255,11 +255,9 @@ contains
    !> Find the single roots of phi by Newton's method from the root of the parabola at the start.
    pure subroutine find_roots(lanes)
       type(series_lanes_t), intent(inout) :: lanes
-      real(wp), parameter :: precision = 1.0e-3_wp
-      !! largest phi at a root over the tolerance [-]
-      real(wp), parameter :: nearness = 1.0e-6_wp
-      !! last step of Newton's method over the position [-]
-      integer, parameter :: most = 6
+      real(wp), parameter :: precision = 1.0e-11_wp
+      !! error of a root over its position; errors of many small flights add up [-]
+      integer, parameter :: most = 8
       real(wp) :: z(series_width), is_left(series_width), f, d, x, root, left_over
       integer :: i, k, round
 
@@ -292,10 +290,7 @@ contains
             root = merge(root, 0.5_wp*x, root > 0)
             root = merge(root, 0.5_wp*(x + lanes%x_most(i)), d < 0)
             z(i) = min(root, lanes%x_most(i))
-            root = precision*(lanes%rtol(i)*max(lanes%top(i, left), lanes%top(i, right)) &
-               + lanes%least_size(i))
-            root = max(d, max(abs(f) - root, abs(f) + nearness*(d*x)))
-            is_left(i) = merge(is_left(i), 0.0_wp, root >= 0)
+            is_left(i) = merge(is_left(i), 0.0_wp, max(d, abs(f) + precision*(d*x)) >= 0)
             left_over = left_over + is_left(i)
          end do
          if (.not. left_over > 0) exit

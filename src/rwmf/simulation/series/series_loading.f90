@@ -75,8 +75,8 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: angle
       !! phase angle of the vibration over the whole run [rad]
-      real(wp), parameter :: most = 0.4_wp
-      real(wp), parameter :: span = 50
+      real(wp), parameter :: most = 0.3_wp
+      real(wp), parameter :: span = 30
       !! phase angle over which errors may add up with this part [rad]
 
       part = most*min(1.0_wp, span*max(equation%p%xi_s, 1/angle))
