@@ -45,7 +45,14 @@ if TYPE_CHECKING:
     from rwmf._sweep import RecordFile, find_records, merge, sweep
     from rwmf._sweep.intensity import intensity
     from rwmf.case import Case, Motion
-    from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
+    from rwmf.errors import (
+        InputError,
+        Interrupted,
+        NumericalError,
+        OutputError,
+        RwmfError,
+        RwmfWarning,
+    )
     from rwmf.studies.statistics import quantile
 
     __version__: str
@@ -68,6 +75,7 @@ __all__ = [
     "RecordFile",
     "Response",
     "RwmfError",
+    "RwmfWarning",
     "Wall",
     "WallEvent",
     "WallEvents",
@@ -123,6 +131,7 @@ _HOMES = {
     "RecordFile": "_sweep",
     "Response": "_response",
     "RwmfError": "errors",
+    "RwmfWarning": "errors",
     "base_section": "_base_section",
     "checks": "_checks.checks",
     "Wall": "_hosts",

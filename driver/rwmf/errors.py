@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import difflib
 import re
+import sys
+import warnings
 from collections.abc import Iterable
+from pathlib import Path
 
 __all__ = [
     "InputError",
@@ -12,9 +15,13 @@ __all__ = [
     "NumericalError",
     "OutputError",
     "RwmfError",
+    "RwmfWarning",
     "did_you_mean",
+    "warn",
     "without_lines",
 ]
+
+_PACKAGE = str(Path(__file__).parent)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -90,3 +97,22 @@ class Interrupted(KeyboardInterrupt):
     """
 
     exit_status = 130
+
+
+class RwmfWarning(UserWarning):
+    """Warning about a result: the model, the input or the accuracy."""
+
+
+def warn(lines: Iterable[str]) -> None:
+    """Emit warnings about a result at the line of the user that called the package.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        One text per warning.
+    """
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        level, frame = level + 1, frame.f_back
+    for line in lines:
+        warnings.warn(line, RwmfWarning, stacklevel=level)
