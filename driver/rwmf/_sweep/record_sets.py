@@ -11,7 +11,7 @@ from pathlib import Path
 from rwmf._arguments import checked
 from rwmf._files.names import problem_of_name, shorten
 from rwmf._numbers import show, to_number
-from rwmf._records.components import VERTICAL, component_of
+from rwmf._records.components import VERTICAL, is_left_behind, verticals_beside
 from rwmf._records.lists import read_list
 from rwmf._records.reader import (
     RECORD_SUFFIXES,
@@ -218,6 +218,10 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
             paths = sorted(item for item in base.glob(pattern) if item.is_file())
         except ValueError as error:
             raise InputError(f"records: {word}: {error}") from error
+        paths = [item for item in paths if not is_left_behind(Path(item.name))]
+    elif is_left_behind(Path(path.name)) and path.exists():
+        # a pattern of the shell names it too
+        return []
     elif path.is_dir():
         paths = _records_below(path, has_vertical)
     else:
@@ -229,24 +233,28 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
 
 def _records_below(folder: Path, has_vertical: bool) -> list[Path]:
     endings = (*RECORD_SUFFIXES, *(VERTICAL_SUFFIXES if has_vertical else ()))
-    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in endings)
-    if has_vertical:
-        return paths
-    named = {path: (path.parent, *component_of(path.name)) for path in paths}
-    # made_up.at2 alone is no vertical component
-    horizontal = {name[:2] for name in named.values() if name[2] != VERTICAL}
-    return [p for p, name in named.items() if name[2] != VERTICAL or name[:2] not in horizontal]
+    paths = sorted(
+        path
+        for path in folder.rglob("*")
+        if path.suffix.lower() in endings and not is_left_behind(path.relative_to(folder))
+    )
+    left_out = set() if has_vertical else verticals_beside(paths)
+    return [path for path in paths if path not in left_out]
 
 
-def _components(path: Path, unit: str | None, dt: float | None) -> list[Component]:
+def _components(
+    path: Path, unit: str | None, dt: float | None, *, is_listed: bool = False
+) -> list[Component]:
     """Return the channels of a file, or of the files that a list names."""
     content = read_bytes(path)
     entries = read_list(path, content)
+    if entries is not None and is_listed:
+        raise InputError(f"records: {path}: is a list in a list: name the files of records")
     if entries is not None:
         return [
             (replace(record, scale=record.scale * entry.factor), entry.set, direction)
             for entry in entries
-            for record, _, direction in _components(entry.path, unit, dt)
+            for record, _, direction in _components(entry.path, unit, dt, is_listed=True)
         ]
     crc = f"{zlib.crc32(content):08x}"
     where = str(path.absolute())
