@@ -17,7 +17,16 @@ import numpy.typing as npt
 from rwmf._files.names import shorten
 from rwmf.errors import InputError
 
-__all__ = ["float_of", "is_whole", "show", "to_array", "to_items", "to_number", "to_whole"]
+__all__ = [
+    "first_masked",
+    "float_of",
+    "is_whole",
+    "show",
+    "to_array",
+    "to_items",
+    "to_number",
+    "to_whole",
+]
 
 Array = npt.NDArray[np.float64]
 _NUMBERS = int | float | np.integer | np.floating
@@ -243,7 +252,7 @@ def _floats(name: str, values: object, wanted: str) -> Array:
     """Return numbers of any shape as a new array."""
     if isinstance(values, str | bytes | bytearray | memoryview | Mapping | set | frozenset):
         raise InputError(f"{name} = {show(values)}: must be {wanted}")
-    masked = _first_masked(values)
+    masked = first_masked(values)
     if masked is not None:
         raise InputError(f"{name}: the value at position {masked} is masked: must be {wanted}")
     try:
@@ -274,8 +283,19 @@ def _floats_of_objects(name: str, array: npt.NDArray[Any], wanted: str) -> Array
     return found
 
 
-def _first_masked(values: object) -> int | None:
-    """Return the flat position of the first masked value."""
+def first_masked(values: object) -> int | None:
+    """Find the first masked value.
+
+    Parameters
+    ----------
+    values : object
+        Any value.
+
+    Returns
+    -------
+    int or None
+        Its flat position; None without one.
+    """
     if isinstance(values, np.ma.MaskedArray):
         found = np.flatnonzero(np.ma.getmaskarray(values))
         return int(found[0]) if found.size else None
