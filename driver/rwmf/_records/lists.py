@@ -17,7 +17,7 @@ __all__ = ["SUITE_HEADER", "Entry", "decimal_point", "read_list", "separator_of"
 
 SUITE_HEADER = "file,factor,set"
 _HEADER_BYTES = 200_000
-_SEPARATORS = ",;\t"
+_SEPARATORS = ";\t,"
 # a title of the search results of PEER: the table above it ends
 _TITLE = re.compile(r'[\s"]*--+ .* --')
 # columns of an own list that would change its records
@@ -122,9 +122,9 @@ def separator_of(line: str) -> str:
     Returns
     -------
     str
-        Comma, semicolon or tab: the most frequent one, the first of equals.
+        Semicolon, tab or comma: the first of them in the line, the comma without any.
     """
-    return max(_SEPARATORS, key=line.count)
+    return next((mark for mark in _SEPARATORS if mark in line), ",")
 
 
 def decimal_point(cell: str, separator: str) -> str:

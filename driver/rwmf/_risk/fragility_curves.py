@@ -401,6 +401,11 @@ def _notes(
     repeated = rows.sizes["row"] - len(set(keys))
     if repeated:
         notes.append(f"{repeated} rows repeat record and intensity of others; all are counted")
+    down, statuses = fallen(rows), rows["status"].values.astype(str)
+    failed = sorted(set(statuses[~down].tolist()) - {"ok"})
+    if failed:
+        lost = int(np.isin(statuses, failed).sum())
+        notes.append(f"{lost} of {statuses.size} runs failed ({', '.join(failed)})")
     if dispersion > 0:
         return notes
     if not is_counted:

@@ -12,6 +12,8 @@ import xarray as xr
 import rwmf
 from rwmf._files import files
 from rwmf._progress import progress
+from rwmf._risk.annual import unit_of
+from rwmf._risk.hazard import hazard_of
 from rwmf._risk.loss import loss_quantities, nrml_text, write_pelicun
 from rwmf._risk.table import fallen, quantities_of, write_dataset
 from rwmf._sweep.executors import open_executor
@@ -152,8 +154,9 @@ def integrate(options: argparse.Namespace) -> int:
     """
     inputs = [word for word in (options.fragility, options.hazard) if Path(word).is_file()]
     _check_outputs(options, inputs)
-    hazard = _pair("--hazard", options.hazard) or options.hazard
-    found = rwmf.risk(_read_fragility(options.fragility), hazard, levels=options.levels)
+    fragility = _read_fragility(options.fragility)
+    hazard = hazard_of(_pair("--hazard", options.hazard) or options.hazard, unit_of(fragility))
+    found = rwmf.risk(fragility, hazard, levels=options.levels)
     names = ["annual_frequency", "annual_frequency_band", "closed_form", "return_period"]
     print_warnings(options.hazard, str(found.attrs["warnings"]).splitlines())
     _print_results(found, [*names, "probability_50_years", "extrapolated"], options)
