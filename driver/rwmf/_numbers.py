@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import operator
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeGuard
 
@@ -36,6 +37,7 @@ _NO_NUMBERS = bool | np.timedelta64
 _KINDS = {"b": "true or false", "c": "complex", "U": "text", "S": "bytes", "M": "dates",
           "m": "time differences", "V": "records"}  # fmt: skip
 _FINITE = "a finite number"
+_NUMPY = re.compile(r"\bnp\.(?:[a-z]+\d*_?\(('[^']*'|[^()]*)\)|(True|False)_)")
 
 
 def show(value: object) -> str:
@@ -54,7 +56,10 @@ def show(value: object) -> str:
     if isinstance(value, int) and value.bit_length() > 256:
         return f"an integer of {value.bit_length()} bits"
     try:
-        text = repr(value.item() if isinstance(value, np.generic) else value)
+        # numbers of NumPy, alone and in lists, as those of Python: 0.5, not np.float64(0.5)
+        text = repr(value)
+        if not isinstance(value, str | bytes):
+            text = _NUMPY.sub(lambda found: found[1] or found[2], text)
     except Exception:
         text = f"an object of type {type(value).__name__}"
     return shorten(" ".join(text.split()))

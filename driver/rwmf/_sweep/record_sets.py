@@ -74,9 +74,10 @@ class RecordFile:
         for name, value in texts.items():
             if not isinstance(value, str):
                 raise InputError(f"RecordFile: {name} = {show(value)}: must be a text")
+        # numbers of NumPy would write their type into lists and messages
         if self.dt is not None:
-            to_number("RecordFile: dt", self.dt, above=0.0)
-        to_number("RecordFile: scale", self.scale)
+            object.__setattr__(self, "dt", to_number("RecordFile: dt", self.dt, above=0.0))
+        object.__setattr__(self, "scale", to_number("RecordFile: scale", self.scale))
         if self.array is not None and not isinstance(self.array, Motion):
             raise InputError(f"RecordFile: array = {show(self.array)}: must be a Motion")
 
