@@ -17,6 +17,7 @@ import rwmf
 import xarray as xr
 from rwmf import cli, studies
 from rwmf.errors import InputError
+from scenes import coupled
 
 BAKER: dict[str, Any] = {
     "levels": [0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0],
@@ -467,6 +468,21 @@ def test_numbers_beyond_the_range(
     assert re.search(message, capsys.readouterr().err)
     with pytest.raises(InputError, match=r"no finite fit|does not grow"):
         rwmf.fragility(levels=[1e-300, 1e300], exceeded=[3, 4], runs=10)
+
+
+def test_warnings_of_runs_reach_the_frequency() -> None:
+    """One line for each design, through analysis, fit and integral, and as warnings of Python."""
+    designs = {name: coupled(impact={"e": e}) for name, e in (("w1", 0.9), ("w2", 0.8))}
+    with pytest.warns(rwmf.RwmfWarning, match="w1: not conserved"):
+        table = rwmf.ida(designs, suite(2), [0.05, 0.2], tolerance=0.5, limits={"u_s_max": 0.05})
+    lines = table.attrs["warnings"].splitlines()
+    assert [line.partition(":")[0] for line in lines] == ["w1", "w2"]
+    with pytest.warns(rwmf.RwmfWarning, match="w2: not conserved"):
+        curves = rwmf.fragility(table, 0.05, "u_s_max", resamples=0)
+    with pytest.warns(rwmf.RwmfWarning, match="w2: not conserved"):
+        found = rwmf.risk(curves, (1e-4, 2.3))
+    for result in (curves, found):
+        assert result.attrs["warnings"].splitlines()[:2] == lines
 
 
 def test_frequencies_above_one_warn() -> None:
