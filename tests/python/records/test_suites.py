@@ -55,7 +55,11 @@ def test_components_by_name(names: tuple[str, str, str], tmp_path: Path) -> None
     assert pair.vertical is not None
     found = [Path(item.path).name for item in (pair.first, pair.second, pair.vertical)]
     assert found == list(names)
-    # in a folder the vertical component is no ground motion of the suite
+    # in a folder and a pattern the vertical component is no ground motion of the suite
+    pattern = rwmf.find_records([str(tmp_path / "*.[aA][tT]2")])
+    assert [Path(item.path).name for item in pattern] == list(names[:2])
+    with pytest.warns(rwmf.RwmfWarning, match=f"{names[2]}: is a vertical component, and acts"):
+        assert len(rwmf.find_records([tmp_path / name for name in names])) == 3
     assert [Path(item.path).name for item in rwmf.find_records([tmp_path])] == list(names[:2])
     assert rwmf.find_records([tmp_path / names[2]])[0].name == Path(names[2]).stem
     (tmp_path / names[1]).unlink()
