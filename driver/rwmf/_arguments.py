@@ -15,7 +15,7 @@ from rwmf._files.names import problem_of_name
 from rwmf._library import check_threads
 from rwmf._numbers import show, to_array, to_items, to_number, to_whole
 from rwmf.case import Case, CaseLike, Motion
-from rwmf.errors import InputError
+from rwmf.errors import InputError, call_depth, warn
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -300,6 +300,8 @@ def _not_negative(name: str, value: object) -> float:
 def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Convert or refuse the arguments of a public function before it runs.
 
+    The warnings of its result are emitted, unless another public function has called it.
+
     Parameters
     ----------
     function : callable
@@ -331,6 +333,14 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
                     word: item if item is None or word not in _CHECKS else _CHECKS[word](word, item)
                     for word, item in value.items()
                 }
-        return function(*bound.args, **bound.kwargs)
+        before = call_depth.set(call_depth.get() + 1)
+        try:
+            result = function(*bound.args, **bound.kwargs)
+        finally:
+            call_depth.reset(before)
+        lines = getattr(result, "attrs", {}).get("warnings")
+        if lines and call_depth.get() == 0:
+            warn(str(lines).splitlines())
+        return result
 
     return call
