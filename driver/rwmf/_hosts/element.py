@@ -7,13 +7,13 @@ from typing import Generic, NamedTuple, TypeVar, overload
 
 import numpy as np
 
-from rwmf._arguments import case_of
+from rwmf._arguments import case_of, checked
 from rwmf._hosts.guard import Closable, Guard, NotPickled
 from rwmf._hosts.states import Reals
 from rwmf._library.hosts import KernelMember, Saved, event_names
 from rwmf._numbers import is_whole, show, to_array, to_number
 from rwmf.case import CaseLike
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["Element", "ElementEvent", "ElementResponse", "ElementSnapshot"]
 
@@ -111,11 +111,13 @@ class Element(Closable[KernelMember]):
         When an effect of the case does not allow an element.
     """
 
+    @checked
     def __init__(self, case: CaseLike) -> None:
         given = case_of(case)
         kernel = KernelMember(given.kernel, given.kernel_source())
         self._guard = Guard(kernel, "Element")
         self._dofs, self._links, self._modes = kernel.dofs, kernel.links, kernel.modes
+        warn(given.kernel.motion_warnings())
 
     @property
     def dofs(self) -> int:

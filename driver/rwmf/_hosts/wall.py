@@ -8,7 +8,7 @@ from typing import TypeGuard
 
 import numpy as np
 
-from rwmf._arguments import case_of
+from rwmf._arguments import case_of, checked
 from rwmf._hosts.guard import Closable, Guard, NotPickled
 from rwmf._hosts.states import (
     Counts,
@@ -24,7 +24,7 @@ from rwmf._library import check_threads
 from rwmf._library.hosts import KernelWalls, Saved, event_names
 from rwmf._numbers import show, to_array, to_items, to_number, to_whole
 from rwmf.case import Case, CaseLike
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["Wall", "WallSnapshot", "Walls"]
 
@@ -66,6 +66,7 @@ class _Stepping(Closable[KernelWalls]):
         kernel = KernelWalls([case.kernel for case in cases], n, begin, expected, source)
         self._guard = Guard(kernel, type(self).__name__)
         self._no_motion = np.empty((1, 0), order="F")
+        warn(dict.fromkeys(line for case in cases for line in case.kernel.motion_warnings()))
 
     def advance(self, t: float) -> None:
         """Advance to a later time under the motion of the case, none without `&motion`.
@@ -174,6 +175,7 @@ class Wall(_Stepping):
         When the case does not allow stepping, or a number is not acceptable.
     """
 
+    @checked
     def __init__(self, case: CaseLike, t_begin: float = 0.0, peak: float | None = None) -> None:
         super().__init__([case_of(case)], 1, t_begin, peak, 1)
 
@@ -334,6 +336,7 @@ class Walls(_Stepping):
         When a case does not allow stepping, or an argument is not acceptable.
     """
 
+    @checked
     def __init__(
         self,
         cases: CaseLike | Sequence[CaseLike],

@@ -258,6 +258,16 @@ class KernelCase:
         text = fetch_text(_kernel.case_warnings, self.handle, requested)
         return [line for line in text.split("\t") if line]
 
+    def motion_warnings(self) -> list[str]:
+        """Return the warnings about the motion of the case, whatever its outputs.
+
+        Returns
+        -------
+        list of str
+            One line per warning.
+        """
+        return self.warnings(("u_s_max_m",))
+
     def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:
         """Fetch a text, and raise the error of the kernel if there is one."""
 

@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from rwmf._arguments import case_of
+from rwmf._arguments import case_of, checked
 from rwmf._numbers import show, to_number
 from rwmf.case import CaseLike
 from rwmf.coupling.coupled_run import CoupledRun
 from rwmf.coupling.coupled_wall import CoupledWall
 from rwmf.coupling.host import Host
 from rwmf.coupling.pair import Pair
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["couple"]
 
 
+@checked
 def couple(
     case: CaseLike,
     host: Host,
@@ -76,6 +77,7 @@ def couple(
         raise InputError("case: a coupling needs &wall m_w, the mass of the wall")
     weight = to_number("m_w", mass) * given.model.g
     wall = CoupledWall(given, len(host.links), heights)
+    warn(given.kernel.motion_warnings())
     pair = Pair(wall, host, ground, step, weight, accuracy)
     begin = host.time()
     for number in range(1, math.ceil((end - begin) / step * (1 - 1e-12)) + 1):

@@ -412,3 +412,40 @@ def test_right_values_stay_right() -> None:
     ):
         assert rwmf.spectrum(case, T_s=periods)["u_s_max"].equals(expected["u_s_max"])  # type: ignore[arg-type]
     assert case.replace(wall={"h": np.array(3)}).wall.h == 3.0
+
+
+# dollar signs would begin formulas, and a lone brace would end the drawing of one
+_HOSTILE = r"a$b_{$c\q$"
+
+
+def _hostile(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset whose names of records and designs, meanings and units are no formulas."""
+    found = dataset.copy(deep=True)
+    for name, values in dataset.variables.items():
+        if "long_name" in values.attrs:
+            found[name].attrs["long_name"] = _HOSTILE
+        if name in ("record", "design"):
+            texts = np.array([f"{_HOSTILE}{value}" for value in values.values.flat])
+            change = found.assign_coords if name in dataset.coords else found.assign
+            found = change({name: (values.dims, texts.reshape(values.shape))})
+    return found
+
+
+# the table of calls has no measurement and no storeys for these
+_REFUSED = {"plot.work_precision", "plot.profile"} | _NOT_CALLED
+
+
+@pytest.mark.parametrize("name", sorted(
+    {name for name in _public() if name.startswith(("plot.", "loops.draw"))} - _REFUSED
+))  # fmt: skip
+def test_figures_show_any_name(name: str, tmp_path: Path) -> None:
+    arguments = {
+        word: _hostile(value) if isinstance(value, xr.Dataset) else value
+        for word, value in _calls(tmp_path)[name].items()
+    }
+    try:
+        _public()[name](**arguments)
+        for number in plt.get_fignums():
+            plt.figure(number).canvas.draw()
+    finally:
+        plt.close("all")
