@@ -20,10 +20,19 @@ from rwmf.errors import InputError, call_depth, warn
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["array_of", "case_of", "checked", "dataset_of", "path_of", "texts_of"]
+__all__ = [
+    "array_of",
+    "case_of",
+    "checked",
+    "dataset_of",
+    "function_of",
+    "path_of",
+    "texts_of",
+]
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+_F = TypeVar("_F")
 Check = Callable[[str, Any], Any]
 
 
@@ -171,6 +180,31 @@ def array_of(value: object, dim: str) -> xr.DataArray:
     return value
 
 
+def function_of(name: str, value: _F) -> _F:
+    """Return a function that the caller gives.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in messages.
+    value : callable
+        The function.
+
+    Returns
+    -------
+    callable
+        `value`, unchanged.
+
+    Raises
+    ------
+    InputError
+        When it cannot be called.
+    """
+    if not callable(value):
+        raise InputError(f"{name} = {show(value)}: must be callable")
+    return value
+
+
 def _text(name: str, value: object) -> str:
     if not isinstance(value, str):
         raise InputError(f"{name} = {show(value)}: must be a text")
@@ -258,7 +292,11 @@ _CHECKS: dict[str, Check] = {
         "" if isinstance(value, str) and not value else path_of(name, value)
     ),
     "force": _truth,
+    "function": function_of,
     "grid": _mapping,
+    "ground": function_of,
+    "has_branches": _truth,
+    "horizon": to_number,
     "intensity": _text,
     "kind": _text,
     "legend": _truth,
@@ -271,6 +309,7 @@ _CHECKS: dict[str, Check] = {
     "part": _part,
     "parts": _sequence,
     "path": path_of,
+    "peak": _positive,
     "period": _positive,
     "periods": _positives,
     "port": lambda name, value: to_whole(name, value, 0, 65535),
@@ -279,6 +318,8 @@ _CHECKS: dict[str, Check] = {
     "quantity": _text,
     "records": _sequence,
     "restart": _truth,
+    "t_begin": to_number,
+    "t_end": _positive,
     "target": _positive,
     "threads": lambda name, value: check_threads(value, name),
     "tolerance": _positive,

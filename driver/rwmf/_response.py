@@ -35,6 +35,13 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
 
     __slots__ = ()
 
+    def __init__(self, data_vars: Any = None, coords: Any = None, attrs: Any = None) -> None:  # noqa: ANN401 (as xarray)
+        """Make a dataset as xarray does."""
+        try:
+            super().__init__(data_vars, coords, attrs)
+        except (AttributeError, TypeError, ValueError) as error:
+            raise InputError(f"Response: must have the arguments of a Dataset: {error}") from error
+
     @overload
     def __getitem__(self, key: Hashable) -> xr.DataArray: ...
     @overload

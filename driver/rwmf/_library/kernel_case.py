@@ -338,6 +338,8 @@ def read_case(
     known: KernelCase | None = None,
     motion: Samples | None = None,
     vertical: Samples | None = None,
+    *,
+    is_for_host: bool = False,
 ) -> KernelCase:
     """Read and validate a case.
 
@@ -351,6 +353,8 @@ def read_case(
         A case whose samples are reused for the same record, instead of reading the file again.
     motion, vertical : Samples, optional
         Samples for `&motion file` and `&vertical file`; no file is read.
+    is_for_host : bool
+        The case is for an element: ``T_s`` and ``xi_s`` of `&frame` and ``t_end`` may be absent.
 
     Returns
     -------
@@ -364,7 +368,9 @@ def read_case(
     """
     message = message_buffer()
     others = [0 if kept is None else kept.handle for kept in (known, motion, vertical)]
-    handle, status, n = _cases.case_read(encode(text), encode(source), others, message)
+    handle, status, n = _cases.case_read(
+        encode(text), encode(source), others, int(is_for_host), message
+    )
     raise_for(status, message, n)
     return KernelCase(Memory(handle), source=source)
 
