@@ -359,7 +359,7 @@ def test_ctrl_c_stops_many_walls() -> None:
 _LONG = np.arange(0.0, 1e4, 0.02)
 _CALLS: dict[str, Callable[[rwmf.Wall], object]] = {
     "advance": lambda wall: wall.advance(1e4),
-    "samples": lambda wall: wall.advance_samples(_LONG, np.sin(3 * _LONG)),
+    "samples": lambda wall: wall.advance_samples(_LONG + wall.t, np.sin(3 * _LONG)),
     "ground": lambda wall: wall.advance_ground(1e4, lambda t: math.sin(3 * t)),
     "next event": lambda wall: wall.next_event(1e4, ("collapsed",)),
 }
