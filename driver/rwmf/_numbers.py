@@ -26,6 +26,7 @@ __all__ = [
     "to_array",
     "to_items",
     "to_number",
+    "to_shaped",
     "to_whole",
 ]
 
@@ -204,6 +205,39 @@ def to_array(
         more = f", > {above:g}" if above > -math.inf else ""
         place = f" at position {i}" if array.size > 1 else ""
         raise InputError(f"{name} = {array[i].item()!r}{place}: must be {wanted}{more}")
+    return array
+
+
+def to_shaped(name: str, values: object, *shapes: tuple[int, ...]) -> Array:
+    """Convert finite numbers of any dimension.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in messages.
+    values : number, sequence or array
+        The numbers.
+    *shapes : tuple of int
+        Allowed shapes; any by default.
+
+    Returns
+    -------
+    numpy.ndarray
+        A new array of the numbers.
+
+    Raises
+    ------
+    InputError
+        When a value is no number, masked or not finite, or the shape is another one.
+    """
+    wanted = "finite numbers"
+    array = np.array(values) if type(values) is float else _floats(name, values, wanted)
+    if not np.isfinite(array).all():
+        wrong = array[~np.isfinite(array)].flat[0].item()
+        raise InputError(f"{name} = {wrong!r}: must be {wanted}")
+    if shapes and array.shape not in shapes:
+        allowed = " or ".join(map(str, shapes))
+        raise InputError(f"{name}: has the shape {array.shape}: must have {allowed}")
     return array
 
 

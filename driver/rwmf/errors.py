@@ -7,6 +7,7 @@ import re
 import sys
 import warnings
 from collections.abc import Iterable
+from contextvars import ContextVar
 from pathlib import Path
 
 __all__ = [
@@ -16,12 +17,15 @@ __all__ = [
     "OutputError",
     "RwmfError",
     "RwmfWarning",
+    "call_depth",
     "did_you_mean",
     "warn",
     "without_lines",
 ]
 
 _PACKAGE = str(Path(__file__).parent)
+# number of public functions that are running, one inside the other
+call_depth: ContextVar[int] = ContextVar("call_depth", default=0)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -90,13 +94,8 @@ class OutputError(RwmfError, OSError):
     exit_status = 2
 
 
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C stopped a running kernel.
-
-    Not a `RwmfError`: like every `KeyboardInterrupt` it must pass through ``except Exception``.
-    """
-
-    exit_status = 130
+# Ctrl-C stopped a running kernel; Python ends with the status of the signal for this type alone
+Interrupted = KeyboardInterrupt
 
 
 class RwmfWarning(UserWarning):
@@ -106,11 +105,15 @@ class RwmfWarning(UserWarning):
 def warn(lines: Iterable[str]) -> None:
     """Emit warnings about a result at the line of the user that called the package.
 
+    A function that another public function of the package has called emits none.
+
     Parameters
     ----------
     lines : iterable of str
         One text per warning.
     """
+    if call_depth.get() > 1:
+        return
     level, frame = 1, sys._getframe()
     while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
         level, frame = level + 1, frame.f_back

@@ -26,7 +26,7 @@ from rwmf._explore.captions import captions_of, compare_with_frame
 from rwmf._explore.controls import describe
 from rwmf._explore.presets import PRESETS, case_of_preset
 from rwmf._explore.questions import BadQuestionError, Question, case_of, given
-from rwmf._headline import headline_rows, rows_by_title
+from rwmf._headline import headline_rows, rows_by_title, tendon_yield_of
 from rwmf.case import Case
 from rwmf.case.heights import heights_of_storeys
 from rwmf.errors import InputError, NumericalError, RwmfError
@@ -209,7 +209,7 @@ class Model:
         return answer | {
             "profile": profile,
             "numbers": _key_numbers(summary),
-            "headline": list(headline_rows(summary, shown).items()),
+            "headline": list(headline_rows(summary, tendon_yield_of(shown)).items()),
             "groups": _groups_of(summary),
             "captions": captions_of(shown, summary, t_lift_off, _yields(profile)),
             "method": f"{summary['method']}, rtol = {summary['rtol']:g}",

@@ -258,6 +258,16 @@ class KernelCase:
         text = fetch_text(_kernel.case_warnings, self.handle, requested)
         return [line for line in text.split("\t") if line]
 
+    def motion_warnings(self) -> list[str]:
+        """Return the warnings about the motion of the case, whatever its outputs.
+
+        Returns
+        -------
+        list of str
+            One line per warning.
+        """
+        return self.warnings(("u_s_max_m",))
+
     def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:
         """Fetch a text, and raise the error of the kernel if there is one."""
 
@@ -328,6 +338,8 @@ def read_case(
     known: KernelCase | None = None,
     motion: Samples | None = None,
     vertical: Samples | None = None,
+    *,
+    is_for_host: bool = False,
 ) -> KernelCase:
     """Read and validate a case.
 
@@ -341,6 +353,8 @@ def read_case(
         A case whose samples are reused for the same record, instead of reading the file again.
     motion, vertical : Samples, optional
         Samples for `&motion file` and `&vertical file`; no file is read.
+    is_for_host : bool
+        The case is for an element: ``T_s`` and ``xi_s`` of `&frame` and ``t_end`` may be absent.
 
     Returns
     -------
@@ -354,7 +368,9 @@ def read_case(
     """
     message = message_buffer()
     others = [0 if kept is None else kept.handle for kept in (known, motion, vertical)]
-    handle, status, n = _cases.case_read(encode(text), encode(source), others, message)
+    handle, status, n = _cases.case_read(
+        encode(text), encode(source), others, int(is_for_host), message
+    )
     raise_for(status, message, n)
     return KernelCase(Memory(handle), source=source)
 

@@ -574,7 +574,7 @@ class Output(Group):
     energy : bool
         Energy ledger: its parts at the end, with dt in every row.
     reactions : bool
-        Reactions of the base, demands and member forces: extrema, with dt rows.
+        Reactions of the base, demands and member forces of a run: extrema, with dt rows.
     friction_limit : float
         Coefficient of friction: whether and when the friction demand exceeds it.
     conditioning : bool

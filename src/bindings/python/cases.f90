@@ -19,10 +19,12 @@ contains
    !> Read and validate a case. `others` are handles, 0 for none: the first of a case whose records
    !> are reused where both name the same files. The others are samples in place of the records of
    !> `&motion` and `&vertical`.
-   subroutine case_read(text, source, others, handle, status, message, message_length)
+   subroutine case_read(text, source, others, is_for_host, handle, status, message, &
+      message_length)
       character(*), intent(in) :: text
       character(*), intent(in) :: source
       integer(c_int64_t), intent(in) :: others(3)
+      integer(c_int), intent(in) :: is_for_host
       integer(c_int64_t), intent(out) :: handle
       integer(c_int), intent(out) :: status
       integer(c_int8_t), intent(inout) :: message(:)
@@ -43,7 +45,7 @@ contains
       a => samples_of(others(2))
       v => samples_of(others(3))
       call read_case_text(text, source(:index(source, '/', back=.true.)), kept%case, error, case, &
-         a, v)
+         a, v, is_for_host /= 0)
       call add_source(source, error)
       if (.not. allocated(error)) call keep_motion(kept)
       call keep(kept, error, handle)

@@ -154,7 +154,7 @@ contains
       end do
    end function find_group
 
-   !> Fill the case from every group that is given; `&model` and `&solver` always apply.
+   !> Fill the case from every group that is given; `&model`, `&solver` and `&output` always apply.
    subroutine fill_case(case, groups, error)
       type(case_t), intent(inout) :: case
       !! case with its values, otherwise empty
@@ -169,7 +169,7 @@ contains
          .and. case%unit_mass > 0
       do i = 1, size(groups)
          if (.not. has_group(case%values, groups(i)%name)) then
-            if (.not. any(groups(i)%name == ['model ', 'solver'])) cycle
+            if (.not. any(groups(i)%name == ['model ', 'solver', 'output'])) cycle
          end if
          if (.not. associated(groups(i)%fill)) cycle
          call groups(i)%fill(case, error)

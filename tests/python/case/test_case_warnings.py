@@ -6,13 +6,15 @@ Keys and their ranges come from the kernel's table, values from the shipped inpu
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 import rwmf
 from checkout import ROOT, Runner
 from rwmf import _library
+from rwmf.cli import main
 from scenes import bare_frame, coupled
 
 INPUTS = sorted((ROOT / "inputs").glob("*.nml"))
@@ -123,11 +125,57 @@ def test_every_way_in_warns_once(command: Runner, batch: Runner, tmp_path: Path)
     assert rwmf.simulate(case).attrs["warnings"].count(begin) == 1
 
 
+# each function whose result is that of a case with a warning
+_DOORS: dict[str, Callable[[rwmf.Case], object]] = {
+    "simulate": rwmf.simulate,
+    "spectrum": lambda case: rwmf.spectrum(case, T_s=[0.5, 1.0]),
+    "sweep": lambda case: rwmf.sweep(case, {"T_s": [0.5, 1.0]}),
+    "pushover": lambda case: rwmf.pushover(case, 0.01, steps=2),
+    "wall": rwmf.Wall,
+    "walls": lambda case: rwmf.Walls([case, case]),
+    "element": rwmf.Element,
+    "couple": lambda case: rwmf.coupling.couple(
+        case, rwmf.coupling.FunctionHost([5.0], [[0.1]], [[40.0]], float, [0]), float, 0.05, 0.1
+    ),
+    "wall effect": lambda case: rwmf.studies.wall_effect(case, {"T_s": [0.5]}),
+}
+
+
+@pytest.mark.parametrize("door", _DOORS)
+def test_every_function_emits_warnings_at_the_line_of_the_user(door: str) -> None:
+    case = coupled(
+        frame={"xi_s": 3.0}, wall={"m_w": 1000.0, "thickness": None}, solver={"t_end": 0.1}
+    )
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        _DOORS[door](case)
+    texts = [str(one.message) for one in caught]
+    assert sum("&frame xi_s = 3.0 " in text for text in texts) == 1, texts
+    assert len(texts) == len(set(texts))
+    assert {(one.category, one.filename) for one in caught} == {(rwmf.RwmfWarning, __file__)}
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", rwmf.RwmfWarning)
+        _DOORS[door](case)
+    assert not caught
+
+
+def test_commands_emit_no_warnings_of_python(tmp_path: Path) -> None:
+    """They print them, once; see `test_every_way_in_warns_once`."""
+    path = tmp_path / "slip.nml"
+    coupled(frame={"xi_s": 3.0}, spectrum={"T_s": [0.5]}).to_namelist(path)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for words in (["run"], ["spectrum"], ["pushover"]):
+            assert main([*words, str(path)]) == 0
+    assert not caught
+
+
 def test_the_rigid_wall_is_told_where_it_matters() -> None:
-    case = rwmf.Case(**BUILDING)
+    case = rwmf.Case(**BUILDING, output={"reactions": False})
     assert not any(RIGID in line for line in case.kernel.warnings())
     assert RIGID not in rwmf.simulate(case).attrs["warnings"]
-    asking = case.replace(output={"reactions": True})
+    asking = case.replace(output=None)
     assert sum(RIGID in line for line in asking.kernel.warnings()) == 1
     assert rwmf.simulate(asking).attrs["warnings"].count(RIGID) == 1
     for quantity, n in (
