@@ -165,7 +165,11 @@ def _residual(summary: Mapping[str, Any]) -> str:
         return f"{1e3 * abs(summary['residual_displacement_m']):.3g} mm"
     if "theta_end_over_alpha" in summary:
         return f"rotation {abs(summary['theta_end_over_alpha']):.3g} alpha at the end"
-    return "the wall lies" if summary.get("overturned") else "none: frame and wall return"
+    if summary.get("overturned"):
+        return "the wall lies"
+    if "theta_max_over_alpha" not in summary:
+        return "none: the frame returns"
+    return f"none: {'frame and wall return' if 'u_s_max_m' in summary else 'the wall returns'}"
 
 
 def _events(summary: Mapping[str, Any]) -> str:
