@@ -83,10 +83,8 @@ class Run(Result):
         capacity = _FIRST_CAPACITY
         while True:
             reals, counts = np.zeros(capacity), np.zeros(capacity, dtype=np.int64)
-            text = fetch_text(
-                _kernel.result_summary, self._case.handle, self.handle, reals, counts
-            )
-            lines = split_lines(text)
+            numbers_of = (self._case.handle, self.handle, reals, counts)
+            lines = split_lines(fetch_text(_kernel.result_summary, *numbers_of))
             if len(lines) <= capacity:
                 break
             capacity = len(lines)
