@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.marshalling import encode, fetch_text, split_table
+from rwmf._library.marshalling import encode, fetch_text, split_lines, split_table
 
 __all__ = [
     "KeyRow",
@@ -187,4 +187,4 @@ def result_names(source: str) -> list[str]:
     list of str
         Their names, without folder.
     """
-    return fetch_text(_kernel.result_names, encode(source)).splitlines()
+    return split_lines(fetch_text(_kernel.result_names, encode(source)))

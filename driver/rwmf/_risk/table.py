@@ -19,7 +19,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rwmf._files import files
-from rwmf._files.names import shorten
+from rwmf._files.names import readable, shorten
 from rwmf._files.netcdf_file import new_file
 from rwmf._numbers import first_masked, show
 from rwmf._sweep import netcdf
@@ -397,7 +397,7 @@ def write_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
 def _cells(values: npt.NDArray[Any]) -> Iterable[str]:
     if values.dtype.kind == "f":
         return [repr(value) for value in values.tolist()]
-    return [_quoted(str(value)) for value in values.tolist()]
+    return [_quoted(str(readable(value))) for value in values.tolist()]
 
 
 def _quoted(text: str) -> str:
