@@ -136,11 +136,12 @@ def strip_under(
     width: float,
     thickness: float,
     k: float,
+    strength: float,
     normal: npt.NDArray[np.float64],
     phi: npt.NDArray[np.float64],
     found: npt.NDArray[np.float64],
 ) -> None:
-    """Compute contact length [m], toe stress [Pa] and moment [N m] of a strip under a base.
+    """Compute contact, toe stress, moment and settlement of a strip under a base.
 
     Parameters
     ----------
@@ -148,14 +149,16 @@ def strip_under(
         Dimensions of the base [m].
     k : float
         Stiffness per area [N/m3].
+    strength : float
+        Largest stress [Pa].
     normal : numpy.ndarray, shape (n,)
         Compressive forces [N].
     phi : numpy.ndarray, shape (n,)
         Magnitudes of the rotation [rad].
-    found : numpy.ndarray, shape (n, 3), in the order of Fortran
-        The results.
+    found : numpy.ndarray, shape (n, 4), in the order of Fortran
+        Contact lengths [m], toe stresses [Pa], moments [N m], stiffness times settlement [Pa].
     """
-    _kernel.strip_under(width, thickness, k, normal, phi, found)
+    _kernel.strip_under(width, thickness, k, strength, normal, phi, found)
 
 
 def meant_quantity(word: str) -> str:

@@ -29,6 +29,10 @@ from rwmf.plotting.style import new_figure
 __all__ = ["analyse", "fit", "integrate"]
 
 _SHARED = ("intensity", "period", "damping", "periods", "file", "restart", "threads")
+_NOT_IN_MODEL = (
+    "runs of rwmf cannot show sliding, crushed toes, a wall that cracks or yields, failed joints "
+    "or settlement; a rigid base with elastic springs recentres by construction"
+)
 
 
 def analyse(options: argparse.Namespace) -> int:
@@ -246,7 +250,7 @@ def _print_table(table: xr.Dataset) -> None:
 
 
 def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namespace) -> None:
-    """Print numbers of all designs in one table, or as JSON; write the dataset."""
+    """Print numbers of all designs and the limits of the model, or JSON; write the dataset."""
     if options.file:
         write_dataset(found, options.file)
     shown = [name for name in names if name in found]
@@ -257,7 +261,7 @@ def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namesp
         fields |= {str(name): found[name].values for name in found.coords}
         print_json({str(key): np.asarray(value) for key, value in fields.items()} | {
             key: value for key, value in found.attrs.items() if isinstance(value, str | int | float)
-        })  # fmt: skip
+        } | {"not_in_model": _NOT_IN_MODEL})  # fmt: skip
         return
     each = found if "design" in found.dims else found.expand_dims("design")
     designs = [str(name) for name in np.atleast_1d(each["design"].values)]
@@ -273,6 +277,7 @@ def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namesp
             for i in range(len(designs))
         ]
         print(f"{label:30}" + "".join(f"{cell:>{wide}}" for cell in cells))
+    print(f"not in the model: {_NOT_IN_MODEL}")
 
 
 def _cell(values: xr.DataArray) -> str:

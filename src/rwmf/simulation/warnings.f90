@@ -3,7 +3,7 @@ module rwmf_simulation_warnings
    use rwmf_core_kinds, only: wp
    use rwmf_model_impact_rule, only: balanced_restitution, mass_ratio, restitution
    use rwmf_motion_ground_motion, only: lowest_vertical, motion_t
-   use rwmf_problem_case, only: case_t, has_floors, has_numbers
+   use rwmf_problem_case, only: case_t, has_floors, has_numbers, numbers_of
    use rwmf_problem_usual_ranges, only: list_unusual, unusual_text
    use rwmf_simulation_state_result, only: add_warning, result_t
    use rwmf_text_strings, only: real_to_text
@@ -11,7 +11,7 @@ module rwmf_simulation_warnings
    private
 
    public :: list_case_warnings, warn_of_chatter, warn_of_grazing, warn_of_reactions
-   public :: warn_of_short_history
+   public :: warn_of_short_history, warn_of_toe
 
 contains
 
@@ -34,6 +34,27 @@ contains
          end if
       end associate
    end subroutine warn_of_reactions
+
+   !> Warn of a toe stress beyond the linear range of the concrete.
+   subroutine warn_of_toe(case, result)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(inout) :: result
+      real(wp), parameter :: linear = 0.6_wp
+      !! end of the linear range, over the strength [-]
+
+      if (.not. (has_numbers(case, 'base_section') .and. allocated(result%envelopes))) return
+      associate (numbers => numbers_of(case, 'base_section'), &
+                 stress => result%envelopes%toe_stress_max)
+         if (.not. stress > linear*numbers(3)) return
+         if (stress < numbers(3)) then
+            call add_warning(result, 'the toe stress reaches '//trim(real_to_text(stress)) &
+               //' Pa: above 0.6 f_c concrete strains more than stress/E')
+         else
+            call add_warning(result, 'the toe crushes: its stress is f_c from there on, its ' &
+               //'strain follows the settlement; the motion remains that of rigid corners')
+         end if
+      end associate
+   end subroutine warn_of_toe
 
    !> Warn if numerical errors may decide on contact between wall and base.
    subroutine warn_of_grazing(result)

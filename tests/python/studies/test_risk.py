@@ -529,9 +529,12 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) 
         out = capsys.readouterr().out
         assert "weak" in out
         assert "strong" in out
+        is_result = words.startswith(("fragility", "risk"))
+        assert ("recentres by construction" in out) == is_result
     assert cli.main(["risk", "0.9,0.4", "--hazard", "2e-4,2.5", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["annual_frequency"] == pytest.approx(4.291122997679e-4, rel=1e-10)
+    assert "sliding" in found["not_in_model"]
     model = ElementTree.parse("f.xml").getroot()[0]
     (params, *_) = [item for item in model.iter() if item.tag.endswith("params")]
     mean, deviation = float(params.attrib["mean"]), float(params.attrib["stddev"])
