@@ -389,7 +389,8 @@ class Impact(Group):
     Attributes
     ----------
     rule : str
-        Coupled: momentum balance of wall and frame; e, r imply constant, table_e table.
+        Coupled: momentum balance of wall and frame; e, r imply constant, table_e table; none: e =
+        1.
     e : float
         Factor on the angular velocity at impact; constant: exactly one of e and r.
     r : float
@@ -401,7 +402,7 @@ class Impact(Group):
     """
 
     __slots__ = ()
-    rule: Literal["constant", "housner", "coupled", "table"]
+    rule: Literal["constant", "housner", "coupled", "table", "none"]
     e: float
     r: float
     table_theta_dot: tuple[float, ...]

@@ -229,9 +229,9 @@ contains
             is_dead = is_dead .or. e <= 0
          end do
       end do
-      if (is_dead .and. allocated(case%impact)) then
-         if (any(case%impact%rule == [character(7) :: 'housner', 'coupled'])) call add_line( &
-            'the momentum balance leaves no velocity at impact for so squat a wall: e = 0', lines)
+      if (is_dead .and. any(case%impact%rule == [character(7) :: 'housner', 'coupled'])) then
+         call add_line('the momentum balance leaves no velocity at impact for so squat a wall: ' &
+            //'e = 0', lines)
       end if
       if (most(1) > most(2)) call add_line('e = '//trim(real_to_text(most(1))) &
          //' exceeds e_max = '//trim(real_to_text(most(2))) &
@@ -282,10 +282,7 @@ contains
       real(wp), intent(in) :: alpha
       !! slenderness [rad]
 
-      loses_momentum = .false.
-      if (.not. allocated(case%impact)) return
-      if (case%impact%rule == 'coupled') return
-      loses_momentum = mass_ratio(case) > 0 &
+      loses_momentum = case%impact%rule /= 'coupled' .and. mass_ratio(case) > 0 &
          .and. restitution(case, alpha) < balanced_restitution(case, alpha)
    end function loses_momentum
 
