@@ -20,7 +20,7 @@ from reproduce.formulations import FORMULATIONS, PUBLISHED
 from rwmf._progress import progress_bar
 from rwmf._spectrum import spectrum, start, to_dataset
 from rwmf.case import Case
-from rwmf.errors import InputError, Interrupted, OutputError, RwmfError
+from rwmf.errors import InputError, OutputError, RwmfError
 from rwmf.plotting import image_files as figures
 from rwmf.plotting.response import spectrum as draw_spectrum
 from rwmf.plotting.style import NESTED, legend_below, new_figure
@@ -89,7 +89,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return error.exit_status
     except KeyboardInterrupt:
         print("rwmf: interrupted", file=sys.stderr)
-        return Interrupted.exit_status
+        return 130
     return 0
 
 

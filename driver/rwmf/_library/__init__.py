@@ -25,6 +25,7 @@ from rwmf._library.tables import (
     result_names,
     schema,
     strip_under,
+    unusual_record,
     version,
 )
 
@@ -52,5 +53,6 @@ __all__ = [
     "start_simulation",
     "start_spectrum",
     "strip_under",
+    "unusual_record",
     "version",
 ]

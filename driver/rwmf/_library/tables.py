@@ -21,6 +21,7 @@ __all__ = [
     "result_names",
     "schema",
     "strip_under",
+    "unusual_record",
     "version",
 ]
 
@@ -175,6 +176,26 @@ def meant_quantity(word: str) -> str:
         Key of the quantity, '' for none.
     """
     return fetch_text(_kernel.meant_quantity, encode(word[:80]))
+
+
+def unusual_record(peak: float, interval: float, duration: float) -> str:
+    """Return the warning about a record that is no earthquake in these units.
+
+    Parameters
+    ----------
+    peak : float
+        Largest acceleration over g [-].
+    interval : float
+        Mean distance of the samples [s].
+    duration : float
+        Duration [s].
+
+    Returns
+    -------
+    str
+        The text, '' for a usual record.
+    """
+    return fetch_text(_kernel.unusual_record, peak, interval, duration)
 
 
 def result_names(source: str) -> list[str]:

@@ -32,6 +32,7 @@ module rwmf_bindings_python_kernel
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: all_quantities, key_length, quantities_text
    use rwmf_problem_scene_axes, only: axis_t, list_axes
+   use rwmf_problem_usual_ranges, only: text_of_unusual => unusual_record
    use rwmf_simulation_peak_sensitivity, only: count_digits => digits_of
    use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
    use rwmf_simulation_simulate, only: simulate_with_motion
@@ -383,6 +384,17 @@ contains
 
       digits = int(count_digits(rtol, sensitivity), c_int)
    end subroutine digits_of
+
+   !> Warning about peak over g [-], mean interval and duration [s] of a record; empty for none.
+   subroutine unusual_record(peak, interval, duration, buffer, length)
+      real(c_double), intent(in) :: peak
+      real(c_double), intent(in) :: interval
+      real(c_double), intent(in) :: duration
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+
+      call put_text(trim(text_of_unusual(peak, interval, duration)), buffer, length)
+   end subroutine unusual_record
 
    !> Key of the output quantity that a word may mean; empty for none.
    subroutine meant_quantity(word, buffer, length)

@@ -4,9 +4,10 @@ module rwmf_simulation_warnings
    use rwmf_model_impact_rule, only: balanced_restitution, mass_ratio, restitution
    use rwmf_motion_ground_motion, only: lowest_vertical, motion_t
    use rwmf_problem_case, only: case_t, has_floors, has_numbers, numbers_of
-   use rwmf_problem_usual_ranges, only: list_unusual, unusual_text
+   use rwmf_problem_record, only: record_source_t, record_t
+   use rwmf_problem_usual_ranges, only: list_unusual, unusual_record, unusual_text
    use rwmf_simulation_state_result, only: add_warning, result_t
-   use rwmf_text_strings, only: real_to_text
+   use rwmf_text_strings, only: real_to_text, shown
    implicit none
    private
 
@@ -101,6 +102,10 @@ contains
       real(wp), allocatable :: gamma(:), b(:)
 
       call list_unusual(case%values, lines)
+      if (allocated(case%record)) call warn_of_record(case%record, &
+         case%motion%record_source_t, case%model%g, lines)
+      if (allocated(case%upward_record)) call warn_of_record(case%upward_record, &
+         case%upward%record_source_t, case%model%g, lines)
       if (has_floors(case) .and. size(lines) == 0) then
          if (allocated(case%frame%T_s)) call add_line(unusual_text(case%values, 'frame', 'T_s', &
             case%frame%T_s), lines)
@@ -133,6 +138,28 @@ contains
             //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|', lines)
       end if
    end subroutine list_case_warnings
+
+   !> Warn of a recorded motion that is no earthquake in its units.
+   subroutine warn_of_record(record, source, g, lines)
+      type(record_t), intent(in) :: record
+      type(record_source_t), intent(in) :: source
+      real(wp), intent(in) :: g
+      !! [m/s2]
+      character(256), allocatable, intent(inout) :: lines(:)
+      real(wp) :: interval
+      !! [s]
+      character(256) :: text
+
+      interval = record%t_last/(record%n - 1)
+      if (allocated(record%dt)) interval = record%dt
+      text = unusual_record(record%peak/g, interval, record%t_last)
+      if (text == '' .or. .not. abs(source%scale) > 0) return
+      if (allocated(source%file)) then
+         call add_line(shown(source%file)//': '//trim(text), lines)
+      else
+         call add_line('record: '//trim(text), lines)
+      end if
+   end subroutine warn_of_record
 
    !> Add a line unless it is empty.
    pure subroutine add_line(line, lines)
