@@ -114,8 +114,7 @@ def select(
     """
     low, high = _two("band", band)
     least, most = _two("limits", limits)
-    if to_number("damping", damping, below=1.0) < 0:
-        raise InputError(f"damping = {show(damping)}: must be in [0, 1)")
+    to_number("damping", damping, below=1.0)
     periods = np.geomspace(low, high, _PERIODS)
     wanted = _target_at(target_spectrum, periods, damping)
     names, members = _candidates(words, is_paired, unit, dt)
