@@ -5,12 +5,11 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from rwmf.errors import InputError
-
 __all__ = [
     "ACCELERATION",
     "ColumnName",
     "convert",
+    "known_words",
     "read_column_name",
     "unit_in_text",
     "unit_of_cell",
@@ -23,6 +22,7 @@ _UNITS = {
     "g": (ACCELERATION, _G),
     "gs": (ACCELERATION, _G),
     "%g": (ACCELERATION, 0.01 * _G),
+    **dict.fromkeys(("mg", "milli-g"), (ACCELERATION, 0.001 * _G)),
     "gal": (ACCELERATION, 0.01),
     "gals": (ACCELERATION, 0.01),
     **{
@@ -45,7 +45,7 @@ _UNITS = {
     **dict.fromkeys(("ms", "millisecond", "milliseconds"), ("time", 0.001)),
     "hz": ("frequency", 1.0),
     "rad/s": ("frequency", 0.15915494309189535),
-    "%": ("share", 0.01),
+    **dict.fromkeys(("%", "percent"), ("share", 0.01)),
     **dict.fromkeys(("-", "1"), ("number", 1.0)),
     **dict.fromkeys(
         ("1/year", "1/yr", "1/a", "peryear", "/year", "/yr", "year-1", "yr-1"), ("rate", 1.0)
@@ -53,10 +53,11 @@ _UNITS = {
     **dict.fromkeys(("year", "years", "yr", "yrs", "a"), ("years", 1.0)),
 }  # fmt: skip
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
-# units that are no acceleration over g, in a sentence
+# units other than s and g, and logarithms, in a sentence
 _IN_TEXT = re.compile(
     r"(?<![\w/])(?:[cm]?m|in|ft)\s*/\s*s(?:ec)?(?:\s*/\s*s(?:ec)?|\s*[*^]*\s*2|\u00b2)|"
-    r"(?<![\w/])(?:[cm]?m)\s*[.\u00b7*]?\s*s\s*\^?-2|\bgals?\b|%\s*g\b",
+    r"(?<![\w/])(?:[cm]?m)\s*[.\u00b7*]?\s*s\s*\^?-2|\bgals?\b|%\s*g\b|"
+    r"\b(?:ms|msec|milliseconds?|hz|log10|log|ln)\b",
     re.IGNORECASE,
 )
 
@@ -87,9 +88,48 @@ class ColumnName:
         return _UNITS[self.unit][1] if self.unit else 1.0
 
     @property
-    def is_logarithm(self) -> bool:
-        """True when the name states a logarithm."""
-        return re.search(r"\b(log|ln|lg)(?![a-z])|\blog", self.words) is not None
+    def tokens(self) -> list[str]:
+        """Words, numbers and marks of the name, without separators."""
+        return re.findall(r"[^\W\d_]+|\d+(?:\.\d+)?|[^\w\s(),.=\[\]:\"'-]", self.words)
+
+    @property
+    def numbers(self) -> list[float]:
+        """Numbers in the name."""
+        return [float(token) for token in self.tokens if token[0].isdigit()]
+
+    def consists_of(self, words: frozenset[str], *dimensions: str) -> bool:
+        """Check that all words of the name are known, and its unit has a dimension.
+
+        Parameters
+        ----------
+        words : frozenset of str
+            The known words; numbers are always known.
+        *dimensions : str
+            The dimensions beside ''.
+
+        Returns
+        -------
+        bool
+            True when nothing in the name is unknown.
+        """
+        tokens = [token for token in self.tokens if not token[0].isdigit()]
+        return words.issuperset(tokens) and self.dimension in ("", *dimensions)
+
+
+def known_words(text: str) -> frozenset[str]:
+    """Return the words of a text.
+
+    Parameters
+    ----------
+    text : str
+        Words with blanks between them.
+
+    Returns
+    -------
+    frozenset of str
+        The words.
+    """
+    return frozenset(text.split())
 
 
 def read_column_name(cell: str) -> ColumnName:
@@ -103,31 +143,22 @@ def read_column_name(cell: str) -> ColumnName:
     Returns
     -------
     ColumnName
-        Its words and unit.
-
-    Raises
-    ------
-    InputError
-        When brackets hold an unknown unit.
+        Its words and unit; an unknown unit stays a word.
     """
     text = " ".join(cell.strip().strip("\"'").split())
     for match in reversed(list(_BRACKETS.finditer(text))):
-        unit = _plain(match[1])
-        if unit in _UNITS:
+        unit = unit_of_cell(match[1])
+        if unit is not None:
             return ColumnName((text[: match.start()] + text[match.end() :]).strip().lower(), unit)
-        is_damping = re.search(r"%\s*(damp\w*)?$", match[1].strip()) is not None
-        scaled = _UNITS.get(re.sub(r"^[-+.\de]+", "", unit), ("time", 1.0))
-        is_unit = "/" in unit or match[0][0] == "[" or scaled[0] not in ("time", "years")
-        if not is_damping and is_unit:
-            raise InputError(f"{cell!r}: the unit {match[1]!r} is not known")
-    for mark, first in (("_", 1), (" ", 1)):
+    if re.fullmatch(r".+/\s*g", text, re.IGNORECASE):
+        return ColumnName(text.rpartition("/")[0].strip().lower(), "g")
+    for mark in "_ ":
         words = text.split(mark)
-        for i in range(first, len(words)):
-            joined = "/".join(words[i:]) if mark == "_" else " ".join(words[i:])
-            unit = _plain(joined.removeprefix("in "))
+        for i in range(1, len(words)):
+            unit = unit_of_cell(("/" if mark == "_" else " ").join(words[i:]))
             # 'poe in 50 years' has no unit
-            is_span = re.fullmatch(r"[\d.]+", words[i - 1]) is not None
-            if unit in _UNITS and unit not in ("1", "-") and not is_span:
+            is_span = unit != "%" and re.fullmatch(r"\W?[\d.]+", words[i - 1]) is not None
+            if unit is not None and unit not in ("1", "-") and not is_span:
                 return ColumnName(mark.join(words[:i]).strip(" ,").lower(), unit)
     return ColumnName(text.lower(), "")
 
@@ -145,7 +176,7 @@ def unit_of_cell(cell: str) -> str | None:
     str or None
         Its plain spelling; None for another content.
     """
-    unit = _plain(cell.strip().strip("\"'[]()"))
+    unit = _plain(cell.strip().strip("\"'[]()").removeprefix("in "))
     return unit if unit in _UNITS else None
 
 
@@ -157,7 +188,7 @@ def _plain(text: str) -> str:
     text = re.sub(r"sec(?![a-z])", "s", text).replace("mps", "m/s")
     text = re.sub(r"^([cm]?m)s2$", r"\1/s2", text)
     text = re.sub(r"s-([12])$", r"/s\1", text).replace("//", "/").removesuffix("/s1")
-    return re.sub(r"/\(?s[/.]?s\)?$", "/s2", text)
+    return re.sub(r"/\(?s[/.]?s\)?$", "/s2", text.replace("./", "/"))
 
 
 def convert(name: ColumnName, unit: str) -> float | None:
@@ -185,7 +216,7 @@ def convert(name: ColumnName, unit: str) -> float | None:
 
 
 def unit_in_text(text: str) -> str | None:
-    """Find a unit of acceleration other than g in a sentence.
+    """Find a unit other than s and g, or a logarithm, in a sentence.
 
     Parameters
     ----------

@@ -28,6 +28,8 @@ _STEEP = 8.0
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _YEARS = 50.0
 _BINS = 12
+# largest dispersion that widens them; exp(3 times more) would leave the range of numbers
+_WIDEST = 10.0
 # share of the frequency from outside the given hazard curve that a warning mentions
 _SHARE = 0.01
 _FREQUENCY = {"units": "1/year", "long_name": "mean annual frequency of exceedance"}
@@ -300,7 +302,7 @@ def _edges(levels: Sequence[float] | None, medians: Array, dispersions: Array) -
         if (np.diff(edges) <= 0).any():
             raise InputError(f"levels = {show(levels)}: must ascend")
         return edges
-    spread = max(0.2, float(dispersions.max()))
+    spread = min(max(0.2, float(dispersions.max())), _WIDEST)
     low = math.log(float(medians.min())) - 3 * spread
     high = math.log(float(medians.max())) + 2 * spread
     edges = np.exp(np.linspace(low, high, _BINS - 1))

@@ -31,6 +31,8 @@ _RESAMPLES = 1000
 _CONFIDENCE = 0.95
 # a median this many times beyond the levels is extrapolated
 _FAR = 1.5
+# a dispersion above this is no property of a structure [-]
+_WIDE = 2.0
 # positions of curves without given levels
 _POSITIONS = 41
 
@@ -185,7 +187,7 @@ def _options(confidence: float, dispersions: float | Sequence[float]) -> dict[st
     further = to_array("dispersions", [dispersions] if items is None else items)
     if (further < 0).any():
         raise InputError(f"dispersions = {show(dispersions)}: must be numbers >= 0")
-    return {"confidence": confidence, "further": float(np.sqrt(np.sum(further**2)))}
+    return {"confidence": confidence, "further": math.hypot(*further)}
 
 
 def _rows_of(table: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
@@ -397,6 +399,8 @@ def _notes(
         side = f"above the highest intensity {high:.4g}"
         side = side if median > high else f"below the lowest intensity {low:.4g}"
         notes.append(f"the median {median:.4g} is extrapolated far {side}: give more levels")
+    if dispersion > _WIDE:
+        notes.append(f"the dispersion {dispersion:.4g} is large: the probability hardly grows")
     keys = zip(*(rows[word].values.tolist() for word in ("record", "intensity")), strict=True)
     repeated = rows.sizes["row"] - len(set(keys))
     if repeated:

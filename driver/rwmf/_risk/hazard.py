@@ -14,7 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._numbers import show, to_array, to_items, to_number
-from rwmf._records.column_names import ACCELERATION, ColumnName, convert, read_column_name
+from rwmf._records.column_names import (
+    ACCELERATION,
+    ColumnName,
+    convert,
+    known_words,
+    read_column_name,
+)
 from rwmf._risk.table import read_columns
 from rwmf.errors import InputError
 
@@ -27,17 +33,22 @@ _FORMS = (
 )
 # the steepest power law; published hazard curves have exponents of 1 to 5
 _STEEPEST = 100.0
-_INTENSITY = re.compile(
-    r"intensity|ims?|imls?|x|a|pg[avd]|p?sa\b.*|sa_?.*|avg_?sa.*|.*\bacceleration.*|cav|arias.*|"
-    r".*\b(ground motion|intensity|level)\b.*"
+_INTENSITY = known_words(
+    "intensity im ims iml imls level measure x a pga pgv pgd sa psa avgsa t s ground motion "
+    "spectral pseudo peak acceleration velocity displacement average mean median geomean of at "
+    "arias cav"
 )
-_PERIOD = re.compile(r"(mean )?(return|recurrence)[ _](period|interval).*|rp|tr|mri")
-_PROBABILITY = re.compile(r".*(poe|prob|exceedance in |\baep\b).*")
-_RATE = re.compile(
-    r".*\b(frequency|rate)\b.*|(mean_)?(annual|yearly)_(frequency|rate).*|frequencies|rates|"
-    r"lambda|nu|m?afe|maf|h"
-)
-_YEARS = re.compile(r"(?:\bin|_|poe)\s*_?([\d.]+)(?:[ _]*(?:y|a)\w*)?\b|([\d.]+)[ _-]*(?:y|a)\w*")
+# words of a quantity beside the first of these, which one of them is required
+_OF = "of exceedance exceeding mean annual yearly hazard"
+_QUANTITIES = {
+    "period": ("return recurrence rp tr mri", f"period interval {_OF}", ("years",)),
+    "probability": (
+        "poe probability prob p pe aep apoe",
+        f"in year years yr yrs y {_OF}",
+        ("number", "share"),
+    ),
+    "rate": ("frequency frequencies rate rates lambda nu mafe maf afe h", _OF, ("rate",)),
+}
 _COLUMNS = "intensity with frequency, return_period, or poe_50 (probability in 50 years)"
 
 
@@ -134,7 +145,7 @@ def _power_law(k0: object, k: object) -> Hazard:
 
 def _line_of_names(path: Path, columns: Mapping[str, Any]) -> int:
     """Return the line of the names; refuse a comment that contradicts a column of frequencies."""
-    is_probability = any(_PROBABILITY.fullmatch(name.lower()) for name in columns)
+    is_probability = any(_quantity(read_column_name(name)) == "probability" for name in columns)
     with path.open(encoding="utf-8-sig", errors="replace") as file:
         for i, line in enumerate(file, 1):
             stated = re.search(r"poe\b|probabilit\w*|investigation", line.lower())
@@ -158,19 +169,13 @@ def _from_columns(
     head = source if lines is None else f"{source}, line {lines[0]}"
     if len(columns) != 2:
         raise InputError(f"{head}: has {len(columns)} columns: must have two, {_COLUMNS}")
-    try:
-        names = {read_column_name(name): values for name, values in columns.items()}
-    except InputError as error:
-        raise InputError(f"{head}: {error}") from error
+    names = {read_column_name(name): values for name, values in columns.items()}
     for one, other in ((0, 1), (1, 0)):
         level, rate = (list(names)[i] for i in (one, other))
-        if _is_intensity(level) and _quantity(rate):
+        if level is not rate and _is_intensity(level) and _quantity(rate):
             break
     else:
         raise InputError(f"{head}: the columns are {', '.join(columns)}: must be {_COLUMNS}")
-    for name in (level, rate):
-        if name.is_logarithm:
-            raise InputError(f"{head}: the column {name.words} is a logarithm: give its numbers")
     factor = convert(level, unit)
     if factor is None:
         raise InputError(
@@ -196,34 +201,27 @@ def _from_columns(
 
 
 def _is_intensity(name: ColumnName) -> bool:
-    if name.dimension in (ACCELERATION, "velocity", "displacement"):
-        return True
-    return name.dimension in ("", "time") and _INTENSITY.fullmatch(name.words) is not None
+    return name.consists_of(_INTENSITY, ACCELERATION, "velocity", "displacement")
 
 
 def _quantity(name: ColumnName) -> str:
     """Return rate, period or probability of exceedance; '' for another column."""
-    allowed = {"period": ("", "years"), "probability": ("", "number", "share"),
-               "rate": ("", "rate")}  # fmt: skip
-    for quantity, pattern in (
-        ("period", _PERIOD),
-        ("probability", _PROBABILITY),
-        ("rate", _RATE),
-    ):
-        is_it = pattern.fullmatch(name.words.replace("_", " ")) or pattern.fullmatch(name.words)
-        if is_it is not None:
-            return quantity if name.dimension in allowed[quantity] else ""
-    return "rate" if name.dimension == "rate" else ""
+    for quantity, (own, others, dimensions) in _QUANTITIES.items():
+        known = known_words(own)
+        if not known.isdisjoint(name.tokens) and name.consists_of(
+            known | known_words(others), *dimensions
+        ):
+            return quantity
+    return ""
 
 
 def _years(name: ColumnName, source: str) -> float:
     """Return the number of years of a probability."""
-    match = _YEARS.search(name.words)
-    if match is not None:
-        return to_number(f"{source}: years", float(match[1] or match[2]), above=0.0)
-    if re.search(r"annual|yearly|\bapoe|\baep", name.words):
-        return 1.0
-    raise InputError(f"{source}: the column {name.words} states no years: name it as poe_50")
+    is_annual = not {"annual", "yearly", "aep", "apoe"}.isdisjoint(name.tokens)
+    years = [*name.numbers, *([1.0] if is_annual else [])]
+    if len(years) != 1 or years[0] <= 0:
+        raise InputError(f"{source}: the column {name.words} states no years: name it as poe_50")
+    return years[0]
 
 
 def _from_probabilities(

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from rwmf._arguments import checked, path_of
 from rwmf._files import files
 from rwmf._intensity import DAMPING, pseudo_accelerations
-from rwmf._numbers import show, to_array, to_items
+from rwmf._numbers import show, to_array, to_items, to_number
 from rwmf._records.lists import SUITE_HEADER
 from rwmf._sweep.intensity import G, waveform_of_record
 from rwmf._sweep.record_pairs import pairs
@@ -114,6 +114,7 @@ def select(
     """
     low, high = _two("band", band)
     least, most = _two("limits", limits)
+    to_number("damping", damping, below=1.0)
     periods = np.geomspace(low, high, _PERIODS)
     wanted = _target_at(target_spectrum, periods, damping)
     names, members = _candidates(words, is_paired, unit, dt)
@@ -178,10 +179,10 @@ def _candidates(
 
 
 def _two(name: str, value: object) -> tuple[float, float]:
-    low, high = (float(x) for x in to_array(name, value, above=0.0, least=2)[:2])
-    if low >= high:
+    ends = to_array(name, value, above=0.0, least=2)
+    if ends.size != 2 or ends[0] >= ends[1]:
         raise InputError(f"{name} = {show(value)}: must be two numbers > 0, the smaller first")
-    return low, high
+    return float(ends[0]), float(ends[1])
 
 
 def _target_at(

@@ -14,6 +14,7 @@ from rwmf._records.column_names import (
     ACCELERATION,
     ColumnName,
     convert,
+    known_words,
     read_column_name,
     unit_in_text,
     unit_of_cell,
@@ -25,10 +26,24 @@ from rwmf.errors import InputError
 __all__ = ["read_target"]
 
 _Array = npt.NDArray[np.float64]
-_PERIOD = re.compile(r"t|t[_ ]?[01nis]|periods?|.*\bperiods?\b.*", re.ASCII)
-_FREQUENCY = re.compile(r"f|f[_ ]?[01ni]|.*\bfreq.*|omega", re.ASCII)
-_SA = re.compile(r"a|p?sa\b.*|s_?a\b.*|r?sa_?.*|.*acc.*", re.ASCII)
-_OTHER = re.compile(r"p?s[vd]\b.*|.*\b(vel|disp|drift|sigma|std|dispersion|beta|ratio).*", re.ASCII)
+_ROLES = {
+    "period": (
+        known_words("t tn period periods natural vibration structural fundamental"),
+        "time",
+    ),
+    "frequency": (known_words("f fn freq frequency frequencies natural omega"), "frequency"),
+    ACCELERATION: (
+        known_words(
+            "sa psa se sae rs a s t spectral pseudo acceleration accelerations accel acc response "
+            "spectrum target design elastic code site ec asce uhs mce mcer dbe horizontal mean "
+            "median geomean geometric max rotd damped damping of critical % year years yr"
+        ),
+        ACCELERATION,
+    ),
+}
+# words by which a line of names is recognised, at its begin and anywhere in a name
+_FIRST = known_words("t tn f fn omega se sae sv sd psv psd log ln velocity displacement")
+_ANYWHERE = known_words("period periods freq frequency sa psa acceleration")
 _DAMPING = re.compile(
     r"([\d.]+)\s*%\s*(?:of critical )?damp|([\d.]+)\s*%\s*[\])]|damp\w*\W+([\d.]+)\s*%"
 )
@@ -80,6 +95,7 @@ def _names_above(lines: list[str], damping: float) -> tuple[tuple[ColumnName, ..
     """Return the names of the columns, and their line; None without names."""
     found: tuple[ColumnName, ...] | None = None
     at = 0
+    stated: tuple[int, str] | None = None
     for i, line in enumerate(lines, 1):
         text = line.strip().lstrip("#%!").strip()
         if not text:
@@ -87,28 +103,30 @@ def _names_above(lines: list[str], damping: float) -> tuple[tuple[ColumnName, ..
         _check_damping(text, damping, i)
         cells = _split(text)
         units = [unit for unit in map(unit_of_cell, cells) if unit is not None]
-        names: tuple[ColumnName, ...] = ()
-        try:
-            if len(cells) == 2:
-                names = tuple(map(read_column_name, cells))
-        except InputError as error:
-            raise InputError(f"line {i}: {error}") from error
+        names = tuple(map(read_column_name, cells))
         is_comment = line.startswith(("#", "%", "!"))
         if found is not None and len(cells) == len(units) == 2:
             # a line of units below the names
             found = tuple(
                 ColumnName(name.words, unit) for name, unit in zip(found, units, strict=True)
             )
-        elif any(map(_kind, names)):
+        elif len(names) == 2 and any(map(_is_column, names)):
             found, at = names, i
         elif (unit := unit_in_text(text)) is not None:
-            raise InputError(
-                f"line {i}: states {unit}: name the columns with their units, as "
-                "Period (s),Sa (m/s2)"
-            )
+            stated = (i, unit)
         elif len(cells) > 1 and not is_comment and i == len(lines):
             raise InputError(f"line {i}: the columns are {shorten(text)}: {_FORM}")
+    if stated is not None and not (found and all(name.unit for name in found)):
+        raise InputError(
+            f"line {stated[0]}: states {stated[1]}: name the columns with their units, as "
+            "Period (s),Sa (m/s2)"
+        )
     return found, at
+
+
+def _is_column(name: ColumnName) -> bool:
+    is_first = not _FIRST.isdisjoint(name.tokens[:1])
+    return is_first or not _ANYWHERE.isdisjoint(name.tokens)
 
 
 def _split(text: str) -> list[str]:
@@ -131,11 +149,8 @@ def _check_damping(text: str, damping: float, line: int) -> None:
 
 def _kind(name: ColumnName) -> str:
     """Return period, frequency or acceleration; '' for another name."""
-    by_unit = {"time": "period", "frequency": "frequency", ACCELERATION: ACCELERATION}
-    if name.dimension in by_unit:
-        return by_unit[name.dimension]
-    for kind, pattern in (("period", _PERIOD), ("frequency", _FREQUENCY), (ACCELERATION, _SA)):
-        if pattern.fullmatch(name.words.replace("log10", "").strip("()")):
+    for kind, (words, dimension) in _ROLES.items():
+        if name.consists_of(words, dimension) and (name.tokens or name.dimension == dimension):
             return kind
     return ""
 
@@ -169,18 +184,14 @@ def _converted(
     lines, x, y = (np.array(column) for column in zip(*table, strict=True))
     if names is None:
         names = (ColumnName("period", ""), ColumnName("sa", ""))
-    if _kind(names[0]) == ACCELERATION or _kind(names[1]) in ("period", "frequency"):
+    if _kind(names[0]) == ACCELERATION:
         names, x, y = names[::-1], y, x
     position, value = names
-    for name in names:
-        if name.is_logarithm or _OTHER.fullmatch(name.words):
-            raise InputError(f"{name.words!r} is no period and no pseudo-acceleration: {_FORM}")
     kind = _kind(position)
     factor = convert(value, "g")
-    if kind not in ("period", "frequency") or _kind(value) not in ("", ACCELERATION):
-        raise InputError(f"the columns are {names[0].words!r} and {names[1].words!r}: {_FORM}")
-    if factor is None:
-        raise InputError(f"{value.words!r} is in {value.unit}: must be an acceleration")
+    if kind not in ("period", "frequency") or _kind(value) != ACCELERATION or factor is None:
+        shown = " and ".join(f"{name.words} [{name.unit}]" for name in names)
+        raise InputError(f"the columns are {shown}: {_FORM}")
     x = x * position.factor
     if kind == "frequency":
         x = 1 / x
