@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rwmf._arguments import path_of
 from rwmf._files import files
 from rwmf._files.names import shorten
 from rwmf._files.netcdf_file import new_file
@@ -172,7 +173,7 @@ def read_table(source: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
     if isinstance(source, list | tuple):
         return join([read_table(item) for item in source])
     if isinstance(source, str | os.PathLike):
-        path = Path(source)
+        path = Path(path_of("table", source))
         try:
             return _read_file(path)
         except InputError as error:
