@@ -214,7 +214,9 @@ def _make_parser() -> argparse.ArgumentParser:
         "names", nargs="*", metavar="NAME", help=f"any of {', '.join(SHIPPED)}; all when absent"
     )
     parser.add_argument("--inputs", type=Path, default=Path("inputs"), help="folder of the cases")
-    parser.add_argument("--plots", type=Path, default=Path("build/plots"), help="folder of the results")
+    parser.add_argument(
+        "--plots", type=Path, default=Path("build/plots"), help="folder of the results"
+    )
     return parser
 
 

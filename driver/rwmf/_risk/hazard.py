@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from rwmf._arguments import path_of
 from rwmf._numbers import show, to_array, to_items, to_number
 from rwmf._risk.table import read_columns
 from rwmf.errors import InputError
@@ -86,7 +85,7 @@ def hazard_of(value: Any) -> Hazard:  # noqa: ANN401 (several forms)
     if isinstance(value, Hazard):
         return value
     if isinstance(value, str | os.PathLike):
-        return _from_file(Path(path_of("hazard", value)))
+        return _from_file(Path(value))
     if isinstance(value, Mapping):
         names = {str(name).lower(): item for name, item in value.items()}
         if set(names) == {"k0", "k"}:

@@ -249,7 +249,7 @@ def read_columns(
     InputError
         When the file does not exist, cannot be read or is malformed.
     """
-    if not path.is_file():
+    if not Path(path_of(content, path)).is_file():
         raise InputError(f"{path}: the {content} does not exist, or is no regular file")
     return read_csv(path, lambda name: name not in texts)
 

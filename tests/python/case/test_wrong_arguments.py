@@ -355,6 +355,10 @@ def _public_methods() -> list[str]:
     return found
 
 
+def test_an_empty_measurement_is_refused() -> None:
+    assert "rwmf.cost" in _refused(rwmf.plot.work_precision, cost=rwmf.Cost({}, [], [], 1e-6, None))
+
+
 def test_methods_with_arguments_refuse_what_they_cannot_use() -> None:
     """Each argument in turn is each wrong value, in a new object."""
     missing = set(_public_methods()) - {*_METHODS}
