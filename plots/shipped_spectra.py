@@ -2,7 +2,7 @@
 
 Each is computed as published (e = 0.9) and in the exact form with the momentum balance at impacts,
 and both are drawn over the same axes. ``python plots/shipped_spectra.py`` reads ``inputs/`` and
-writes ``plots/`` in the current folder.
+writes ``build/plots/`` in the current folder.
 """
 
 from __future__ import annotations
@@ -76,14 +76,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _make_parser().parse_args(arguments)
     names = options.names or list(SHIPPED)
     try:
-        _make_folder(options.plots)
+        _make_folder(options.out)
         for name in names:
             _check_name(name)
-        pairs = {name: compute(name, options.inputs, options.plots) for name in names}
+        pairs = {name: compute(name, options.inputs, options.out) for name in names}
         figures_of = {name: (name,) for name in names}
         for stem, shown in (figures_of | dict([HEAD])).items():
             if pairs.keys() >= set(shown):
-                draw([pairs[name] for name in shown], options.plots / stem)
+                draw([pairs[name] for name in shown], options.out / stem)
     except RwmfError as error:
         print(f"rwmf: {error}", file=sys.stderr)
         return error.exit_status
@@ -215,7 +215,10 @@ def _make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--inputs", type=Path, default=Path("inputs"), help="folder of the cases")
     parser.add_argument(
-        "--plots", type=Path, default=Path("build/plots"), help="folder of the results"
+        "--out",
+        type=Path,
+        default=Path("build/plots"),
+        help="folder of the results (default: build/plots)",
     )
     return parser
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rwmf import coupling, loops, plot, records, studies
-    from rwmf._base_section import base_section, ufp_force
+    from rwmf._base_section import base_section, ufp_force, ufp_stiffness
     from rwmf._checks.checks import Checks, LimitCheck, checks
     from rwmf._cost import Cost, cost
     from rwmf._design.design import Design, design
@@ -110,6 +110,7 @@ __all__ = [
     "studies",
     "sweep",
     "ufp_force",
+    "ufp_stiffness",
 ]
 
 # module of each public name; an empty one where the name is a module itself
@@ -160,6 +161,7 @@ _HOMES = {
     "stripes": "_risk",
     "sweep": "_sweep",
     "ufp_force": "_base_section",
+    "ufp_stiffness": "_base_section",
 }
 
 

@@ -40,7 +40,7 @@ _OWN = {
     "energy_work_J_per_kg": (
         "energy_work",
         "J/kg",
-        "work of the load by the trapezoidal rule over the steps, over the reference mass",
+        "work of the load along the path, over the reference mass",
     ),
     "energy_released_J_per_kg": (
         "energy_released",

@@ -184,8 +184,8 @@ _RESTITUTION = """The table gives the constant e with which the exact form is cl
 """
 _FIGURES = """## Figures
 
-`rwmf reproduce 4 free block g5 disc six_storeys` draws the comparisons into `plots/`. After an
-impact the deformable wall vibrates in bending; the model is rigid and does not.
+`rwmf reproduce 4 free block g5 disc six_storeys` draws the comparisons into `build/plots/`. After
+an impact the deformable wall vibrates in bending; the model is rigid and does not.
 """
 _CONTACT = """u_s hardly depends on the contact; the rotation and the instants of the impacts depend
 on it a little. Without damping the foundation returns the blow, and the wall slides in the air.

@@ -26,6 +26,7 @@ from rwmf._library.tables import (
     result_names,
     schema,
     strip_under,
+    unusual_record,
     version,
 )
 
@@ -54,5 +55,6 @@ __all__ = [
     "start_simulation",
     "start_spectrum",
     "strip_under",
+    "unusual_record",
     "version",
 ]

@@ -416,7 +416,10 @@ class Case(Groups):
 
     def _given_entries(self) -> dict[str, dict[str, object]]:
         entries: dict[str, dict[str, object]] = {
-            name: dict(group.as_given()) for name, group in self._groups.items()
+            name: dict(group.as_given())
+            for name, group in self._groups.items()
+            # a hinged wall must not have it
+            if name != "impact" or group.given
         }
         for name, motion in self._motions.items():
             entries[name]["file"] = motion

@@ -389,7 +389,8 @@ class Impact(Group):
     Attributes
     ----------
     rule : str
-        Coupled: momentum balance of wall and frame; e, r imply constant, table_e table.
+        Coupled: momentum balance of wall and frame; e, r imply constant, table_e table; none: e =
+        1.
     e : float
         Factor on the angular velocity at impact; constant: exactly one of e and r.
     r : float
@@ -401,7 +402,7 @@ class Impact(Group):
     """
 
     __slots__ = ()
-    rule: Literal["constant", "housner", "coupled", "table"]
+    rule: Literal["constant", "housner", "coupled", "table", "none"]
     e: float
     r: float
     table_theta_dot: tuple[float, ...]
@@ -597,15 +598,18 @@ class BaseSection(Group):
     k : float
         Subgrade modulus: stress per settlement of the strip, which takes no tension [N/m3].
     E : float
-        Modulus of elasticity: toe strain = stress/E; beside length: k = E/length [Pa].
+        Modulus of elasticity: toe strain = k times settlement/E; beside length: k = E/length [Pa].
     length : float
         Height of the strip over which it is strained; beside k: E = k length [m].
+    f_c : float
+        Compressive strength: largest stress; a toe stress above 0.6 f_c gives a warning [Pa].
     """
 
     __slots__ = ()
     k: float
     E: float
     length: float
+    f_c: float
 
 
 class Limits(Group):

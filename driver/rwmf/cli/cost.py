@@ -93,8 +93,8 @@ def _number(value: float, form: str) -> str:
 def _recommendation(found: Cost) -> str:
     row = found.recommended
     if row is None:
-        return f"no setting has a relative error of {found.target:.0e} or less"
+        return f"no setting has errors of {found.target:.0e} or less in all columns"
     return (
-        f"* cheapest for a relative error of {found.target:.0e}: method = '{row.method}', "
+        f"* cheapest for errors of {found.target:.0e} or less in all columns: method = '{row.method}', "
         f"rtol = {row.rtol:.0e} ({1e3 * row.seconds:.2f} ms)"
     )

@@ -65,7 +65,6 @@ def run(options: argparse.Namespace) -> int:
     checkout = find_checkout()
     for name in ("inputs", "validation"):
         setattr(options, name, getattr(options, name) or checkout / name)
-    # figures of the repository, in plots, change on request only
     options.out = options.out or checkout / "build" / "plots"
     sys.path.insert(0, str(checkout / "plots"))
     status: int = import_module("reproduce.command").run(options)

@@ -262,9 +262,8 @@ def _refuse(case: Case) -> None:
         if group is not None and group.law not in _LAWS:
             stop(name, f"law = '{group.law}'; it has {', '.join(_LAWS)}")
     rocks = case.wall is not None and case.wall.base == "rocking"
-    if rocks and (case.impact is None or case.impact.rule not in ("coupled", "housner")):
-        found = "no rule" if case.impact is None else f"rule = '{case.impact.rule}'"
-        stop("impact", f"a prescribed e ({found}); its impacts follow rule = 'coupled'")
+    if rocks and case.impact.rule not in ("coupled", "housner"):
+        stop("impact", f"rule = '{case.impact.rule}'; its impacts follow rule = 'coupled'")
     if rocks and case.impact.rule == "housner" and case.frame is not None:
         stop("impact", "rule = 'housner' beside a frame; its impacts follow rule = 'coupled'")
     if case.wall is not None and case.model.formulation != "exact":

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rwmf._files import files
+from rwmf._files.names import readable
 from rwmf.case.namelist import compose
 from rwmf.plotting.image_files import check_format, save
 from rwmf.plotting.style import INK, legend_above, new_figure, plain, series
@@ -73,7 +74,7 @@ def write(found: Design, path: str | os.PathLike[str], commands: Sequence[str] =
         When the file cannot be written.
     """
     if Path(path).suffix.lower() == ".html":
-        files.write_bytes(path, _html(found, commands).encode("utf-8"))
+        files.write_bytes(path, readable(_html(found, commands)).encode())
         return
     with new_figure(_PAGE) as figure:
         _draw_page(figure, found, commands)

@@ -32,6 +32,9 @@ module rwmf_integrator_lane_screens
    !! largest rise of a peak above three samples, over their range [-]
    real(wp), parameter :: slack = 0.01_wp
    !! margin over the range so far [-]
+   real(wp), parameter :: least_range = 0.25_wp
+   !! least range so far over the magnitude of the level: after a start or an event, a vibration has
+   !! not shown its range yet [-]
    real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
    !! bound of the factors of a product
    real(wp), parameter :: same = 1.0e-8_wp
@@ -149,8 +152,8 @@ contains
             c = merge(abs(values(i, q, at_end)), values(i, q, at_end), is_magnitude)
             level = values(i, q, so_far)
             range = level - values(i, q, least_so_far)
-            is_flat(i) = min(is_flat(i), merge(merge(1.0_wp, 0.0_wp, max(a, c) + margin(i)*range &
-               <= level), 0.0_wp, range >= 0))
+            is_flat(i) = min(is_flat(i), merge(merge(1.0_wp, 0.0_wp, max(a, c) &
+               + margin(i)*max(range, least_range*abs(level)) <= level), 0.0_wp, range >= 0))
          end do
       end do
    end subroutine find_low_ends
@@ -237,7 +240,7 @@ contains
          c = -max(-cap, min(values(i, low_normal, at_end), cap))
          level = min(values(i, demand, so_far), cap)
          range = values(i, low_normal, so_far) - values(i, low_normal, least_so_far)
-         low = min(a, c) - margin(i)*range
+         low = min(a, c) - margin(i)*max(range, least_range*abs(values(i, low_normal, so_far)))
          ! |H| departs from its ends by a part of its range, which is less than the largest quotient
          ! times the largest N
          top = max(abs(a*max(-cap, min(values(i, demand, at_begin), cap))), &

@@ -307,7 +307,7 @@ module rwmf_problem_quantity_table
       quantity_t(id%e, 'e', '1', 'before', 'run ordinate', 'wall', of_displacement, &
       '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
       quantity_t(id%e_max, 'e_max', '1', 'before', 'run ordinate', 'wall', of_displacement, &
-      '`base = ''rocking''`', 'velocity factor that the momentum balance allows'), &
+      '`base = ''rocking''`', 'velocity factor of an impulse at the new corner'), &
       quantity_t(id%T_s_s, 'T_s_s', 's', 'before', 'run spectrum', 'frame', of_nothing, &
       'in a run `&storeys`', 'period of the frame'), &
       quantity_t(id%modal_mass_over_m_w, 'modal_mass_over_m_w', '1', 'before', 'run', 'storeys', &

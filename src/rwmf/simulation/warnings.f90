@@ -3,15 +3,16 @@ module rwmf_simulation_warnings
    use rwmf_core_kinds, only: wp
    use rwmf_model_impact_rule, only: balanced_restitution, mass_ratio, restitution
    use rwmf_motion_ground_motion, only: lowest_vertical, motion_t
-   use rwmf_problem_case, only: case_t, has_floors, has_numbers
-   use rwmf_problem_usual_ranges, only: list_unusual, unusual_text
+   use rwmf_problem_case, only: case_t, has_floors, has_numbers, numbers_of
+   use rwmf_problem_record, only: record_source_t, record_t
+   use rwmf_problem_usual_ranges, only: list_unusual, unusual_record, unusual_text
    use rwmf_simulation_state_result, only: add_warning, result_t
-   use rwmf_text_strings, only: real_to_text
+   use rwmf_text_strings, only: real_to_text, shown
    implicit none
    private
 
    public :: list_case_warnings, warn_of_chatter, warn_of_grazing, warn_of_reactions
-   public :: warn_of_short_history
+   public :: warn_of_short_history, warn_of_toe
 
 contains
 
@@ -34,6 +35,27 @@ contains
          end if
       end associate
    end subroutine warn_of_reactions
+
+   !> Warn of a toe stress beyond the linear range of the concrete.
+   subroutine warn_of_toe(case, result)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(inout) :: result
+      real(wp), parameter :: linear = 0.6_wp
+      !! end of the linear range, over the strength [-]
+
+      if (.not. (has_numbers(case, 'base_section') .and. allocated(result%envelopes))) return
+      associate (numbers => numbers_of(case, 'base_section'), &
+                 stress => result%envelopes%toe_stress_max)
+         if (.not. stress > linear*numbers(3)) return
+         if (stress < numbers(3)) then
+            call add_warning(result, 'the toe stress reaches '//trim(real_to_text(stress)) &
+               //' Pa: above 0.6 f_c concrete strains more than stress/E')
+         else
+            call add_warning(result, 'the toe crushes: its stress is f_c from there on, its ' &
+               //'strain follows the settlement; the motion remains that of rigid corners')
+         end if
+      end associate
+   end subroutine warn_of_toe
 
    !> Warn if numerical errors may decide on contact between wall and base.
    subroutine warn_of_grazing(result)
@@ -80,6 +102,10 @@ contains
       real(wp), allocatable :: gamma(:), b(:)
 
       call list_unusual(case%values, lines)
+      if (allocated(case%record)) call warn_of_record(case%record, &
+         case%motion%record_source_t, case%model%g, lines)
+      if (allocated(case%upward_record)) call warn_of_record(case%upward_record, &
+         case%upward%record_source_t, case%model%g, lines)
       if (has_floors(case) .and. size(lines) == 0) then
          if (allocated(case%frame%T_s)) call add_line(unusual_text(case%values, 'frame', 'T_s', &
             case%frame%T_s), lines)
@@ -112,6 +138,28 @@ contains
             //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|', lines)
       end if
    end subroutine list_case_warnings
+
+   !> Warn of a recorded motion that is no earthquake in its units.
+   subroutine warn_of_record(record, source, g, lines)
+      type(record_t), intent(in) :: record
+      type(record_source_t), intent(in) :: source
+      real(wp), intent(in) :: g
+      !! [m/s2]
+      character(256), allocatable, intent(inout) :: lines(:)
+      real(wp) :: interval
+      !! [s]
+      character(256) :: text
+
+      interval = record%t_last/(record%n - 1)
+      if (allocated(record%dt)) interval = record%dt
+      text = unusual_record(record%peak/g, interval, record%t_last)
+      if (text == '' .or. .not. abs(source%scale) > 0) return
+      if (allocated(source%file)) then
+         call add_line(shown(source%file)//': '//trim(text), lines)
+      else
+         call add_line('record: '//trim(text), lines)
+      end if
+   end subroutine warn_of_record
 
    !> Add a line unless it is empty.
    pure subroutine add_line(line, lines)
@@ -208,9 +256,9 @@ contains
             is_dead = is_dead .or. e <= 0
          end do
       end do
-      if (is_dead .and. allocated(case%impact)) then
-         if (any(case%impact%rule == [character(7) :: 'housner', 'coupled'])) call add_line( &
-            'the momentum balance leaves no velocity at impact for so squat a wall: e = 0', lines)
+      if (is_dead .and. any(case%impact%rule == [character(7) :: 'housner', 'coupled'])) then
+         call add_line('the momentum balance leaves no velocity at impact for so squat a wall: ' &
+            //'e = 0', lines)
       end if
       if (most(1) > most(2)) call add_line('e = '//trim(real_to_text(most(1))) &
          //' exceeds e_max = '//trim(real_to_text(most(2))) &
@@ -261,10 +309,7 @@ contains
       real(wp), intent(in) :: alpha
       !! slenderness [rad]
 
-      loses_momentum = .false.
-      if (.not. allocated(case%impact)) return
-      if (case%impact%rule == 'coupled') return
-      loses_momentum = mass_ratio(case) > 0 &
+      loses_momentum = case%impact%rule /= 'coupled' .and. mass_ratio(case) > 0 &
          .and. restitution(case, alpha) < balanced_restitution(case, alpha)
    end function loses_momentum
 

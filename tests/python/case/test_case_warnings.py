@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT, Runner
@@ -232,3 +233,58 @@ def test_shown_defaults_hold() -> None:
                 except rwmf.InputError:
                     continue  # a default that other keys exclude
                 assert told.groups[group][key] == value, (path.name, group, key)
+
+
+_RECORDS = {
+    "peak of 5.1 g is outside the range of records, 1e-05 to 5 g: check the unit": (5.1, 0.01, 120),
+    "peak of 9e-06 g is outside the range": (9e-6, 0.01, 120),
+    "interval of 0.11 s exceeds 0.1 s: check dt": (0.3, 0.11, 120),
+    "duration of 3610 s exceeds 3600 s: check dt": (0.3, 0.1, 36101),
+    "": (4.9, 0.1, 36001),
+}
+
+
+@pytest.mark.parametrize("text", _RECORDS)
+def test_a_record_that_is_no_earthquake(text: str, batch: Runner, tmp_path: Path) -> None:
+    """By all ways that read it, horizontal and vertical."""
+    peak, dt, n = _RECORDS[text]
+    a = peak * np.sin(0.3 * np.arange(n)) ** 2
+    a *= peak / abs(a).max()
+    a[0] = a[-1] = 0
+    (tmp_path / "a.txt").write_text("\n".join(map(repr, a.tolist())), encoding="utf-8")
+    written = "unit = 'g', dt = " + repr(dt)
+    case = coupled(motion=None).replace(solver={"t_end": 0.05})
+    path = tmp_path / "case.nml"
+    body = case.text + f"\n&motion kind = 'record', file = 'a.txt', {written} /\n"
+    path.write_text(body, encoding="utf-8")
+    from_file = rwmf.Case.from_namelist(path)
+    from_array = case.replace(motion=rwmf.Motion(a, dt=dt, unit="g"))
+    swept = rwmf.sweep(case, {"xi_s": [0.02]}, records=[tmp_path / "a.txt"], unit="g", dt=dt)
+    found = [
+        from_file.kernel.warnings(),
+        from_array.kernel.warnings(),
+        rwmf.simulate(from_file).attrs["warnings"].splitlines(),
+        rwmf.spectrum(from_file, T_s=[0.5]).attrs["warnings"].splitlines(),
+        swept.attrs["warnings"].splitlines(),
+        batch("case.nml").stderr.splitlines(),
+        rwmf.records.info(tmp_path / "a.txt", unit="g", dt=dt)[0]["warnings"],
+    ]
+    for lines in found:
+        assert any(text in line for line in lines) == bool(text), lines
+        assert any("outside the range of records" in line or "exceeds" in line for line in lines) \\
+            == bool(text)  # fmt: skip
+    upward = tmp_path / "upward.nml"
+    upward.write_text(
+        coupled().replace(solver={"t_end": 0.05}).text
+        + f"\n&vertical file = 'a.txt', {written} /\n", encoding="utf-8"
+    )  # fmt: skip
+    lines = rwmf.Case.from_namelist(upward).kernel.warnings()
+    assert any(text in line for line in lines if "a.txt" in line) == bool(text)
+
+
+def test_no_warning_without_a_motion() -> None:
+    """A scale of zero disables a record."""
+    case = coupled(motion=None).replace(motion=rwmf.Motion([0.0, 9.0, 0.0], dt=0.01, unit="g"))
+    assert any("range of records" in line for line in case.kernel.warnings())
+    none = case.replace(motion={"scale": 0.0})
+    assert not any("range of records" in line for line in none.kernel.warnings())

@@ -59,12 +59,40 @@ def test_the_paper_is_two_lines_away() -> None:
     assert float(rwmf.simulate(paper).u_s_max) == float(rwmf.simulate(told).u_s_max)
 
 
-def test_a_wall_alone_gets_housners_rule_and_no_impact_no_loss() -> None:
-    alone = block(impact=None, initial={"theta_over_alpha": 0.5}).replace(impact={})
+@pytest.mark.parametrize("formulation", ["published", "symmetric", "exact"])
+@pytest.mark.parametrize("impact", [None, {}])
+def test_a_rocking_wall_balances_its_momentum_by_default(
+    formulation: str, impact: dict[str, object] | None
+) -> None:
+    alone = block(impact=None, initial={"theta_over_alpha": 0.5})
+    alone = alone.replace(impact=impact, model={"formulation": formulation})
+    assert alone.impact.rule == "coupled"
+    assert alone.impact.given == frozenset()
     alpha = np.arctan2(alone.wall.b, alone.wall.h)
-    assert float(rwmf.simulate(alone).e) == pytest.approx(1 - 1.5 * np.sin(alpha) ** 2, rel=1e-15)
+    run = rwmf.simulate(alone)
+    assert float(run.e) == pytest.approx(1 - 1.5 * np.sin(alpha) ** 2, rel=1e-15)
+    assert "impact" in run.attrs["effects"]
     assert lines(alone) == []
-    assert float(rwmf.simulate(alone.without("impact")).e) == 1.0
+    # keys of the group are axes without it
+    assert np.array_equal(rwmf.sweep(alone, {"e": [0.9]}, quantities=("e",)).e, [0.9])
+
+
+def test_rule_none_loses_nothing_at_impacts() -> None:
+    start = {"theta_over_alpha": 0.5}
+    run = rwmf.simulate(block(impact={"rule": "none", "e": None}, initial=start))
+    assert float(run.e) == 1.0
+    assert "impact" not in run.attrs["effects"]
+    assert float(run.theta_max_over_alpha) == 0.5
+    with pytest.raises(rwmf.InputError, match="must not be given with rule = 'none'"):
+        block(impact={"rule": "none"})
+
+
+def test_a_hinged_wall_has_no_rule_of_impacts() -> None:
+    rocking = coupled(impact=None, cable=None)
+    hinged = rocking.replace(wall={"base": "pinned"})
+    assert (rocking.impact.rule, hinged.impact) == ("coupled", None)
+    assert "impact" not in rwmf.simulate(hinged).attrs["effects"]
+    assert hinged.replace(wall={"base": None}) == rocking
 
 
 def test_a_table_needs_no_rule() -> None:
@@ -246,7 +274,10 @@ def test_check_notes_what_was_otherwise(command: Runner, tmp_path: Path) -> None
     assert "formulation = 'exact'" in notes[0]
     assert "before version 0.2 it was 'published'" in notes[0]
     assert "rule = 'coupled'" in notes[1]
-    assert "before version 0.2 that was refused" in notes[1]
+    assert "before version 0.8 it was 'none' (e = 1)" in notes[1]
+    block(impact=None).to_namelist(tmp_path / "absent.nml")
+    notes = [line for line in command("check", "absent.nml").stdout.splitlines() if "note" in line]
+    assert [note.split(", ")[0] for note in notes] == ["note: &impact rule = 'coupled'"]
     for changes in (TRUE, PAPER):
         coupled(solver=SHORT, **changes).to_namelist(tmp_path / "told.nml")
         assert "note:" not in command("check", "told.nml").stdout

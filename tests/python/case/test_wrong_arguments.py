@@ -177,6 +177,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
                          "E": None},
         "checks": {"case": limited, "result": found["run"]},
         "ufp_force": {"stress": 3e8, "width": 0.1, "thickness": 0.01, "diameter": 0.1},
+        "ufp_stiffness": {"modulus": 2e11, "width": 0.1, "thickness": 0.01, "diameter": 0.1},
         "coupling.FunctionHost": {"mass": [1.0], "damping": [[0.1]], "restoring": [[40.0]],
                                   "ground": _still, "links": [0], "on_commit": None},
         "coupling.couple": {"case": case, "host": _host(), "ground": _still, "dt": 0.05,

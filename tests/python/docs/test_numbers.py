@@ -72,6 +72,36 @@ def test_factors_of_the_momentum_balance() -> None:
         assert _same(float(rwmf.simulate(case)["e"]), shown)
 
 
+def test_place_of_the_impulse_for_a_factor_of_0_9() -> None:
+    """(T24) with the factor of the program: distance outside the base over its width."""
+    table = _rows(THEORY, r"| $\gamma$ | 0 | 5 | 1800 |" + "\n|---|---|---|---|\n| distance")
+    shown = next(values for name, values in table.items() if name.startswith("distance"))
+    sine_2, e = 1 / 17, 0.9
+    for gamma, text in zip((0.0, 5.0, 1800.0), shown, strict=True):
+        inertia = 4 / 3 + 4 * gamma * (1 - sine_2)
+        x = (e - _balanced(0.25, gamma)) * inertia / (1 + e) / (2 * sine_2)
+        assert f"{-x:,.{len(text.partition('.')[2])}f}" == text
+        # an impulse at mid-base, half a width inside, loses nothing
+        assert _balanced(0.25, gamma) + 2 * sine_2 / inertia == pytest.approx(1.0, rel=1e-12)
+
+
+def test_impulsive_friction() -> None:
+    """(T25) with the factor of the program, and with 0.9."""
+    shown = _rows(THEORY, r"| | free block, $\tan\alpha = 0.25$")["ratio"]
+    cases = ((0.25, 0.0, None), (0.5, 0.0, None), (0.25, 5.0, None), (0.25, 5.0, 0.9),
+             (0.25, 1800.0, 0.9))  # fmt: skip
+    for (tangent, gamma, given), text in zip(cases, shown, strict=True):
+        e = given or _balanced(tangent, gamma)
+        assert _same((1 + 2 * gamma) * (1 - e) / (tangent * (1 + e)), text)
+
+
+def _balanced(tangent: float, gamma: float) -> float:
+    """Return the factor of the momentum balance that a run reports."""
+    wall, impact, solver = {"b": 2 * tangent}, {"rule": "coupled", "e": None}, {"t_end": 0.0}
+    case = coupled(wall=wall, frame={"gamma": gamma or 1e-14}, impact=impact, solver=solver)
+    return float(rwmf.simulate(case)["e_max"])
+
+
 @pytest.mark.parametrize("e", [None, 0.9])
 def test_boundaries_of_overturning(e: float | None) -> None:
     text = re.sub(r"\s+", " ", _page("docs/howto/studies.md"))

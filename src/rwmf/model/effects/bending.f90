@@ -99,8 +99,7 @@ contains
       else if (has_group(values, 'link')) then
          call fail_group(values, 'bending', 'must not be given with &link: the equations of ' &
             //'a bending wall have no tilted link', error)
-      else if (.not. has_group(values, 'impact') .or. text_of(values, 'impact', 'rule') &
-               /= 'coupled') then
+      else if (text_of(values, 'impact', 'rule') /= 'coupled') then
          call fail_group(values, 'bending', "needs &impact rule = 'coupled': the momentum " &
             //'balance of the modes gives the velocities after an impact', error)
       end if

@@ -8,8 +8,8 @@ module rwmf_simulation_hybrid_transitions
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, tendon_is_broken, &
       turn_back
    use rwmf_model_restitution, only: factor_at, largest_factor
-   use rwmf_model_system_assembly, only: enter_side, equation_t, interval_of, rates_at, &
-      second_derivative
+   use rwmf_model_system_assembly, only: enter_interval, enter_side, equation_t, interval_of, &
+      rates_at, second_derivative
    use rwmf_model_system_energy, only: mechanical_energy
    use rwmf_model_system_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, &
       pull_duration
@@ -100,6 +100,7 @@ contains
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
       hybrid%t_turn = -huge(hybrid%t)
+      recorder%t_settled = -huge(hybrid%t)
       recorder%lift_offs = recorder%lift_offs + 1_i8
       call observe_event(recorder, event_lift_off, hybrid%t, hybrid%y)
    end subroutine lift_off
@@ -381,8 +382,10 @@ contains
 
    !> Record the reactions at the end of the chatter that the rest omits.
    !>
-   !> The wall leaves its base on either side without velocity. The time is the end of the omitted
-   !> flights, of duration 2 v/a each.
+   !> The first omitted flight begins with the velocity after the impact. At the end of the flights,
+   !> of duration 2 v/a each, the wall leaves its base on either side without velocity; the forces
+   !> of rest follow. In between, forces vary with velocity and ground motion along straight lines,
+   !> broken at the knots.
    subroutine observe_end_of_chatter(hybrid, equation, recorder)
       type(hybrid_t), intent(in) :: hybrid
       !! hybrid system after the impact
@@ -392,11 +395,13 @@ contains
       real(wp), dimension(equation%n) :: y, rates
       real(wp) :: pull(2)
       !! acceleration towards the base on the next side, and on the other side [rad/s2]
-      real(wp) :: t, e(2)
-      !! time; velocity factors of the impacts that end flights on both sides
-      integer :: i
+      real(wp) :: t, knot, e(2)
+      !! end of the flights; end of an interval; velocity factors of the impacts that end flights on
+      !! both sides
+      integer :: i, interval
 
       if (abs(hybrid%y(2)) <= 0) return
+      if (equation%beam%n == 0) call observe_still(recorder, equation, hybrid%t, hybrid%y)
       y = hybrid%y
       y(:2) = 0
       do i = 1, 2
@@ -406,20 +411,39 @@ contains
          call enter_side(equation%model_t, equation%state, -equation%state%side)
       end do
       if (minval(pull) <= 0) return
-      t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e(1)/pull(2))/(1 - e(1)*e(2))
-      t = min(t, interval_end(equation%motion, interval_of(equation)))
+      t = hybrid%t
+      if (e(1)*e(2) < 1) t = t + 2*abs(hybrid%y(2))*(1/pull(1) + e(1)/pull(2))/(1 - e(1)*e(2))
       if (equation%beam%n > 0) then
          ! the impacts take back the energy that the flights give to the modes
          call hold_wall(equation%state)
          call rates_at(equation, hybrid%t, y, rates)
          call release_wall(equation%state)
       end if
-      ! the floors move in the meantime
-      y(3:) = y(3:) + (t - hybrid%t)*rates(3:)
-      do i = 1, 2
-         call observe_still(recorder, equation, t, y)
-         call enter_side(equation%model_t, equation%state, -equation%state%side)
+      interval = interval_of(equation)
+      do
+         knot = interval_end(equation%motion, interval_of(equation))
+         call observe_both_sides(min(t, knot))
+         if (t <= knot) exit
+         call enter_interval(equation%model_t, equation%state, interval_of(equation) + 1)
+         call observe_both_sides(knot)
       end do
+      call enter_interval(equation%model_t, equation%state, interval)
+      recorder%t_settled = t
+
+   contains
+
+      !> Record the forces on both sides; the floors move in the meantime.
+      subroutine observe_both_sides(at)
+         real(wp), intent(in) :: at
+         !! [s]
+         integer :: k
+
+         y(3:) = hybrid%y(3:) + (at - hybrid%t)*rates(3:)
+         do k = 1, 2
+            call observe_still(recorder, equation, at, y)
+            call enter_side(equation%model_t, equation%state, -equation%state%side)
+         end do
+      end subroutine observe_both_sides
    end subroutine observe_end_of_chatter
 
    !> Velocity factor of the impact that ends a flight on the present side. The modes of a bending

@@ -237,14 +237,18 @@ contains
       !! much above both ends, a vibration by a quarter of it [-]
       real(wp), parameter :: least_rise = 0.02_wp, stiff_rise = 100
       !! values for a stiff cable that vibrates faster; its frequency is not computed
-      real(wp) :: margin
+      real(wp), parameter :: least_range = 0.25_wp
+      !! least range so far over the magnitude of the level: after a start or an event, a vibration
+      !! has not shown its range yet [-]
+      real(wp) :: margin, range
       integer :: q
 
       margin = max(min(least_rise, stiff_rise*angle**2), rise*angle**2)
       is_plain = .false.
       do q = 1, size(self%largest)
          if (.not. has_search(self, q)) cycle
-         if (.not. highest(q) + margin*(self%level(q) - self%smallest(q)) <= self%level(q)) return
+         range = max(self%level(q) - self%smallest(q), least_range*abs(self%level(q)))
+         if (.not. highest(q) + margin*range <= self%level(q)) return
       end do
       is_plain = .true.
    end function is_plain

@@ -215,6 +215,9 @@ contains
       !! (2*0.4)**2/8 of its amplitude [rad]
       real(wp), parameter :: largest_margin = 0.25_wp, least_margin = 0.01_wp
       !! margin over the range so far, for a step of `short_angle` and for a very short one [-]
+      real(wp), parameter :: least_range = 0.25_wp
+      !! least range so far over the magnitude of the level: after a start or an event, a vibration
+      !! has not shown its range yet [-]
       real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
       !! bound of the factors of a product
       real(wp) :: at_ends(n_found, 2), normal(2), angle, margin
@@ -227,7 +230,7 @@ contains
          at_ends(:, 1) = quantities_at(equation, piece%t_a, piece%y_a)
          at_ends(:, 2) = quantities_at(equation, piece%t_b, piece%y_b)
          margin = max(least_margin, largest_margin*(angle/short_angle)**2)
-         range = largest - forces%smallest
+         range = max(largest - forces%smallest, least_range*abs(largest))
          highest = maxval(at_ends(:n_quantities, :), dim=2) + margin*range
          level = largest
          if (is_quotient(equation)) then
