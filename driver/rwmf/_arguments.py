@@ -283,7 +283,7 @@ _CHECKS: dict[str, Check] = {
     "ax": _ax,
     "axes": _axes,
     "chunk": lambda name, value: to_whole(name, value, 0, 10**15),
-    "damping": lambda name, value: _not_negative(name, value),
+    "damping": lambda name, value: _damping(name, value),
     "component": _text,
     "dt": _positive,
     "executor": _executor,
@@ -331,10 +331,11 @@ _CHECKS: dict[str, Check] = {
 }
 
 
-def _not_negative(name: str, value: object) -> float:
-    number = to_number(name, value, wanted="a finite number >= 0")
+def _damping(name: str, value: object) -> float:
+    wanted = "in [0, 1)"
+    number = to_number(name, value, below=1.0, wanted=wanted)
     if number < 0:
-        raise InputError(f"{name} = {show(value)}: must be a finite number >= 0")
+        raise InputError(f"{name} = {show(value)}: must be {wanted}")
     return number
 
 
@@ -377,6 +378,9 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
         before = call_depth.set(call_depth.get() + 1)
         try:
             result = function(*bound.args, **bound.kwargs)
+        except ArithmeticError as error:
+            text = f"{function.__name__}: numbers exceed the range of the computation ({error})"
+            raise InputError(text) from error
         finally:
             call_depth.reset(before)
         lines = getattr(result, "attrs", {}).get("warnings")

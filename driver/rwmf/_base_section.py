@@ -7,6 +7,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rwmf import _library
+from rwmf._arguments import checked
 from rwmf._numbers import show, to_array, to_items, to_number
 from rwmf.errors import InputError
 
@@ -89,6 +90,7 @@ def base_section(
     return section.isel(state=0) if is_one else section
 
 
+@checked
 def ufp_force(stress: float, width: float, thickness: float, diameter: float) -> float:
     """Compute the plastic strength of a U-shaped flexural plate.
 

@@ -11,6 +11,7 @@ from rwmf._library.kernel_case import (
     SceneAxis,
     keep_samples,
     read_case,
+    read_host_case,
 )
 from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
@@ -47,6 +48,7 @@ __all__ = [
     "needs_of_groups",
     "quantities",
     "read_case",
+    "read_host_case",
     "result_names",
     "schema",
     "start_rows",

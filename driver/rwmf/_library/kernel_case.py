@@ -15,7 +15,15 @@ from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_
 from rwmf._library.memory import Memory
 from rwmf.errors import InputError, without_lines
 
-__all__ = ["Changes", "KernelCase", "Samples", "SceneAxis", "keep_samples", "read_case"]
+__all__ = [
+    "Changes",
+    "KernelCase",
+    "Samples",
+    "SceneAxis",
+    "keep_samples",
+    "read_case",
+    "read_host_case",
+]
 
 
 class SceneAxis(NamedTuple):
@@ -338,8 +346,6 @@ def read_case(
     known: KernelCase | None = None,
     motion: Samples | None = None,
     vertical: Samples | None = None,
-    *,
-    is_for_host: bool = False,
 ) -> KernelCase:
     """Read and validate a case.
 
@@ -353,8 +359,6 @@ def read_case(
         A case whose samples are reused for the same record, instead of reading the file again.
     motion, vertical : Samples, optional
         Samples for `&motion file` and `&vertical file`; no file is read.
-    is_for_host : bool
-        The case is for an element: ``T_s`` and ``xi_s`` of `&frame` and ``t_end`` may be absent.
 
     Returns
     -------
@@ -366,8 +370,35 @@ def read_case(
     InputError
         When the case is not acceptable.
     """
-    message = message_buffer()
     others = [0 if kept is None else kept.handle for kept in (known, motion, vertical)]
+    return _read(text, source, others, is_for_host=False)
+
+
+def read_host_case(text: str, source: str) -> KernelCase:
+    """Read and validate a case for an element.
+
+    Parameters
+    ----------
+    text : str
+        Namelist text; ``T_s`` and ``xi_s`` of `&frame` and ``t_end`` may be absent.
+    source : str
+        As for `read_case`.
+
+    Returns
+    -------
+    KernelCase
+        The case.
+
+    Raises
+    ------
+    InputError
+        When the case is not acceptable.
+    """
+    return _read(text, source, [0, 0, 0], is_for_host=True)
+
+
+def _read(text: str, source: str, others: list[int], *, is_for_host: bool) -> KernelCase:
+    message = message_buffer()
     handle, status, n = _cases.case_read(
         encode(text), encode(source), others, int(is_for_host), message
     )

@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rwmf._arguments import path_of
 from rwmf._files import files
 from rwmf._files.names import readable, shorten
 from rwmf._files.netcdf_file import new_file
@@ -210,7 +211,7 @@ def read_table(source: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
     if isinstance(source, list | tuple):
         return join([read_table(item) for item in source])
     if isinstance(source, str | os.PathLike):
-        path = Path(source)
+        path = Path(path_of("table", source))
         try:
             return _read_file(path)
         except InputError as error:
@@ -289,7 +290,7 @@ def read_columns(
     InputError
         When the file does not exist, cannot be read or is malformed.
     """
-    if not path.is_file():
+    if not Path(path_of(content, path)).is_file():
         raise InputError(f"{path}: the {content} does not exist, or is no regular file")
     return read_csv(path, lambda name: name not in texts)
 

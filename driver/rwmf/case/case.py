@@ -509,10 +509,10 @@ def kernel_for_host(
         return case.kernel, case.kernel_source()
     if not isinstance(case, Mapping):
         source = _path_text(case)
-        return _library.read_case(read_text(source), source, is_for_host=True), source
+        return _library.read_host_case(read_text(source), source), source
     try:
         text = compose(_checked_entries(case))
-        return _library.read_case(text, "", is_for_host=True), ""
+        return _library.read_host_case(text, ""), ""
     except InputError as error:
         raise InputError(without_lines(str(error))) from None
 

@@ -128,7 +128,9 @@ class IteratedHost(Host):
 
     def _checked(self, forces: Reals, h: float) -> tuple[Reals, float]:
         links = (len(self.links),)
-        return to_shaped("forces", forces, links), to_number("h", h, above=_SHORTEST, below=1 / _SHORTEST)
+        return to_shaped("forces", forces, links), to_number(
+            "h", h, above=_SHORTEST, below=1 / _SHORTEST
+        )
 
     @abstractmethod
     def _guess(self, h: float) -> Reals:

@@ -66,8 +66,8 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
     InputError
         When an argument has the wrong type.
     """
-    if not hasattr(cost, "practices"):
-        raise InputError(f"cost = {show(cost)}: must be the result of rwmf.cost")
+    if not getattr(cost, "rows", None):
+        raise InputError(f"cost = {show(cost)}: must be the result of rwmf.cost, with rows")
     axes: Axes = make_panels(ax, 1)[0]
     for method, colour, marker in zip(_METHODS, COLOURS, MARKERS, strict=False):
         rows = [row for row in cost.rows if row.method == method and _is_drawn(row)]

@@ -135,7 +135,9 @@ def _label_demand(ax: Axes, rows: xr.Dataset, name: str) -> None:
     """Label the axes of a demand and its intensity."""
     attrs = rows[name].attrs
     unit = attrs.get("units", "1")
-    ax.set_xlabel(plain(attrs.get("long_name", name)) + (f" ({plain(unit)})" if unit != "1" else ""))
+    ax.set_xlabel(
+        plain(attrs.get("long_name", name)) + (f" ({plain(unit)})" if unit != "1" else "")
+    )
     ax.set_ylabel(intensity_label(rows.attrs))
 
 

@@ -144,7 +144,9 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
             ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **line_style)
     ax.axhline(1.0, **LEVEL)
     _finish(ax, dataset["ratio"])
-    only = _SYMBOLS.get(names[0], plain(names[0].replace("_", " "))) + " " if len(names) == 1 else ""
+    only = (
+        _SYMBOLS.get(names[0], plain(names[0].replace("_", " "))) + " " if len(names) == 1 else ""
+    )
     ax.set_ylabel(f"{only}with / without wall")
     return ax
 

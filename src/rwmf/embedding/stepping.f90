@@ -132,7 +132,7 @@ contains
       if (allocated(error)) call destroy_stepping(stepping)
    end subroutine create_stepping
 
-   !> Remove the history; keep reactions and demands only on request, as they cost time in each step.
+   !> Remove the history; reactions and demands need a request, as they take time.
    pure subroutine limit_outputs(output, asks_for_reactions)
       type(output_t), intent(inout) :: output
       logical, intent(in) :: asks_for_reactions

@@ -231,7 +231,7 @@ def test_an_uncaught_ctrl_c_ends_python_by_its_signal() -> None:
     script = (
         "import signal, threading, rwmf\n"
         "case = rwmf.Case.from_text(\"&frame T_s = 0.1 xi_s = 0.02 / &motion kind = 'one_sine' "
-        "a_max_g = 1 T_p = 1 / &solver t_end = 1e6 rtol = 1e-12 /\")\n"
+        'a_max_g = 1 T_p = 1 / &solver t_end = 1e6 rtol = 1e-12 /")\n'
         "threading.Timer(0.1, signal.raise_signal, [signal.SIGINT]).start()\n"
         "rwmf.simulate(case)\n"
     )
