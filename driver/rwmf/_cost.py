@@ -47,6 +47,8 @@ _ROUND_OFF = float(np.finfo(float).eps) / 2
 _ODE45_RTOL = 1e-3
 # settings whose times differ by less than this factor count as equally fast
 _SAME_TIME = 1.05
+# median difference of the times of both rounds above which they are reported [-]
+_MOST_DISAGREEMENT = 0.1
 
 _Task = tuple[str, float, Callable[[float], Measurement]]
 
@@ -66,7 +68,7 @@ class Row:
         quantity. 1 when only the row or only the reference overturns; NaN where a procedure does
         not report the quantity.
     seconds : float
-        Fastest of all repeats [s].
+        Processor time of the fastest of all repeats [s].
     steps, rhs_evaluations, impacts : int
         Counts.
     theta_max_relative_error : float
@@ -122,6 +124,9 @@ class Cost:
         Requested relative error [-].
     recommended : Row or None
         The fastest row with this error; all tighter tolerances of its method have it too.
+    disagreement : float
+        Median over the rows of the difference of the times of both rounds, over the smaller one
+        [-]; NaN without a second round.
     """
 
     reference: dict[str, Any]
@@ -129,6 +134,17 @@ class Cost:
     practices: list[Row]
     target: float
     recommended: Row | None
+    disagreement: float = math.nan
+
+    @property
+    def note(self) -> str:
+        """Warning when the repeats disagree; '' when they agree."""
+        if not self.disagreement > _MOST_DISAGREEMENT:
+            return ""
+        return (
+            f"the times of repeats differ by {100 * self.disagreement:.0f} %, because other "
+            "programs load the machine: compare the evaluations (rhs), or measure again"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the values as the keys of ``rwmf cost --json``."""
@@ -138,6 +154,8 @@ class Cost:
             "practices": [row.to_dict() for row in self.practices],
             "target": self.target,
             "recommended": None if self.recommended is None else self.recommended.to_dict(),
+            "disagreement": self.disagreement,
+            "note": self.note,
         }
 
 
@@ -216,13 +234,17 @@ def _compared(case: Case, target: float, report: Progress) -> Cost:
         rows.append(_row((label, rtol, measure), stopwatch.budget(), reference, facts["peak"]))
         report(len(rows) + 1, total)
     # a second round, because the load of the machine varies
+    differences: list[float] = []
     for i, (_, _, measure) in enumerate(tasks):
         if rows[i].status == "ok" and stopwatch.budget() > 0:
-            seconds = min(rows[i].seconds, measure(stopwatch.budget()).seconds)
-            rows[i] = dataclasses.replace(rows[i], seconds=seconds)
+            one, other = rows[i].seconds, measure(stopwatch.budget()).seconds
+            rows[i] = dataclasses.replace(rows[i], seconds=min(one, other))
+            differences.append(_ratio(abs(one - other), min(one, other)))
         report(len(rows) + i + 2, total)
     practices, rows = rows[: len(PRACTICES)], rows[len(PRACTICES) :]
-    return Cost(_add_verdict(facts, rows), rows, practices, target, cheapest(rows, target))
+    disagreement = float(np.median(differences)) if differences else math.nan
+    best = cheapest(rows, target)
+    return Cost(_add_verdict(facts, rows), rows, practices, target, best, disagreement)
 
 
 def _asked(case: Case, quantity: str | None) -> Case:

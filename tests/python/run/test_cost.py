@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import json
 import math
 import re
+import time
 from pathlib import Path
 
 import numpy as np
@@ -93,6 +96,50 @@ def test_luck_is_not_recommended() -> None:
     assert best is not None
     assert best.rtol == 1e-5
     assert cheapest(rows, 1e-12) is None
+
+
+def test_repeats_that_disagree_are_reported(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Times of a loaded machine carry a note; the evaluations do not depend on it."""
+    path = tmp_path / "frame.nml"
+    path.write_text(FRAME, encoding="utf-8")
+    measure, calls = _measure.measure_method, itertools.count()
+
+    def loaded(*words: object) -> _measure.Measurement:
+        found = measure(*words[:3], 0.0)
+        first = next(calls) < len(METHODS) * len(TOLERANCES)
+        return dataclasses.replace(found, seconds=1.0 if first else slower)
+
+    found = []
+    monkeypatch.setattr(_measure, "measure_method", loaded)
+    for slower in (1.05, 1.5):
+        calls = itertools.count()
+        assert cli.main(["cost", str(path), "--json"]) == 0
+        out, error = capsys.readouterr()
+        found.append(json.loads(out))
+        assert found[-1]["disagreement"] == pytest.approx(slower - 1, rel=1e-12)
+        assert ("differ by 50 %" in error) == (slower > 1.1) == bool(found[-1]["note"])
+    evaluations = [[row["rhs_evaluations"] for row in item["rows"]] for item in found]
+    assert evaluations[0] == evaluations[1]
+
+
+def test_time_of_a_row_is_that_of_the_processor() -> None:
+    """Other programs on the machine do not count: the time is no more than that of the process."""
+    case = rwmf.Case.from_text(PULSE)
+    started = time.process_time()
+    found = _measure.measure_method(case, "dop853", 1e-10, 0.02)
+    assert 0 < found.seconds <= time.process_time() - started
+
+
+def test_work_is_drawn_over_time_and_over_evaluations(found: Cost) -> None:
+    pytest.importorskip("matplotlib")
+    for over in ("seconds", "rhs_evaluations"):
+        drawn = rwmf.plot.work_precision(found, over=over).lines[0].get_xdata()
+        rows = [row for row in found.rows if row.method == METHODS[0]]
+        assert list(drawn) == [getattr(row, over) for row in rows]
+    with pytest.raises(rwmf.InputError, match="over = 'steps': must be one of seconds, rhs"):
+        rwmf.plot.work_precision(found, over="steps")
 
 
 def test_a_frame_alone_has_no_impacts() -> None:
