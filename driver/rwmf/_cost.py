@@ -47,8 +47,8 @@ _ROUND_OFF = float(np.finfo(float).eps) / 2
 _ODE45_RTOL = 1e-3
 # settings whose times differ by less than this factor count as equally fast
 _SAME_TIME = 1.05
-# median difference of the times of both rounds above which they are reported [-]
-_MOST_DISAGREEMENT = 0.1
+# difference of the times of both rounds above which they are uncertain [-]
+_MOST_DISAGREEMENT = 0.2
 
 _Task = tuple[str, float, Callable[[float], Measurement]]
 
@@ -125,8 +125,8 @@ class Cost:
     recommended : Row or None
         The fastest row with this error; all tighter tolerances of its method have it too.
     disagreement : float
-        Median over the rows of the difference of the times of both rounds, over the smaller one
-        [-]; NaN without a second round.
+        Difference of the times of both rounds over the smaller one that a tenth of the rows
+        exceeds [-]; NaN without a second round.
     """
 
     reference: dict[str, Any]
@@ -138,12 +138,15 @@ class Cost:
 
     @property
     def note(self) -> str:
-        """Warning when the repeats disagree; '' when they agree."""
-        if not self.disagreement > _MOST_DISAGREEMENT:
+        """Warning when the repeats disagree or are missing; '' when they agree."""
+        if self.disagreement <= _MOST_DISAGREEMENT:
             return ""
+        what = f"a tenth of the times changes by {100 * self.disagreement:.0f} % or more"
+        if math.isnan(self.disagreement):
+            what = f"{_ALL_SECONDS:g} s are spent before a second round"
         return (
-            f"the times of repeats differ by {100 * self.disagreement:.0f} %, because other "
-            "programs load the machine: compare the evaluations (rhs), or measure again"
+            f"times are uncertain: {what}, as when other programs load the machine; compare the "
+            "evaluations (rhs), or measure again"
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -242,7 +245,7 @@ def _compared(case: Case, target: float, report: Progress) -> Cost:
             differences.append(_ratio(abs(one - other), min(one, other)))
         report(len(rows) + i + 2, total)
     practices, rows = rows[: len(PRACTICES)], rows[len(PRACTICES) :]
-    disagreement = float(np.median(differences)) if differences else math.nan
+    disagreement = float(np.quantile(differences, 0.9)) if differences else math.nan
     best = cheapest(rows, target)
     return Cost(_add_verdict(facts, rows), rows, practices, target, best, disagreement)
 
