@@ -212,7 +212,7 @@ def _fill(file: File, layout: Layout, source: Source, check: Callable[[], None])
     names = status_names(layout, source)
     file.dimensions = dict(zip(layout.dims, layout.shape, strict=True))
     for key, value in attributes(layout).items():
-        file.attrs[key] = value
+        file.attrs[key] = readable(value)
     _write_coordinates(file, layout)
     variables = {name: _new_variable(file, layout, name) for name in layout.quantities}
     variables["status"] = status = _new_variable(file, layout, "status")
