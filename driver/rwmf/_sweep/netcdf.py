@@ -182,7 +182,8 @@ def read_identity(path: Path) -> str:
         with h5netcdf.File(path if path.is_file() else "", "r") as file:
             if str(file.attrs["source"]).startswith("rwmf "):
                 return str(file.attrs["sweep"])
-    except (OSError, KeyError):
+    except Exception:
+        # HDF5 has errors of many kinds for a damaged file
         pass
     raise InputError(f"{path}: exists and is not the result of a sweep")
 

@@ -6,6 +6,7 @@ import ast
 import csv
 import io
 import json
+import random
 import subprocess
 import sys
 import zipfile
@@ -211,6 +212,30 @@ def test_datasets_with_any_name_are_written(tmp_path: Path) -> None:
         assert found.attrs["warnings"] == readable(f"{BYTES}: a warning")
         xr.testing.assert_equal(found["median"].drop_vars("design"),
                                 curves["median"].drop_vars("design"))  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("words", [["fragility", "t.nc", "--limit", "1"],
+                                   ["risk", "t.nc", "--hazard", "1e-3,2"],
+                                   ["sweep", "s.nml", "--file", "t.nc"]])  # fmt: skip
+def test_a_damaged_file_is_an_error_of_input(
+    words: list[str], seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Bytes of a NetCDF file that have changed: one line that names the file."""
+    pytest.importorskip("h5netcdf")
+    monkeypatch.chdir(tmp_path)
+    _prepare(tmp_path, "case")
+    Path("s.nml").write_text("&sweep case = 'case.nml' /\n&grid b = 1.2, 1.3 /\n", "ascii")
+    values = {"intensity": [1.0, 2.0], "u": [0.1, 0.2], "status": ["ok", "ok"]}
+    write_dataset(table_of(values, {}), "t.nc")
+    content = bytearray(Path("t.nc").read_bytes())
+    rng = random.Random(seed)
+    for _ in range(40):
+        content[rng.randrange(len(content))] = rng.randrange(256)
+    Path("t.nc").write_bytes(content)
+    status, error = _run(words)
+    assert status == 2
+    assert "t.nc" in error.splitlines()[-1]
 
 
 def test_designs_with_similar_names_keep_their_files(tmp_path: Path) -> None:
