@@ -234,7 +234,8 @@ class Model:
         dict
             ``T``, ``axis`` (what varies, and its consequence), ``values``, ``alone`` (or None),
             ``failed`` (number of each status) and ``overturned`` (periods). ``quantity`` describes
-            the quantity; ``quantities`` lists those of the scene. ``caption`` compares with the frame alone at the period of the case.
+            the quantity; ``quantities`` lists those of the scene. ``caption`` compares with the
+            frame alone at the period of the case.
 
         Raises
         ------

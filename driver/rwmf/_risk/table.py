@@ -424,8 +424,15 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         When the file cannot be written.
     """
     netcdf.check_package()
+    texts = {
+        str(name): item.copy(data=np.vectorize(readable, otypes="O")(item.values).astype(str))
+        for name, item in dataset.variables.items()
+        if item.dtype.kind in "UO" and item.size
+    }
+    attributes = {str(key): readable(value) for key, value in dataset.attrs.items()}
     with new_file(Path(path)) as (file, _):
-        dataset.dump_to_store(xr.backends.H5NetCDFStore(file))
+        whole = dataset.assign(texts).assign_attrs(attributes)
+        whole.dump_to_store(xr.backends.H5NetCDFStore(file))
 
 
 def describe(path: Path) -> str:

@@ -60,7 +60,8 @@ def read_netcdf(path: Path) -> xr.Dataset:
     try:
         with xr.open_dataset(path, engine="h5netcdf") as found:
             return found.load()
-    except (OSError, ValueError) as error:
+    except Exception as error:
+        # HDF5 has errors of many kinds for a damaged file
         raise InputError(f"{path}: cannot be read as NetCDF: {error}") from error
 
 

@@ -227,7 +227,8 @@ def _read_fragility(word: str) -> xr.Dataset | tuple[float, float]:
     try:
         with xr.open_dataset(path, engine="h5netcdf") as dataset:
             return dataset.load()
-    except (OSError, ValueError) as error:
+    except Exception as error:
+        # HDF5 has errors of many kinds for a damaged file
         raise InputError(f"{word}: cannot be read as NetCDF: {error}") from error
 
 

@@ -6,6 +6,7 @@ import ast
 import csv
 import io
 import json
+import random
 import subprocess
 import sys
 import zipfile
@@ -20,7 +21,8 @@ import rwmf
 from rwmf import cli
 from rwmf._explore.model import encode, start
 from rwmf._files.names import readable, xml_text
-from rwmf._risk.loss import nrml_text
+from rwmf._risk.loss import nrml_text, write_pelicun
+from rwmf._risk.table import table_of, write_dataset
 
 # signs of Python, shells, formats, HTML, XML, CSV and comments
 MARKUP = "-q\"\"\"+open('pwned','w').name+'''\\<script>x<&amp;]]>%(y)s{z},;#é"
@@ -193,6 +195,59 @@ def test_a_name_does_not_steer_the_terminal(tmp_path: Path) -> None:
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "missing\\x1b[31m\\x9b.nml: the file does not exist" in done.stderr
+
+
+def test_datasets_with_any_name_are_written(tmp_path: Path) -> None:
+    """NetCDF holds UTF-8: bytes of a name that are not appear as their numbers."""
+    xr = pytest.importorskip("xarray")
+    pytest.importorskip("h5netcdf")
+    curves = rwmf.fragility(
+        {"design": [BYTES] * 4 + ["other"] * 4, "intensity": [1.0, 2.0, 3.0, 4.0] * 2,
+         "u": [0.005, 0.02, 0.008, 0.03] * 2, "status": ["ok"] * 8}, 0.01
+    )  # fmt: skip
+    curves.attrs["warnings"] = f"{BYTES}: a warning"
+    write_dataset(curves, tmp_path / "curves.nc")
+    with xr.open_dataset(tmp_path / "curves.nc", engine="h5netcdf") as found:
+        assert found["design"].values.tolist() == [readable(BYTES), "other"]
+        assert found.attrs["warnings"] == readable(f"{BYTES}: a warning")
+        xr.testing.assert_equal(found["median"].drop_vars("design"),
+                                curves["median"].drop_vars("design"))  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("words", [["fragility", "t.nc", "--limit", "1"],
+                                   ["risk", "t.nc", "--hazard", "1e-3,2"],
+                                   ["sweep", "s.nml", "--file", "t.nc"]])  # fmt: skip
+def test_a_damaged_file_is_an_error_of_input(
+    words: list[str], seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Bytes of a NetCDF file that have changed: one line that names the file."""
+    pytest.importorskip("h5netcdf")
+    monkeypatch.chdir(tmp_path)
+    _prepare(tmp_path, "case")
+    Path("s.nml").write_text("&sweep case = 'case.nml' /\n&grid b = 1.2, 1.3 /\n", "ascii")
+    values = {"intensity": [1.0, 2.0], "u": [0.1, 0.2], "status": ["ok", "ok"]}
+    write_dataset(table_of(values, {}), "t.nc")
+    content = bytearray(Path("t.nc").read_bytes())
+    rng = random.Random(seed)
+    for _ in range(40):
+        content[rng.randrange(len(content))] = rng.randrange(256)
+    Path("t.nc").write_bytes(content)
+    status, error = _run(words)
+    assert status == 2
+    assert "t.nc" in error.splitlines()[-1]
+
+
+def test_designs_with_similar_names_keep_their_files(tmp_path: Path) -> None:
+    """Names that differ in signs only do not overwrite each other, nor leave the folder."""
+    names = ["a b", "a/b", "../a;b"]
+    table = table_of(
+        {"design": names, "intensity": [1.0] * 3, "storey_1_drift_max": [0.01, 0.02, 0.03]}, {}
+    )
+    written = [path for path, _ in write_pelicun(table, tmp_path / "demands")]
+    assert sorted(written) == sorted((tmp_path / "demands").iterdir())
+    drifts = [float(path.read_text("utf-8").split(",")[-1]) for path in written]
+    assert drifts == [0.01, 0.02, 0.03]
 
 
 def test_texts_of_a_model_for_openquake_are_escaped() -> None:
