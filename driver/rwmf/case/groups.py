@@ -162,7 +162,7 @@ class Fuse(Group):
     Attributes
     ----------
     eta_y : float
-        Yield force of the fuse under each corner of the base over m_w g.
+        Yield force of the fuse at each edge of the base over m_w g.
     stroke_y : float
         Stroke at which it yields first [m].
     F_y : float
