@@ -597,7 +597,7 @@ class BaseSection(Group):
     k : float
         Subgrade modulus: stress per settlement of the strip, which takes no tension [N/m3].
     E : float
-        Modulus of elasticity: toe strain = k times settlement/E; beside length: k = E/length [Pa].
+        Modulus of elasticity: toe strain = k settlement/E; beside length: k = E/length [Pa].
     length : float
         Height of the strip over which it is strained; beside k: E = k length [m].
     f_c : float
