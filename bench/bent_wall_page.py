@@ -145,9 +145,7 @@ def targets(known: dict[tuple[str, str], dict[str, Peaks]]) -> str:
     return "\n".join(lines)
 
 
-def own_stiffness(
-    known: dict[tuple[str, str], dict[str, Peaks]], peaks: dict[str, Peaks]
-) -> str:
+def own_stiffness(known: dict[tuple[str, str], dict[str, Peaks]], peaks: dict[str, Peaks]) -> str:
     """Return the peaks of OpenSees with the wall's own axial stiffness, and differences from them.
 
     For each variant: the change from the stiff wall, and rwmf with three modes over the own one.

@@ -162,7 +162,7 @@ class Fuse(Group):
     Attributes
     ----------
     eta_y : float
-        Yield force of the fuse under each corner of the base over m_w g.
+        Yield force of the fuse at each edge of the base over m_w g.
     stroke_y : float
         Stroke at which it yields first [m].
     F_y : float
@@ -598,7 +598,7 @@ class BaseSection(Group):
     k : float
         Subgrade modulus: stress per settlement of the strip, which takes no tension [N/m3].
     E : float
-        Modulus of elasticity: toe strain = k times settlement/E; beside length: k = E/length [Pa].
+        Modulus of elasticity: toe strain = k settlement/E; beside length: k = E/length [Pa].
     length : float
         Height of the strip over which it is strained; beside k: E = k length [m].
     f_c : float

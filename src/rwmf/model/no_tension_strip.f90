@@ -111,7 +111,7 @@ contains
       real(wp), intent(in) :: stress
       !! settlement stress of the toe [Pa]
       real(wp) :: plateau, slope, cut
-      !! lengths from the toe: of the strength, of the linear stress, of its part beyond the base [m]
+      !! lengths of the strength, of the linear stress, and of its part beyond the base [m]
 
       moment = 0
       if (normal >= strip%strength*strip%width*strip%thickness) return

@@ -121,7 +121,7 @@ def test_housners_restitution_is_that_of_the_block(tangent: float) -> None:
 @pytest.mark.parametrize("gamma", [0.0, 5.0, 1800.0])
 @pytest.mark.parametrize("x_over_b", [-0.5, 0.0, 0.3, 1.0])
 def test_impulse_inside_the_base(tangent: float, gamma: float, x_over_b: float) -> None:
-    """(T24) and (T25): momenta of wall and frame with an impulse at a distance from the corner."""
+    """(T25) and (T26): momenta of wall and frame with an impulse at a distance from the corner."""
     h, b = 2.0, 2.0 * tangent
     x, inertia = x_over_b * b, (h**2 + b**2) / 3
     # velocity before: 1 about the left corner; unknown: velocity after about the right corner,

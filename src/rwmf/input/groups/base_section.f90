@@ -28,7 +28,7 @@ contains
          usually('[1e7, 1e13]', optional_key(name, 'k', 'real', 'N/m3', '', positive, &
             'subgrade modulus: stress per settlement of the strip, which takes no tension')), &
          usually('[1e8, 1e12]', optional_key(name, 'E', 'real', 'Pa', '', positive, &
-            'modulus of elasticity: toe strain = k times settlement/E; beside length: k = E/length')), &
+            'modulus of elasticity: toe strain = k settlement/E; beside length: k = E/length')), &
          usually('[0.01, 20]', optional_key(name, 'length', 'real', 'm', '', positive, &
             'height of the strip over which it is strained; beside k: E = k length')), &
          usually('[5e6, 2e8]', optional_key(name, 'f_c', 'real', 'Pa', '', positive, &

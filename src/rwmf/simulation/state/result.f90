@@ -235,7 +235,7 @@ module rwmf_simulation_state_result
       real(wp), allocatable :: e
       !! velocity factor at impact [-]; absent without impacts
       real(wp), allocatable :: e_max
-      !! upper bound of e by the momentum balance [-]
+      !! e of the momentum balance: that of an impulse at the new corner [-]
       integer(i8) :: impacts
       integer(i8) :: lift_offs
       logical :: has_impacts
