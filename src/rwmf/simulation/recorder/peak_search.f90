@@ -178,7 +178,7 @@ contains
       if (may_interpolate(piece, self%frequency)) then
          if (is_plain(self, angle, max(self%at_ends(:, 1), self%at_ends(:, 2)))) return
          if (self%has_middle) then
-            if (is_flat(self, piece)) return
+            if (is_flat(self, piece, angle)) return
          end if
          allocate (states)
          call fit_states(piece, self%rates, states, error)
@@ -258,9 +258,14 @@ contains
    !> A peak rises above the samples by a quarter of their range at most. A demand that falls or
    !> grows along the parabola through them has no peak inside. Unlike the screens of lanes
    !> (`rwmf_integrator_lane_screens`), the samples are magnitudes without their signs.
-   logical function is_flat(self, piece)
+   logical function is_flat(self, piece, angle)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
+      real(wp), intent(in) :: angle
+      !! phase of the fastest vibration over the step [rad]
+      real(wp), parameter :: longest_slope = 0.75_wp
+      !! largest phase at which the samples give slopes: forces contain squares of velocities, which
+      !! vary at twice the frequency [rad]
       real(wp), parameter :: rise = 0.25_wp
       !! possible rise over the range of the samples [-]
       real(wp), parameter :: slack = 0.01_wp
@@ -283,6 +288,7 @@ contains
             low = rise*max(max(a, b, c) - low, a + b + c - low)
             if (max(a, b, c) + low + slack*(self%level(q) - self%smallest(q)) &
                 <= self%level(q)) cycle
+            if (angle > longest_slope) return
             if (min(4*b - 3*a - c, 3*c - 4*b - abs(a)) > low) cycle
             if (.not. max(4*b - 3*a + abs(c), 3*c - 4*b + abs(a)) < -low) return
          end associate
