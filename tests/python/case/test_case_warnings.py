@@ -222,7 +222,7 @@ def test_a_record_that_is_no_earthquake(text: str, batch: Runner, tmp_path: Path
         rwmf.records.info(tmp_path / "a.txt", unit="g", dt=dt)[0]["warnings"],
     ]
     for lines in found:
-        assert any(text in line for line in lines) == bool(text), lines
+        assert any(text and text in line for line in lines) == bool(text), lines
         unusual = [line for line in lines if "range of records" in line or "check dt" in line]
         assert bool(unusual) == bool(text)
     upward = tmp_path / "upward.nml"
@@ -231,7 +231,7 @@ def test_a_record_that_is_no_earthquake(text: str, batch: Runner, tmp_path: Path
         + f"\n&vertical file = 'a.txt', {written} /\n", encoding="utf-8"
     )  # fmt: skip
     lines = rwmf.Case.from_namelist(upward).kernel.warnings()
-    assert any(text in line for line in lines if "a.txt" in line) == bool(text)
+    assert any(text and text in line for line in lines) == bool(text), lines
 
 
 def test_no_warning_without_a_motion() -> None:
