@@ -188,7 +188,11 @@ def test_shown_defaults_hold() -> None:
 
 
 _RECORDS = {
-    "peak of 5.1 g is outside the range of records, 1.0e-5 to 5.0 g: check the unit": (5.1, 0.01, 120),
+    "peak of 5.1 g is outside the range of records, 1.0e-5 to 5.0 g: check the unit": (
+        5.1,
+        0.01,
+        120,
+    ),
     "peak of 9.0e-6 g is outside the range": (9e-6, 0.01, 120),
     "interval of 0.11 s exceeds 0.1 s: check dt": (0.3, 0.11, 120),
     "duration of 3610.0 s exceeds 3600.0 s: check dt": (0.3, 0.1, 36101),

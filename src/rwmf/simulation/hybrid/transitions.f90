@@ -384,7 +384,8 @@ contains
    !>
    !> The first omitted flight begins with the velocity after the impact. At the end of the flights
    !> the wall leaves its base on either side without velocity; the forces of rest follow. In
-   !> between, forces vary with velocity and ground motion along straight lines, broken at the knots.
+   !> between, forces vary with velocity and ground motion along straight lines, broken at the
+   !> knots.
    subroutine observe_end_of_chatter(hybrid, equation, recorder)
       type(hybrid_t), intent(in) :: hybrid
       !! hybrid system after the impact
