@@ -30,6 +30,8 @@ module rwmf_integrator_lane_screens
 
    real(wp), parameter :: rise = 0.25_wp
    !! largest rise of a peak above three samples, over their range [-]
+   real(wp), parameter :: steep = 0.6_wp
+   !! least change over a step by the slope at an end, over the range of three samples [-]
    real(wp), parameter :: slack = 0.01_wp
    !! margin over the range so far [-]
    real(wp), parameter :: least_range = 0.25_wp
@@ -329,19 +331,20 @@ contains
       !! number of the value
       real(wp), intent(inout) :: is_flat(lane_count)
       !! as in `find_flat_steps`
-      real(wp) :: a, b, c, begin, end, top, low, level, range, grows, falls
+      real(wp) :: a, b, c, begin, end, top, spread, low, level, range, grows, falls
       logical :: is_magnitude
       integer :: i
 
       is_magnitude = q /= low_normal
-      !$omp simd private(a, b, c, begin, end, top, low, level, range, grows, falls)
+      !$omp simd private(a, b, c, begin, end, top, spread, low, level, range, grows, falls)
       do i = 1, lane_count
          a = values(i, q, at_begin)
          b = values(i, q, at_middle)
          c = values(i, q, at_end)
          level = values(i, q, so_far)
          range = level - values(i, q, least_so_far)
-         low = rise*(max(a, b, c) - min(a, b, c))
+         spread = max(a, b, c) - min(a, b, c)
+         low = rise*spread
          begin = merge(abs(a), a, is_magnitude)
          end = merge(abs(c), c, is_magnitude)
          top = merge(max(begin, abs(b), end), max(a, b, c), is_magnitude)
@@ -350,8 +353,8 @@ contains
          grows = min(grows*(3*c - 4*b + a), grows*(4*b - 3*a - c))
          falls = merge(sign(1.0_wp, a), 1.0_wp, is_magnitude)
          falls = max(falls*(3*c - 4*b + a), falls*(4*b - 3*a - c))
-         grows = merge(0.5_wp, 0.0_wp, min(grows, low + end - begin) > low)*has_slopes(i)
-         falls = merge(1.0_wp, 0.0_wp, max(falls + low, end - begin, &
+         grows = merge(0.5_wp, 0.0_wp, min(grows - steep*spread, end - begin) > 0)*has_slopes(i)
+         falls = merge(1.0_wp, 0.0_wp, max(falls + steep*spread, end - begin, &
             begin - level - same*abs(level)) < 0)*has_slopes(i)
          top = merge(1.0_wp, max(grows, falls), top + low + slack*max(range, 0.0_wp) <= level)
          is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))

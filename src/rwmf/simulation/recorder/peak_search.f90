@@ -268,6 +268,8 @@ contains
       !! vary at twice the frequency [rad]
       real(wp), parameter :: rise = 0.25_wp
       !! possible rise over the range of the samples [-]
+      real(wp), parameter :: steep = 0.6_wp
+      !! least change over a step by the slope at an end, over the range of the samples [-]
       real(wp), parameter :: slack = 0.01_wp
       !! tolerance over the range so far [-]
       real(wp), dimension(size(piece%y_b)) :: y, y_dot
@@ -285,12 +287,12 @@ contains
          associate (a => self%at_ends(q, 1), b => middle(q), c => self%at_ends(q, 2))
             ! most values are magnitudes, whose sign may change between the samples
             low = min(a, b, c)
-            low = rise*max(max(a, b, c) - low, a + b + c - low)
-            if (max(a, b, c) + low + slack*(self%level(q) - self%smallest(q)) &
+            low = max(max(a, b, c) - low, a + b + c - low)
+            if (max(a, b, c) + rise*low + slack*(self%level(q) - self%smallest(q)) &
                 <= self%level(q)) cycle
             if (angle > longest_slope) return
-            if (min(4*b - 3*a - c, 3*c - 4*b - abs(a)) > low) cycle
-            if (.not. max(4*b - 3*a + abs(c), 3*c - 4*b + abs(a)) < -low) return
+            if (min(4*b - 3*a - c, 3*c - 4*b - abs(a)) > steep*low) cycle
+            if (.not. max(4*b - 3*a + abs(c), 3*c - 4*b + abs(a)) < -steep*low) return
          end associate
       end do
       is_flat = .true.
