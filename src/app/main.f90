@@ -338,6 +338,7 @@ contains
       integer :: status
 
       write (error_unit, '(a)', iostat=status) 'rwmf-batch: '//line
+      if (status /= 0) return
    end subroutine complain
 
    !> Time with three decimals.

@@ -159,7 +159,10 @@ BREACHES: dict[str, tuple[set[str], dict[str, str]]] = {
     "a circle in a folder": ({"circle"}, {CABLE: _module("model_cable", "use rwmf_model_wall")}),
     "sundials": ({"sundials"}, _wall("use fcvode_mod, only: FCVode")),
     "print": ({"noise"}, _wall(_body("print *, 'a'"))),
-    "print on a condition": ({"noise"}, _wall(_body("if (is_bad(1, (2))) write (*, *, iostat=i) 1"))),
+    "print on a condition": (
+        {"noise"},
+        _wall(_body("if (is_bad(1, (2))) write (*, *, iostat=i) 1")),
+    ),
     "write to unit 6": ({"noise"}, _wall(_body("write(unit=*, fmt=*, iostat=i) 1"))),
     "write to a text": ({"transfer"}, _wall(_body("if (i > 0) write (text, '(i0)') i"))),
     "read from a text": ({"transfer"}, _wall(_body("read (text, *) i"))),

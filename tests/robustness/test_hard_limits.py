@@ -133,9 +133,7 @@ def _tall(law: str | None = None) -> str:
 
 
 _OF_LAWS = ("storeys_ductility", "storeys_residual_drift", "storeys_residual_drift_at_rest")
-_LISTS = [
-    row.key for row in _library.schema() if row.group == "limits" and row.kind == "real list"
-]
+_LISTS = [row.key for row in _library.schema() if row.group == "limits" and row.kind == "real list"]
 
 
 @pytest.mark.parametrize("key", _LISTS)

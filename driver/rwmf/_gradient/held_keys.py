@@ -17,7 +17,14 @@ from rwmf._sweep.axes import SCALE, SETTINGS, column_in, key_of_column, kind_of
 from rwmf.case import Case
 from rwmf.errors import InputError, without_lines
 
-__all__ = ["Parameter", "allowed_changes", "changed_entries", "find_parameters", "is_given", "value_of"]
+__all__ = [
+    "Parameter",
+    "allowed_changes",
+    "changed_entries",
+    "find_parameters",
+    "is_given",
+    "value_of",
+]
 
 Array = npt.NDArray[np.float64]
 # an element of a list, as in a namelist: storey_F_y(2)

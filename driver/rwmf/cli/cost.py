@@ -99,6 +99,6 @@ def _recommendation(found: Cost) -> str:
     if row is None:
         return f"no setting has errors of {found.target:.0e} or less in all columns"
     return (
-        f"* cheapest for errors of {found.target:.0e} or less in all columns: method = '{row.method}', "
-        f"rtol = {row.rtol:.0e} ({1e3 * row.seconds:.2f} ms)"
+        f"* cheapest for errors of {found.target:.0e} or less in all columns: "
+        f"method = '{row.method}', rtol = {row.rtol:.0e} ({1e3 * row.seconds:.2f} ms)"
     )

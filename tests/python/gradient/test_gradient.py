@@ -1,4 +1,4 @@
-"""Derivatives of results: closed forms, keys that follow, bounds, lists, kinks, points and suites."""
+"""Derivatives of results: closed forms, keys that follow, bounds, lists, kinks and suites."""
 
 from __future__ import annotations
 

@@ -355,8 +355,8 @@ contains
 
    !> Find extrema of shear and moment inside a piece between two nodes that exceed those so far.
    !>
-   !> A force rises inside a piece by less than 1.5 times its largest slope at three places over half
-   !> the length.
+   !> A force rises inside a piece by less than 1.5 times its largest slope at three places over
+   !> half the length.
    subroutine inspect_piece(sections, loads, i, found)
       type(bent_sections_t), intent(in) :: sections
       type(bent_loads_t), intent(in) :: loads

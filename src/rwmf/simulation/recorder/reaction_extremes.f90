@@ -503,23 +503,16 @@ contains
       !! samples of the quantity
       real(wp), intent(out) :: t_peak
       type(error_t), allocatable, intent(out) :: error
-      real(wp), parameter :: margin = 0.25_wp
-      !! part of the sample range; a maximum exceeds the largest sample by less than this [-]
-      real(wp), parameter :: slack = 0.1_wp
-      !! part of the width of the parabola; the error of its vertex is smaller [-]
       type(maximum_t) :: search
       real(wp) :: at_point(n_found)
-      real(wp) :: vertex, width
-      integer :: best, k
+      real(wp) :: vertex
+      integer :: k
 
       t_peak = t(n_nodes)
       if (maxval(found) >= huge(found)) return
-      if (maxval(found) + margin*(maxval(found) - minval(found)) <= forces%largest(q)) return
-      best = maxloc(found, dim=1)
-      k = min(max(best, 2), n_nodes - 1)
+      if (place_of_peak(found, forces%largest(q)) /= inside) return
+      k = min(max(maxloc(found, dim=1), 2), n_nodes - 1)
       vertex = vertex_of_parabola(t(k - 1:k + 1), found(k - 1:k + 1))
-      width = t(k + 1) - t(k - 1)
-      if (.not. (vertex > t(k - 1) - slack*width .and. vertex < t(k + 1) + slack*width)) return
       if (.not. (vertex > t(k - 1) .and. vertex < t(k + 1))) vertex = t(k)
       search = maximum_between(t(k - 1), t(k + 1), vertex)
       do while (search%is_open)
