@@ -10,7 +10,8 @@ module rwmf_input_reader
    use rwmf_input_unit_conversion, only: check_units, convert_units
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: applies, group_values_t, has_group, has_key, key_line, text_of
+   use rwmf_problem_group_values, only: applies, group_values_t, has_group, has_key, key_line, &
+      text_of
    use rwmf_problem_key, only: key_t
    use rwmf_problem_record, only: record_source_t, record_t, set_factor
    use rwmf_problem_units, only: unit_mass
@@ -168,8 +169,8 @@ contains
       case%follows_size = case%values%has_units .and. has_group(case%values, 'wall') &
          .and. case%unit_mass > 0
       do i = 1, size(groups)
-         if (.not. (applies(case%values, trim(groups(i)%name)) .and. associated(groups(i)%fill))) &
-            cycle
+         if (.not. applies(case%values, trim(groups(i)%name))) cycle
+         if (.not. associated(groups(i)%fill)) cycle
          call groups(i)%fill(case, error)
          if (allocated(error)) return
       end do
