@@ -97,8 +97,8 @@ module rwmf_simulation_state_result
       real(wp), allocatable :: t_demand_max
       !! [s]; absent if the pivot lifts
       real(wp), allocatable :: impact_demand_max
-      !! largest horizontal over vertical impulse of the base at an impact, 0 without one [-]; absent
-      !! with a shear key and for a hinged wall
+      !! largest horizontal over vertical impulse of the base at an impact, 0 without one [-];
+      !! absent with a shear key and for a hinged wall
       real(wp), allocatable :: shear_key_max
       !! largest |H| over m_w g [-]; absent without a shear key, as is the next
       real(wp), allocatable :: t_shear_key_max
