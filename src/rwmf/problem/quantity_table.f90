@@ -308,7 +308,7 @@ module rwmf_problem_quantity_table
       quantity_t(id%e, 'e', '1', 'before', 'run ordinate', 'wall', of_displacement, &
       '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
       quantity_t(id%e_max, 'e_max', '1', 'before', 'run ordinate', 'wall', of_displacement, &
-      '`base = ''rocking''`', 'velocity factor that the momentum balance allows'), &
+      '`base = ''rocking''`', 'velocity factor of the momentum balance about the new corner'), &
       quantity_t(id%mode_i_damping_contact, 'mode_{i}_damping_contact', '1', 'before', 'run', &
       'bending', of_nothing, 'the first three modes', &
       'damping ratio of mode {i} of the wall with its floors, in contact'), &

@@ -36,8 +36,8 @@ contains
       damping = optional_key('bending', 'damping', 'choice', '', 'modal', 'modal stiffness', &
          'equal ratios in all modes of the cantilever, or in proportion to the stiffness')
       reference = optional_key('bending', 'xi_of', 'choice', '', 'cantilever', &
-         'cantilever rocking', 'modes that have xi: of the wall alone on a fixed base, or the ' &
-         //'first one of the rocking wall with its floors')
+         'cantilever rocking', &
+         'wall whose modes have xi: bare on a fixed base, or rocking with its floors (first mode)')
       group%name = 'bending'
       group%needs(1) = 'wall'
       group%reasons(1) = 'it describes the stiffness of the wall'
