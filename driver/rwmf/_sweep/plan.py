@@ -45,8 +45,6 @@ __all__ = ["Plan", "Request", "make_plan", "united", "varied_keys"]
 _CHUNK_RUNS = (256, 4096)
 # between these limits, at least this many chunks are made
 _CHUNKS = 64
-# beginning of the line about conservation laws
-_LAWS = "not conserved: "
 
 
 @dataclass(frozen=True)
@@ -330,13 +328,8 @@ def united(warnings: Sequence[str]) -> list[str]:
         In the order of their first occurrence.
     """
     found: dict[str, str] = {}
-    laws: set[str] = set()
     for line in warnings:
-        if line.startswith(_LAWS):
-            laws |= set(line.removeprefix(_LAWS).split(", "))
-            found[_LAWS] = _LAWS + ", ".join(sorted(laws, reverse=True))
-        else:
-            found.setdefault(re.sub(r"[-+\d.]+(e[-+]?\d+)?", "", line), line)
+        found.setdefault(re.sub(r"[-+\d.]+(e[-+]?\d+)?", "", line), line)
     return list(found.values())
 
 

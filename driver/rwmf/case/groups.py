@@ -319,9 +319,11 @@ class Bending(Group):
     modes : int
         Number of modes.
     xi : float
-        Damping ratio of the modes.
+        Damping ratio, in the first mode of damping stiffness.
+    xi_of : str
+        Wall whose modes have xi: bare on a fixed base, or rocking with its floors (first mode).
     damping : str
-        Xi in each mode, or in the first and in proportion to the stiffness above.
+        Equal ratios in all modes of the cantilever, or in proportion to the stiffness.
     nu : float
         Poisson's ratio; if given, the wall also deforms in shear.
     """
@@ -333,6 +335,7 @@ class Bending(Group):
     cracking: float
     modes: int
     xi: float
+    xi_of: Literal["cantilever", "rocking"]
     damping: Literal["modal", "stiffness"]
     nu: float
 
@@ -645,6 +648,8 @@ class Limits(Group):
         Largest base shear over weight of wall and frame.
     friction_demand_max : float
         Required coefficient of friction.
+    friction_demand_impact_max : float
+        Largest horizontal over vertical impulse of the base at an impact.
     shear_key_force_max_over_m_w_g : float
         Largest force of the shear key over weight of wall.
     wall_drift_max : float
@@ -769,6 +774,7 @@ class Limits(Group):
     storeys_residual_drift_at_rest: tuple[float, ...]
     base_shear_max_over_weight: float
     friction_demand_max: float
+    friction_demand_impact_max: float
     shear_key_force_max_over_m_w_g: float
     wall_drift_max: float
     frame_drift_max: float

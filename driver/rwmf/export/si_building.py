@@ -272,6 +272,8 @@ def _refuse(case: Case) -> None:
         stop("initial", "a rotated start of a wall with a frame in this export")
     if case.bending is not None and case.bending.damping == "modal":
         stop("bending", "damping = 'modal' of a wall by itself; use 'stiffness'")
+    if case.bending is not None and case.bending.xi_of == "rocking":
+        stop("bending", "xi_of = 'rocking'; use 'cantilever'")
     for name in sorted(set(case.groups) - _EXPORTED):
         stop(name, "a counterpart in this export; leave the group out")
 

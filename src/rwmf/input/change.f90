@@ -16,8 +16,8 @@ module rwmf_input_change
    use rwmf_input_value_check, only: check_number, requirement
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: applies, as_given, group_place, group_values_t, key_values_t, &
-      value_text
+   use rwmf_problem_group_values, only: applies, as_given, group_place, group_values_t, &
+      key_values_t, value_text
    use rwmf_problem_key, only: key_t
    use rwmf_problem_record, only: record_source_t, record_t, set_factor, sets_motion
    use rwmf_problem_rules, only: fail_key

@@ -25,9 +25,9 @@ contains
    !> dimensional value and its unit (kg, N, ...). If the value is derived from the given value of
    !> the same key, as for `n` of `&storeys`, the last column is the given value.
    !>
-   !> Absent groups have no lines, except `&model`, `&solver` and `&impact` of a rocking wall. Reals are written with the digits
-   !> that read back as the same double precision number, lists with commas. The table describes the
-   !> case as read; later changes of its components are not included.
+   !> Absent groups have no lines, except `&model`, `&solver` and `&impact` of a rocking wall. Reals
+   !> are written with the digits that read back as the same double precision number, lists with
+   !> commas. The table describes the case as read, without later changes of its components.
    subroutine describe_case(case, text)
       type(case_t), intent(in) :: case
       character(:), allocatable, intent(out) :: text

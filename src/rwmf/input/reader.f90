@@ -10,7 +10,8 @@ module rwmf_input_reader
    use rwmf_input_unit_conversion, only: check_units, convert_units
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: applies, group_values_t, has_group, has_key, key_line, text_of
+   use rwmf_problem_group_values, only: applies, group_values_t, has_group, has_key, key_line, &
+      text_of
    use rwmf_problem_key, only: key_t
    use rwmf_problem_record, only: record_source_t, record_t, set_factor
    use rwmf_problem_units, only: unit_mass

@@ -505,6 +505,7 @@ contains
          if (.not. allocated(hybrid%restitution%speed)) result%e = hybrid%restitution%e
          result%e_max = balanced_restitution(case, equation%p%alpha)
       end if
+      if (equation%beam%n > 0) result%modal_damping = equation%beam%ratios
       if (equation%has_cable) result%cable_increment_max = largest_increment(equation, recorder)
    end subroutine fill_wall
 

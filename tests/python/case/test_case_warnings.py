@@ -9,6 +9,7 @@ import json
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ import rwmf
 from checkout import ROOT, Runner
 from rwmf import _library
 from rwmf.cli import main
-from scenes import bare_frame, coupled
+from scenes import bare_frame, block, coupled
 
 INPUTS = sorted((ROOT / "inputs").glob("*.nml"))
 RANGES = {
@@ -292,3 +293,44 @@ def test_no_warning_without_a_motion() -> None:
     assert any("range of records" in line for line in case.kernel.warnings())
     none = case.replace(motion={"scale": 0.0})
     assert not any("range of records" in line for line in none.kernel.warnings())
+
+
+SLIDES = "slides at such impacts, which the model does not follow"
+
+
+@pytest.mark.parametrize(
+    ("changes", "slides"),
+    [
+        ({"wall": {"b": 1.0}}, True),
+        ({"wall": {"b": 0.99}}, False),
+        ({"wall": {"b": 1.4}}, True),
+        # the mass of a frame keeps the loss small
+        ({"wall": {"b": 1.0}, "frame": {"T_s": 1.0, "gamma": 5.0, "xi_s": 0.05}}, False),
+        ({"wall": {"b": 1.0}, "impact": {"rule": None, "e": 0.79}}, True),
+        ({"wall": {"b": 1.0}, "impact": {"rule": None, "e": 0.8}}, False),
+        ({"wall": {"b": 1.0, "shear_key": True}}, False),
+        ({"wall": {"b": 1.0, "base": "pinned"}, "impact": None}, False),
+    ],
+)
+def test_squat_walls_slide_at_impacts(changes: dict[str, Any], slides: bool) -> None:
+    case = block(impact={"rule": "coupled", "e": None}, solver={"t_end": 1.0}).replace(**changes)
+    assert (SLIDES in rwmf.simulate(case).attrs["warnings"]) == slides
+
+
+@pytest.mark.parametrize(
+    ("k", "section", "is_soft"),
+    [(9e8, {}, True), (1.1e9, {}, False), (None, {"length": 1e2}, False)],
+)
+def test_soft_soil_is_outside_the_model(
+    k: float | None, section: dict[str, object], is_soft: bool
+) -> None:
+    given = section | ({"E": 3e10} if k is None else {"k": k})
+    case = block(
+        # m_w = 4 h b thickness density = 2e4 kg
+        wall={"density": 2.5e4, "thickness": 0.2},
+        impact={"rule": "coupled", "e": None},
+        solver={"t_end": 1.0},
+        base_section=given,
+    )
+    found = "below 1e4: the wall sinks into such soil" in rwmf.simulate(case).attrs["warnings"]
+    assert found == is_soft

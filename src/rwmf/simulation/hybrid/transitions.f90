@@ -13,14 +13,16 @@ module rwmf_simulation_hybrid_transitions
    use rwmf_model_system_energy, only: mechanical_energy
    use rwmf_model_system_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, &
       pull_duration
+   use rwmf_model_system_reactions, only: impulse_from_rest
    use rwmf_model_system_rest_after_chatter, only: decelerations, elastic_loss, hold_wall, &
       may_rest, release_wall, will_settle
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_storey_events, only: end_branch, settle_storeys
    use rwmf_simulation_hybrid_elastic_chatter, only: drop_chatter
+   use rwmf_simulation_recorder_reaction_extremes, only: observe_impulse
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
-      observe_state, observe_still, recorder_t, sees_forces
+      observe_state, observe_still, recorder_t, sees_forces, sees_impulses
    use rwmf_simulation_state_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_held, &
       mode_overturned, mode_rest, mode_rocking
    use rwmf_simulation_state_result, only: event_branch, event_collapsed, event_impact, &
@@ -267,7 +269,7 @@ contains
       type(recorder_t), intent(inout) :: recorder
       real(wp), parameter :: slow = 1000
       !! ratio to the largest velocity, over sqrt(rtol), above which impacts do not graze [-]
-      real(wp) :: after, energy
+      real(wp) :: after, energy, impulse(2)
       logical :: stays
 
       ! spectrum ordinates of peaks alone have no such warning
@@ -280,6 +282,8 @@ contains
       energy = 0
       if (recorder%keeps_energy .and. equation%beam%n > 0) energy = mechanical_energy(equation, &
          hybrid%y)
+      impulse = 0
+      if (sees_impulses(recorder)) impulse = impulse_from_rest(equation, hybrid%t, hybrid%y)
       stays = .false.
       call land_effects(equation, hybrid%y, after, stays)
       if (stays) after = 0
@@ -292,6 +296,8 @@ contains
          recorder%energy%impact = recorder%energy%impact + energy - mechanical_energy(equation, &
             hybrid%y)
       end if
+      if (sees_impulses(recorder)) call observe_impulse(recorder%forces, hybrid%t, &
+         impulse_from_rest(equation, hybrid%t, hybrid%y) - impulse)
       call find_uplift_acceleration(equation%model_t, equation%state, hybrid%y)
       if (.not. stays) stays = settles(hybrid, equation, recorder)
       if (stays) then

@@ -45,7 +45,7 @@ module rwmf_simulation_recorder_recorder
    private
 
    public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece
-   public :: has_more_than_peaks, needs_all_steps, sees_forces, sees_rest
+   public :: has_more_than_peaks, needs_all_steps, sees_forces, sees_impulses, sees_rest
    public :: observe_rest, observe_still
    public :: observe_impact, observe_event, observe_grazing, finish_recorder
    public :: observe_chatter, observe_present, create_columns, find_columns, find_rates
@@ -295,6 +295,14 @@ contains
 
       sees_rest = recorder%keeps_history .or. sees_forces(recorder)
    end function sees_rest
+
+   !> Return true if the impulses at impacts are requested.
+   pure logical function sees_impulses(recorder)
+      type(recorder_t), intent(in) :: recorder
+
+      sees_impulses = allocated(recorder%forces)
+      if (sees_impulses) sees_impulses = recorder%forces%sees_impulses
+   end function sees_impulses
 
    !> Return true if forces, accelerations or velocities are requested.
    pure logical function sees_forces(recorder)
