@@ -13,6 +13,7 @@ from rwmf._library.kernel_case import (
     read_case,
     read_host_case,
 )
+from rwmf._library.record_files import FileChannel, read_record, read_record_header, unit_named
 from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.static_curve import StaticCurve, compute_curve
@@ -32,6 +33,7 @@ from rwmf._library.tables import (
 
 __all__ = [
     "Changes",
+    "FileChannel",
     "KernelCase",
     "KeyRow",
     "Run",
@@ -49,12 +51,15 @@ __all__ = [
     "quantities",
     "read_case",
     "read_host_case",
+    "read_record",
+    "read_record_header",
     "result_names",
     "schema",
     "start_rows",
     "start_simulation",
     "start_spectrum",
     "strip_under",
+    "unit_named",
     "unusual_record",
     "version",
 ]

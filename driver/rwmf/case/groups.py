@@ -440,9 +440,10 @@ class Motion(Group):
     file : str
         Path, relative to the case file; required for a record.
     dt : float
-        Sampling interval; required for one column, refused for two columns and AT2 [s].
+        Sampling interval; required for one column unless the file states it, refused for two
+        columns and AT2 [s].
     unit : str
-        Of the accelerations; required but for AT2, where it is refused.
+        Of the accelerations; required unless the file states it; refused for AT2.
     scale : float
         Factor on the accelerations.
     """
@@ -484,9 +485,10 @@ class Vertical(Group):
     file : str
         Record of the vertical acceleration (positive upward), relative to the case file.
     dt : float
-        Sampling interval; required for one column, refused for two columns and AT2 [s].
+        Sampling interval; required for one column unless the file states it, refused for two
+        columns and AT2 [s].
     unit : str
-        Of the accelerations; required but for AT2, where it is refused.
+        Of the accelerations; required unless the file states it; refused for AT2.
     scale : float
         Factor on the record.
     """

@@ -293,8 +293,9 @@ contains
       kept%largest = record%largest
       kept%t_peak = record%t_peak
       kept%format = record%format
+      kept%unit = record%unit
       kept%crc32 = record%crc32
-      call set_factor(kept, source%scale, g, error, source%unit)
+      call set_factor(kept, source%scale, g, error)
    end subroutine keep_record
 
 end module rwmf_input_change

@@ -242,13 +242,14 @@ contains
       if (present(known)) call take_record(known, source, record)
       ! an unallocated component is passed as an absent argument
       if (allocated(record)) then
-         call set_factor(record, source%scale, g, error, source%unit)
+         call set_factor(record, source%scale, g, error)
       else
          allocate (record)
          call read_record(source%path, source%dt, source%unit, source%scale, g, record, error)
       end if
       if (.not. allocated(error)) return
-      if (source%path /= source%file) call add_context(error, source%path)
+      ! the path in the key's value may be shortened
+      if (source%path /= shown(source%file)) call add_context(error, source%path)
       call add_file(values, group, error)
    end subroutine add_record
 
