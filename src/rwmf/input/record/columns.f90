@@ -283,7 +283,7 @@ contains
       do
          call next_word(text, position, first, last)
          if (last < first) exit
-         if (found == 0) then
+         if (found == 0 .and. scan(text(first:first), '#%!/') == 1) then
             if (is_comment(text(first:))) return
          end if
          call parse_real(text(first:last), value, ok)

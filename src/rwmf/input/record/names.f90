@@ -2,7 +2,7 @@
 module rwmf_input_record_names
    use rwmf_core_error, only: error_t
    use rwmf_input_record_statements, only: fail_at_line
-   use rwmf_input_record_units, only: known_units, plain_text, unit_of, unit_t
+   use rwmf_input_record_unit_names, only: known_units, plain_text, unit_of, unit_t
    use rwmf_text_strings, only: shown, string_t
    implicit none
    private
@@ -192,8 +192,9 @@ contains
       quantity = quantity_of_name(name)
       if (quantity == '') quantity = column%unit%quantity
       ! a single letter is the weaker statement
-      if (len(name) == 1 .and. column%unit%quantity /= '' .and. quantity /= spectrum) &
+      if (len(name) == 1 .and. column%unit%quantity /= '' .and. quantity /= spectrum) then
          quantity = column%unit%quantity
+      end if
    end function quantity_of
 
    pure character(12) function quantity_of_name(name) result(quantity)
@@ -301,7 +302,9 @@ contains
       do i = 1, size(columns)
          if (len(columns(i)%name) == 1 .and. columns(i)%unit_text == '' &
             .and. (columns(i)%quantity == 'velocity' .or. columns(i)%quantity == 'displacement')) &
+            then
             columns(i)%quantity = ''
+         end if
       end do
    end subroutine name_single_letters
 

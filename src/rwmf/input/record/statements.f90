@@ -3,7 +3,7 @@
 module rwmf_input_record_statements
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
-   use rwmf_input_record_units, only: known_units, unit_of, unit_t
+   use rwmf_input_record_unit_names, only: known_units, unit_of, unit_t
    use rwmf_input_record_words, only: has_word, joined_unit, word_t, words_of
    use rwmf_text_strings, only: integer_to_text, real_to_text, shown
    implicit none
@@ -141,6 +141,8 @@ contains
          if (index(next, 'freq') == 1 .or. next == 'rate') fact = 'rate'
       case ('fs', 'sps', 'sampling_rate', 'samplingfrequency', 'sampling_frequency')
          fact = 'rate'
+      case default
+         fact = ''
       end select
    end subroutine find_fact
 
@@ -196,8 +198,9 @@ contains
          if (.not. words(k)%is_new .and. .not. words(k)%is_number .and. next == '') then
             unit = unit_of(trim(words(k)%text))
             if (index(words(k)%text, 'samples/s') == 1) unit = unit_t('frequency')
-            if (unit%quantity == '' .and. (is_duration(words(k)%text) .or. .not. is_comment)) &
+            if (unit%quantity == '' .and. (is_duration(words(k)%text) .or. .not. is_comment)) then
                unit%quantity = 'unknown'
+            end if
          end if
       end if
       is_rate = fact == 'rate'
@@ -333,8 +336,9 @@ contains
             if (n == 0) exit
             has_unit = .true.
             if (k + n <= size(words)) then
-               if (any(words(k + n)%text == [character(5) :: 'x', '*', 'times'])) &
+               if (any(words(k + n)%text == [character(5) :: 'x', '*', 'times'])) then
                   unit%quantity = ''
+               end if
             end if
             call take_unit(words, k, unit, n, line, stated, error)
             if (allocated(error)) return

@@ -1,7 +1,7 @@
 !> Words of a line of text in a record file: units in brackets, numbers, marks.
 module rwmf_input_record_words
    use rwmf_core_kinds, only: dp
-   use rwmf_input_record_units, only: plain_text, unit_of, unit_t
+   use rwmf_input_record_unit_names, only: plain_text, unit_of, unit_t
    use rwmf_text_strings, only: parse_real
    implicit none
    private
