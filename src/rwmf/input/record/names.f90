@@ -140,10 +140,11 @@ contains
    pure logical function is_direction(text)
       character(*), intent(in) :: text
 
-      is_direction = verify(text, 'nsewudzxy-+ ') == 0 .or. verify(text, '0123456789. ') == 0 &
+      is_direction = verify(text, 'nsewudzxy-+ ') == 0 .or. index(text, 'vert') == 1 &
+         .or. verify(text, '0123456789. ') == 0 &
          .or. (verify(text, '0123456789. deg') == 0 .and. index(text, 'deg') > 0) &
          .or. any(text == [character(10) :: 'h1', 'h2', 'h3', 'v', 'h', 'up', 'raw', 'corrected', &
-         'filtered', 'horizontal', 'vertical', 'down', 'north', 'south', 'east', 'west', 'long', &
+         'filtered', 'horizontal', 'down', 'north', 'south', 'east', 'west', 'long', &
          'trans', 'l', 't'])
    end function is_direction
 
