@@ -11,7 +11,7 @@ module rwmf_bindings_python_cases
    use rwmf_input_reader, only: read_case_text
    use rwmf_input_record_record_reader, only: complete_samples, read_facts, read_samples
    use rwmf_input_record_samples, only: samples_from_array, samples_t
-   use rwmf_input_record_units, only: unit_of, unit_t
+   use rwmf_input_record_unit_names, only: unit_of, unit_t
    use rwmf_problem_case, only: case_t
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none

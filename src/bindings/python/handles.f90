@@ -133,7 +133,7 @@ contains
 
       allocate (character(size(bytes)) :: text)
       do i = 1, size(bytes)
-         text(i:i) = transfer(bytes(i), text(i:i))
+         text(i:i) = char(iand(int(bytes(i)), 255))
       end do
    end function text_of
 

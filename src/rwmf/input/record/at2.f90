@@ -13,7 +13,7 @@ module rwmf_input_record_at2
    use rwmf_input_record_lines, only: fail_at_word, is_comment, is_number_line, without_mark
    use rwmf_input_record_samples, only: samples_t, set_unit
    use rwmf_input_record_statements, only: fail_at_line, read_statements, stated_t
-   use rwmf_input_record_units, only: unit_t
+   use rwmf_input_record_unit_names, only: unit_t
    use rwmf_text_strings, only: integer_to_text, next_line, next_word, parse_real, shown, to_lower
    implicit none
    private

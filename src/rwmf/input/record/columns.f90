@@ -19,12 +19,12 @@ module rwmf_input_record_columns
    !! rows below a number that can be their count
 
    !> Line of a file.
-   type :: place_t
+   type :: file_line_t
       integer :: first = 1
       integer :: last = 0
       integer :: line = 0
       !! its number, 0 for none
-   end type place_t
+   end type file_line_t
 
    !> Header of a table, and then its rows.
    type :: table_t
@@ -36,7 +36,7 @@ module rwmf_input_record_columns
       integer, allocatable :: accelerations(:)
       !! columns of accelerations
       type(stated_t) :: stated
-      type(place_t) :: begin
+      type(file_line_t) :: begin
       !! first line of numbers
       real(dp), allocatable :: values(:, :)
       !! (columns, lines of the file)
@@ -52,7 +52,7 @@ contains
       !! text of the file
       type(table_t), intent(out) :: table
       type(error_t), allocatable, intent(out) :: error
-      type(place_t) :: names
+      type(file_line_t) :: names
       integer :: n_columns
 
       call find_numbers(bytes, table%begin, names)
@@ -84,9 +84,9 @@ contains
    !> text, or else the last comment.
    subroutine find_numbers(bytes, begin, names)
       character(*), intent(in) :: bytes
-      type(place_t), intent(out) :: begin
+      type(file_line_t), intent(out) :: begin
       !! first line of numbers, or the second line of text
-      type(place_t), intent(out) :: names
+      type(file_line_t), intent(out) :: names
       integer :: position
       logical :: has_text
 
@@ -108,7 +108,7 @@ contains
             end if
          end associate
       end do
-      begin = place_t(len(bytes) + 1, len(bytes), begin%line + 1)
+      begin = file_line_t(len(bytes) + 1, len(bytes), begin%line + 1)
    end subroutine find_numbers
 
    !> Take a line as the names of the columns if it has as many cells, and known words.
@@ -283,7 +283,7 @@ contains
       do
          call next_word(text, position, first, last)
          if (last < first) exit
-         if (found == 0) then
+         if (found == 0 .and. scan(text(first:first), '#%!/') == 1) then
             if (is_comment(text(first:))) return
          end if
          call parse_real(text(first:last), value, ok)

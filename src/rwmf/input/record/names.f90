@@ -2,7 +2,7 @@
 module rwmf_input_record_names
    use rwmf_core_error, only: error_t
    use rwmf_input_record_statements, only: fail_at_line
-   use rwmf_input_record_units, only: known_units, plain_text, unit_of, unit_t
+   use rwmf_input_record_unit_names, only: known_units, plain_text, unit_of, unit_t
    use rwmf_text_strings, only: shown, string_t
    implicit none
    private
@@ -140,10 +140,11 @@ contains
    pure logical function is_direction(text)
       character(*), intent(in) :: text
 
-      is_direction = verify(text, 'nsewudzxy-+ ') == 0 .or. verify(text, '0123456789. ') == 0 &
+      is_direction = verify(text, 'nsewudzxy-+ ') == 0 .or. index(text, 'vert') == 1 &
+         .or. verify(text, '0123456789. ') == 0 &
          .or. (verify(text, '0123456789. deg') == 0 .and. index(text, 'deg') > 0) &
          .or. any(text == [character(10) :: 'h1', 'h2', 'h3', 'v', 'h', 'up', 'raw', 'corrected', &
-         'filtered', 'horizontal', 'vertical', 'down', 'north', 'south', 'east', 'west', 'long', &
+         'filtered', 'horizontal', 'down', 'north', 'south', 'east', 'west', 'long', &
          'trans', 'l', 't'])
    end function is_direction
 
@@ -192,8 +193,9 @@ contains
       quantity = quantity_of_name(name)
       if (quantity == '') quantity = column%unit%quantity
       ! a single letter is the weaker statement
-      if (len(name) == 1 .and. column%unit%quantity /= '' .and. quantity /= spectrum) &
+      if (len(name) == 1 .and. column%unit%quantity /= '' .and. quantity /= spectrum) then
          quantity = column%unit%quantity
+      end if
    end function quantity_of
 
    pure character(12) function quantity_of_name(name) result(quantity)
@@ -301,7 +303,9 @@ contains
       do i = 1, size(columns)
          if (len(columns(i)%name) == 1 .and. columns(i)%unit_text == '' &
             .and. (columns(i)%quantity == 'velocity' .or. columns(i)%quantity == 'displacement')) &
+            then
             columns(i)%quantity = ''
+         end if
       end do
    end subroutine name_single_letters
 

@@ -4,7 +4,7 @@ module rwmf_input_record_samples
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
-   use rwmf_input_record_units, only: unit_t
+   use rwmf_input_record_unit_names, only: unit_t
    use rwmf_text_crc32, only: crc32
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none

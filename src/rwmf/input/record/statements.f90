@@ -3,8 +3,8 @@
 module rwmf_input_record_statements
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
-   use rwmf_input_record_units, only: known_units, unit_of, unit_t
-   use rwmf_input_record_words, only: has_word, joined_unit, word_t, words_of
+   use rwmf_input_record_unit_names, only: known_units, unit_of, unit_t
+   use rwmf_input_record_words, only: has_word, joined_unit, header_word_t, words_of
    use rwmf_text_strings, only: integer_to_text, real_to_text, shown
    implicit none
    private
@@ -41,7 +41,7 @@ contains
       !! its words may mention other things than the samples of the file
       type(stated_t), intent(inout) :: stated
       type(error_t), allocatable, intent(out) :: error
-      type(word_t), allocatable :: words(:)
+      type(header_word_t), allocatable :: words(:)
 
       words = words_of(text)
       if (size(words) == 0) return
@@ -55,7 +55,7 @@ contains
 
    !> Read numbers in front of their names, as '4096    0.0100    NPTS, DT'.
    subroutine read_listed_numbers(words, line, stated, error)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: line
       type(stated_t), intent(inout) :: stated
       type(error_t), allocatable, intent(out) :: error
@@ -73,7 +73,7 @@ contains
 
    !> Read the numbers that follow a name: of samples, their interval or rate.
    subroutine read_numbers(words, line, is_comment, stated, error)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: line
       logical, intent(in) :: is_comment
       type(stated_t), intent(inout) :: stated
@@ -103,7 +103,7 @@ contains
 
    !> Recognise a name: 'n', 'dt' or 'rate', and the number of its words.
    pure subroutine find_fact(words, i, fact, n)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: i
       character(4), intent(out) :: fact
       !! blank for any other word
@@ -141,12 +141,14 @@ contains
          if (index(next, 'freq') == 1 .or. next == 'rate') fact = 'rate'
       case ('fs', 'sps', 'sampling_rate', 'samplingfrequency', 'sampling_frequency')
          fact = 'rate'
+      case default
+         fact = ''
       end select
    end subroutine find_fact
 
    !> Position of the number behind a name; 0 if something else follows.
    pure integer function number_after(words, first) result(at)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: first
       integer, parameter :: most_words = 3
 
@@ -160,7 +162,7 @@ contains
    end function number_after
 
    pure character(12) function unit_quantity(word)
-      type(word_t), intent(in) :: word
+      type(header_word_t), intent(in) :: word
       type(unit_t) :: unit
 
       unit = unit_of(trim(word%text))
@@ -169,7 +171,7 @@ contains
 
    !> Interval from a number and the unit in front of it or behind it.
    subroutine find_interval(words, first, at, fact, is_comment, dt, error)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: first
       !! first word behind the name
       integer, intent(in) :: at
@@ -196,8 +198,9 @@ contains
          if (.not. words(k)%is_new .and. .not. words(k)%is_number .and. next == '') then
             unit = unit_of(trim(words(k)%text))
             if (index(words(k)%text, 'samples/s') == 1) unit = unit_t('frequency')
-            if (unit%quantity == '' .and. (is_duration(words(k)%text) .or. .not. is_comment)) &
+            if (unit%quantity == '' .and. (is_duration(words(k)%text) .or. .not. is_comment)) then
                unit%quantity = 'unknown'
+            end if
          end if
       end if
       is_rate = fact == 'rate'
@@ -226,7 +229,7 @@ contains
    !> Refuse velocities, displacements and spectra.
    subroutine check_quantity(text, words, line, is_comment, error)
       character(*), intent(in) :: text
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: line
       logical, intent(in) :: is_comment
       type(error_t), allocatable, intent(out) :: error
@@ -250,7 +253,7 @@ contains
 
    !> Read the units of a line: behind the word units, in brackets, or beside an acceleration.
    subroutine read_units(words, line, is_comment, stated, error)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: line
       logical, intent(in) :: is_comment
       type(stated_t), intent(inout) :: stated
@@ -287,7 +290,7 @@ contains
 
    !> True for a unit behind a number, or behind 'from' as in 'converted from cm/s2'.
    pure logical function is_value(words, i)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: i
 
       is_value = .false.
@@ -296,7 +299,7 @@ contains
 
    !> True for words that are a unit in any context, unlike the letters g, m or s.
    pure logical function is_strong(words)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
 
       is_strong = any(scan(words%text, '/%^') > 0 .or. words%text == 'gal' &
          .or. words%text == 'gals' .or. index(words%text, 's-2') > 0)
@@ -304,7 +307,7 @@ contains
 
    !> Read the units behind 'units of', 'unit =' and the like.
    subroutine read_named_units(words, i, line, stated, error)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: i
       !! position of the word units
       integer, intent(in) :: line
@@ -333,8 +336,9 @@ contains
             if (n == 0) exit
             has_unit = .true.
             if (k + n <= size(words)) then
-               if (any(words(k + n)%text == [character(5) :: 'x', '*', 'times'])) &
+               if (any(words(k + n)%text == [character(5) :: 'x', '*', 'times'])) then
                   unit%quantity = ''
+               end if
             end if
             call take_unit(words, k, unit, n, line, stated, error)
             if (allocated(error)) return
@@ -348,7 +352,7 @@ contains
 
    !> Take a unit of accelerations; refuse one of another quantity.
    subroutine take_unit(words, i, unit, n, line, stated, error)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: i
       type(unit_t), intent(in) :: unit
       integer, intent(in) :: n
@@ -376,7 +380,7 @@ contains
 
    !> True for one letter in brackets in a line without a displacement: '(M)' may be a name.
    pure logical function is_initial(words, i)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: i
 
       is_initial = words(i)%text == 'm' .and. .not. any(words%text == 'units')
@@ -384,13 +388,13 @@ contains
 
    !> Refuse brackets beside an acceleration that look like a unit.
    subroutine check_unknown(word, line, error)
-      type(word_t), intent(in) :: word
+      type(header_word_t), intent(in) :: word
       integer, intent(in) :: line
       type(error_t), allocatable, intent(out) :: error
 
       character(6), parameter :: foreign(9) = [character(6) :: 'kn', 'mn', 'v', 'mv', 'volts', &
          'counts', 'count', 'kpa', 'mpa']
-      type(word_t), allocatable :: words(:)
+      type(header_word_t), allocatable :: words(:)
       logical :: has_unit
       integer :: i
 

@@ -1,32 +1,32 @@
 !> Words of a line of text in a record file: units in brackets, numbers, marks.
 module rwmf_input_record_words
    use rwmf_core_kinds, only: dp
-   use rwmf_input_record_units, only: plain_text, unit_of, unit_t
+   use rwmf_input_record_unit_names, only: plain_text, unit_of, unit_t
    use rwmf_text_strings, only: parse_real
    implicit none
    private
 
-   public :: word_t, words_of, joined_unit, has_word
+   public :: header_word_t, words_of, joined_unit, has_word
 
    integer, parameter :: longest_line = 400, longest_word = 40
    character(*), parameter :: separators = ' ,;"()[]|', marks = '=:'
 
    !> Word of a line, in lower case.
-   type :: word_t
+   type :: header_word_t
       character(longest_word) :: text = ''
       logical :: in_brackets = .false.
       logical :: is_new = .false.
       !! a comma or semicolon comes before it
       logical :: is_number = .false.
       real(dp) :: number = 0
-   end type word_t
+   end type header_word_t
 
 contains
 
    !> Split a line, without its comment mark. A number and letters that touch it are two words.
    pure function words_of(line) result(words)
       character(*), intent(in) :: line
-      type(word_t), allocatable :: words(:)
+      type(header_word_t), allocatable :: words(:)
 
       allocate (words(0))
       call add_words(plain_text(line(:min(len(line), longest_line))), words)
@@ -34,8 +34,8 @@ contains
 
    pure recursive subroutine add_words(text, words)
       character(*), intent(in) :: text
-      type(word_t), allocatable, intent(inout) :: words(:)
-      type(word_t) :: word
+      type(header_word_t), allocatable, intent(inout) :: words(:)
+      type(header_word_t) :: word
       logical :: is_new
       integer :: first
       integer :: last
@@ -47,7 +47,7 @@ contains
          if (scan(text(first:first), '([') == 1) then
             last = index(text(first:), merge(')', ']', text(first:first) == '(')) + first - 1
             if (last > first + 1) then
-               word = word_t(text(first + 1:last - 1), in_brackets=.true., is_new=is_new)
+               word = header_word_t(text(first + 1:last - 1), in_brackets=.true., is_new=is_new)
                if (is_one_word(text(first + 1:last - 1))) then
                   words = [words, word]
                else
@@ -56,7 +56,7 @@ contains
             end if
             last = max(last, first)
          else if (scan(text(first:first), marks) == 1) then
-            words = [words, word_t(text(first:first))]
+            words = [words, header_word_t(text(first:first))]
          else if (scan(text(first:first), separators) == 0) then
             last = scan(text(first:), separators//marks) + first - 2
             if (last < first) last = len(text)
@@ -79,8 +79,8 @@ contains
    pure subroutine add_word(text, is_new, words)
       character(*), intent(in) :: text
       logical, intent(in) :: is_new
-      type(word_t), allocatable, intent(inout) :: words(:)
-      type(word_t) :: word
+      type(header_word_t), allocatable, intent(inout) :: words(:)
+      type(header_word_t) :: word
       integer :: last
       logical :: ok
 
@@ -100,7 +100,7 @@ contains
       word%is_number = ok
       word%text = without_dot(text(:last), ok)
       words = [words, word]
-      if (last < len(text)) words = [words, word_t(without_dot(text(last + 1:), .false.))]
+      if (last < len(text)) words = [words, header_word_t(without_dot(text(last + 1:), .false.))]
    end subroutine add_word
 
    pure function without_dot(text, is_number) result(short)
@@ -117,7 +117,7 @@ contains
    !> Unit that begins with a word, as 'cm / sec / sec', and the number of its words, the most
    !> possible; 0 for none.
    pure subroutine joined_unit(words, i, unit, n)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       integer, intent(in) :: i
       !! number of the first word
       type(unit_t), intent(out) :: unit
@@ -140,7 +140,7 @@ contains
 
    !> True if a word begins with one of several beginnings.
    pure logical function has_word(words, beginnings)
-      type(word_t), intent(in) :: words(:)
+      type(header_word_t), intent(in) :: words(:)
       character(*), intent(in) :: beginnings(:)
       integer :: k
 

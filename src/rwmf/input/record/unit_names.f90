@@ -1,5 +1,5 @@
 !> Units as files write them: 'cm/sec/sec', 'M/S**2', '%g', 'msec'.
-module rwmf_input_record_units
+module rwmf_input_record_unit_names
    use rwmf_core_kinds, only: dp
    use rwmf_text_strings, only: to_lower
    implicit none
@@ -99,6 +99,8 @@ contains
          unit%times = 0.3048_dp
       case (20:21)
          unit%times = 1e3_dp
+      case default
+         unit%times = 1
       end select
    end function length_per_time
 
@@ -213,4 +215,4 @@ contains
       end do
    end function plain_text
 
-end module rwmf_input_record_units
+end module rwmf_input_record_unit_names
