@@ -254,7 +254,8 @@ def _read_file(path: Path) -> xr.Dataset:
             raise InputError(f"{path}: the file does not exist, or is no regular file")
         return read_table(read_netcdf(path))
     columns, lines = read_columns(path, set(TEXTS), "table")
-    first = path.open(encoding="utf-8", errors="replace").readline()
+    with path.open(encoding="utf-8", errors="replace") as file:
+        first = file.readline()
     attributes = {}
     if first.startswith(_MARK):
         try:
