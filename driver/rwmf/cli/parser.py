@@ -149,7 +149,7 @@ def _add_cost(commands: Subcommands) -> None:
         metavar="ERROR",
         type=number(0, 1),
         default=1e-6,
-        help="relative error of the peak for the recommended setting (1e-6)",
+        help="largest error of all columns for the recommended setting (1e-6)",
     )
     parser.add_argument(
         "--quantity",
