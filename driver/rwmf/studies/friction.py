@@ -64,9 +64,9 @@ def friction_spectra(
     case = case_of(case)
     if case.wall is None:
         raise InputError("friction: the case has no &wall whose base could slide")
-    wanted = _FOUNDATION if case.impact is None else (*_FOUNDATION, _IMPACT)
-    if case.cable is not None:
-        wanted = (*wanted, _INCREMENT)
+    wanted = list(_FOUNDATION)
+    wanted += [] if case.impact is None else [_IMPACT]
+    wanted += [] if case.cable is None else [_INCREMENT]
     found = sweep(case, grid, records, quantities=wanted, **sweep_options)
     found = found.assign({DEMAND: with_overturning(found, DEMAND)})
     if case.cable is None:

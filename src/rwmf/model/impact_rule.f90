@@ -43,8 +43,8 @@ contains
    end function restitution
 
    !> Velocity factor e_max from the momentum balance of the whole scene, for any rule. The whole
-   !> impulse acts at the new corner, without slip or bounce: the largest loss at a rigid base. For a
-   !> free-standing wall it is Housner's factor [-].
+   !> impulse acts at the new corner, without slip or bounce: the largest loss at a rigid base. For
+   !> a free-standing wall it is Housner's factor [-].
    pure real(wp) function balanced_restitution(case, alpha) result(e)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: alpha
