@@ -174,7 +174,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "Wall": {"case": case, "t_begin": 0.0, "peak": None},
         "Walls": {"cases": case, "n": 1, "t_begin": 0.0, "peak": None, "threads": 1},
         "base_section": {"N": [1e6], "theta": [0.01], "width": 4.0, "thickness": 0.3, "k": 1e10,
-                         "E": None},
+                         "E": None, "f_c": 4e7},
         "checks": {"case": limited, "result": found["run"]},
         "ufp_force": {"stress": 3e8, "width": 0.1, "thickness": 0.01, "diameter": 0.1},
         "ufp_stiffness": {"modulus": 2e11, "width": 0.1, "thickness": 0.01, "diameter": 0.1},
