@@ -1,8 +1,8 @@
 # The meson builds: `build` for use; `build-debug`, `build-sanitize` and `build-races` for tests.
 # shellcheck shell=bash
 
-# What a build depends on beside its sources and options. Compilers and flags of the environment
-# count where they are set, a foreign SUNDIALS by its own configuration.
+# setup_key [MESON OPTIONS]: checksum of the options and tools of a build. Compilers and flags of the
+# environment count where they are set, a foreign SUNDIALS by its own configuration.
 setup_key() {
    local name
    {

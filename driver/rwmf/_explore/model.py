@@ -232,7 +232,7 @@ class Model:
         Returns
         -------
         dict
-            ``T``, ``axis`` (what varies, and its consequence), ``values``, ``alone`` (or None),
+            ``T``, ``axis`` (its meaning and the consequence), ``values``, ``alone`` (or None),
             ``failed`` (number of each status) and ``overturned`` (periods). ``quantity`` describes
             the quantity; ``quantities`` lists those of the scene. ``caption`` compares with the
             frame alone at the period of the case.

@@ -167,7 +167,7 @@ def test_no_writer_takes_a_name_for_markup(
         assert _run([word.format(n="plain") for word in words]) == (0, "")
     status, error = _run([word.format(n=name) for word in words])
     if status == 2:
-        # tables name their records: one line refuses what is not printable
+        # tables name their records: one line refuses a name that is not printable
         assert not name.isprintable(), error
         assert set(words) & {"--records", "info"}
         assert error.count("\n") == 1
