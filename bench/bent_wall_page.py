@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import rwmf
-from opensees_bent_wall import LINK, MODULUS, MOTIONS, NU, XI
+from opensees_bent_wall import LINK, MODULUS, MOTIONS, NU, OWN, XI
 
 Peaks = dict[str, float]
 CASE = Path(__file__).resolve().parents[1] / "validation" / "six_storeys_wall.nml"
@@ -99,7 +99,8 @@ def _page(peaks: dict[str, Peaks], pool: ProcessPoolExecutor) -> str:
         parts.append(f"## {words[0].upper()}{words[1:]}\n")
         parts += [f"### {title}\n\n{table(known[motion, x])}\n" for x, title in TITLES.items()]
     text = TEXT.read_text(encoding="utf-8")
-    text = text.replace("TABLES\n", "\n".join(parts)).replace("TARGETS", targets(known))
+    text = text.replace("TABLES\n", "\n".join(parts) + "\n").replace("TARGETS", targets(known))
+    text = text.replace("OWN_STIFFNESS", own_stiffness(known, peaks))
     return text.replace("CHANGED", table(_results(changed)))
 
 
@@ -141,6 +142,24 @@ def targets(known: dict[tuple[str, str], dict[str, Peaks]]) -> str:
             title = TITLES[variant][0].lower() + TITLES[variant][1:]
             name = {"elcentro": "El Centro", "pulse": "sine"}[motion]
             lines.append(_row([f"{name}, {title}", str(n), *cells]))
+    return "\n".join(lines)
+
+
+def own_stiffness(known: dict[tuple[str, str], dict[str, Peaks]], peaks: dict[str, Peaks]) -> str:
+    """Return the peaks of OpenSees with the wall's own axial stiffness, and differences from them.
+
+    For each variant: the change from the stiff wall, and rwmf with three modes over the own one.
+    """
+    titles = [TITLES[x][0].lower() + TITLES[x][1:] for x in OWN]
+    heads = ["peak", *(head for title in titles for head in (title, "diff. 3"))]
+    lines = [_row(heads), _row(["---"] * len(heads))]
+    for key, (label, _, _) in ROWS.items():
+        cells = [label]
+        for variant in OWN:
+            own, columns = peaks[f"own_{variant}"], known["elcentro", variant]
+            cells.append(f"{100 * (own[key] / columns['OpenSees'][key] - 1):+.0f} %")
+            cells.append(f"{100 * (columns['3 modes'][key] / own[key] - 1):+.0f} %")
+        lines.append(_row(cells))
     return "\n".join(lines)
 
 

@@ -2,7 +2,7 @@
 
 Each is computed as published (e = 0.9) and in the exact form with the momentum balance at impacts,
 and both are drawn over the same axes. ``python plots/shipped_spectra.py`` reads ``inputs/`` and
-writes ``plots/`` in the current folder.
+writes ``build/plots/`` in the current folder.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from reproduce.formulations import FORMULATIONS, PUBLISHED
 from rwmf._progress import progress_bar
 from rwmf._spectrum import spectrum, start, to_dataset
 from rwmf.case import Case
-from rwmf.errors import InputError, Interrupted, OutputError, RwmfError
+from rwmf.errors import InputError, OutputError, RwmfError
 from rwmf.plotting import image_files as figures
 from rwmf.plotting.response import spectrum as draw_spectrum
 from rwmf.plotting.style import NESTED, legend_below, new_figure
@@ -76,20 +76,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _make_parser().parse_args(arguments)
     names = options.names or list(SHIPPED)
     try:
-        _make_folder(options.plots)
+        _make_folder(options.out)
         for name in names:
             _check_name(name)
-        pairs = {name: compute(name, options.inputs, options.plots) for name in names}
+        pairs = {name: compute(name, options.inputs, options.out) for name in names}
         figures_of = {name: (name,) for name in names}
         for stem, shown in (figures_of | dict([HEAD])).items():
             if pairs.keys() >= set(shown):
-                draw([pairs[name] for name in shown], options.plots / stem)
+                draw([pairs[name] for name in shown], options.out / stem)
     except RwmfError as error:
         print(f"rwmf: {error}", file=sys.stderr)
         return error.exit_status
     except KeyboardInterrupt:
         print("rwmf: interrupted", file=sys.stderr)
-        return Interrupted.exit_status
+        return 130
     return 0
 
 
@@ -214,7 +214,12 @@ def _make_parser() -> argparse.ArgumentParser:
         "names", nargs="*", metavar="NAME", help=f"any of {', '.join(SHIPPED)}; all when absent"
     )
     parser.add_argument("--inputs", type=Path, default=Path("inputs"), help="folder of the cases")
-    parser.add_argument("--plots", type=Path, default=Path("plots"), help="folder of the results")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("build/plots"),
+        help="folder of the results (default: build/plots)",
+    )
     return parser
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rwmf import coupling, loops, plot, records, studies
-    from rwmf._base_section import base_section, ufp_force
+    from rwmf._base_section import base_section, ufp_force, ufp_stiffness
     from rwmf._checks.checks import Checks, LimitCheck, checks
     from rwmf._cost import Cost, cost
     from rwmf._design.design import Design, design
@@ -45,7 +45,14 @@ if TYPE_CHECKING:
     from rwmf._sweep import RecordFile, find_records, merge, sweep
     from rwmf._sweep.intensity import intensity
     from rwmf.case import Case, Motion
-    from rwmf.errors import InputError, Interrupted, NumericalError, OutputError, RwmfError
+    from rwmf.errors import (
+        InputError,
+        Interrupted,
+        NumericalError,
+        OutputError,
+        RwmfError,
+        RwmfWarning,
+    )
     from rwmf.studies.statistics import quantile
 
     __version__: str
@@ -68,6 +75,7 @@ __all__ = [
     "RecordFile",
     "Response",
     "RwmfError",
+    "RwmfWarning",
     "Wall",
     "WallEvent",
     "WallEvents",
@@ -102,6 +110,7 @@ __all__ = [
     "studies",
     "sweep",
     "ufp_force",
+    "ufp_stiffness",
 ]
 
 # module of each public name; an empty one where the name is a module itself
@@ -123,6 +132,7 @@ _HOMES = {
     "RecordFile": "_sweep",
     "Response": "_response",
     "RwmfError": "errors",
+    "RwmfWarning": "errors",
     "base_section": "_base_section",
     "checks": "_checks.checks",
     "Wall": "_hosts",
@@ -151,6 +161,7 @@ _HOMES = {
     "stripes": "_risk",
     "sweep": "_sweep",
     "ufp_force": "_base_section",
+    "ufp_stiffness": "_base_section",
 }
 
 

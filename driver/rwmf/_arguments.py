@@ -15,15 +15,24 @@ from rwmf._files.names import problem_of_name
 from rwmf._library import check_threads
 from rwmf._numbers import show, to_array, to_items, to_number, to_whole
 from rwmf.case import Case, CaseLike, Motion
-from rwmf.errors import InputError
+from rwmf.errors import InputError, call_depth, warn
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["array_of", "case_of", "checked", "dataset_of", "path_of", "texts_of"]
+__all__ = [
+    "array_of",
+    "case_of",
+    "checked",
+    "dataset_of",
+    "function_of",
+    "path_of",
+    "texts_of",
+]
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+_F = TypeVar("_F")
 Check = Callable[[str, Any], Any]
 
 
@@ -171,6 +180,31 @@ def array_of(value: object, dim: str) -> xr.DataArray:
     return value
 
 
+def function_of(name: str, value: _F) -> _F:
+    """Return a function that the caller gives.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in messages.
+    value : callable
+        The function.
+
+    Returns
+    -------
+    callable
+        `value`, unchanged.
+
+    Raises
+    ------
+    InputError
+        When it cannot be called.
+    """
+    if not callable(value):
+        raise InputError(f"{name} = {show(value)}: must be callable")
+    return value
+
+
 def _text(name: str, value: object) -> str:
     if not isinstance(value, str):
         raise InputError(f"{name} = {show(value)}: must be a text")
@@ -249,7 +283,7 @@ _CHECKS: dict[str, Check] = {
     "ax": _ax,
     "axes": _axes,
     "chunk": lambda name, value: to_whole(name, value, 0, 10**15),
-    "damping": lambda name, value: _not_negative(name, value),
+    "damping": lambda name, value: _damping(name, value),
     "component": _text,
     "dt": _positive,
     "executor": _executor,
@@ -258,7 +292,11 @@ _CHECKS: dict[str, Check] = {
         "" if isinstance(value, str) and not value else path_of(name, value)
     ),
     "force": _truth,
+    "function": function_of,
     "grid": _mapping,
+    "ground": function_of,
+    "has_branches": _truth,
+    "horizon": to_number,
     "intensity": _text,
     "kind": _text,
     "legend": _truth,
@@ -271,6 +309,7 @@ _CHECKS: dict[str, Check] = {
     "part": _part,
     "parts": _sequence,
     "path": path_of,
+    "peak": _positive,
     "period": _positive,
     "periods": _positives,
     "port": lambda name, value: to_whole(name, value, 0, 65535),
@@ -279,6 +318,8 @@ _CHECKS: dict[str, Check] = {
     "quantity": _text,
     "records": _sequence,
     "restart": _truth,
+    "t_begin": to_number,
+    "t_end": _positive,
     "target": _positive,
     "threads": lambda name, value: check_threads(value, name),
     "tolerance": _positive,
@@ -290,15 +331,18 @@ _CHECKS: dict[str, Check] = {
 }
 
 
-def _not_negative(name: str, value: object) -> float:
-    number = to_number(name, value, wanted="a finite number >= 0")
+def _damping(name: str, value: object) -> float:
+    wanted = "in [0, 1)"
+    number = to_number(name, value, below=1.0, wanted=wanted)
     if number < 0:
-        raise InputError(f"{name} = {show(value)}: must be a finite number >= 0")
+        raise InputError(f"{name} = {show(value)}: must be {wanted}")
     return number
 
 
 def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Convert or refuse the arguments of a public function before it runs.
+
+    The warnings of its result are emitted, unless another public function has called it.
 
     Parameters
     ----------
@@ -331,6 +375,17 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
                     word: item if item is None or word not in _CHECKS else _CHECKS[word](word, item)
                     for word, item in value.items()
                 }
-        return function(*bound.args, **bound.kwargs)
+        before = call_depth.set(call_depth.get() + 1)
+        try:
+            result = function(*bound.args, **bound.kwargs)
+        except ArithmeticError as error:
+            text = f"{function.__name__}: numbers exceed the range of the computation ({error})"
+            raise InputError(text) from error
+        finally:
+            call_depth.reset(before)
+        lines = getattr(result, "attrs", {}).get("warnings")
+        if lines and call_depth.get() == 0:
+            warn(str(lines).splitlines())
+        return result
 
     return call

@@ -7,24 +7,31 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from rwmf.case import Case
-from rwmf.case.heights import height_of_frame
 from rwmf.quantities import SENSITIVITY, Quantity, find_numbered
 
 __all__ = [
     "Row",
     "grouped",
     "headline",
-    "headline_of_case",
     "headline_rows",
+    "is_complete",
     "rows_by_title",
+    "tendon_yield_of",
     "value_text",
 ]
 
-_ASK = "not requested (&output reactions = .true.)"
+_ASK = "not in the result (&output reactions = .false.)"
+_PARTS = {"frame": "u_s_max_m", "wall": "theta_max_over_alpha"}
+_SCALAR_OF_EFFECT = {
+    "wall": "theta_max_over_alpha",
+    "frame": "u_s_max_m",
+    "cable": "cable_force_increment_max_over_m_w_g",
+    "impact": "impacts",
+}
 _WIDTH = 100
 
 
-def headline(summary: Mapping[str, Any], tendon_yield: float | None = None) -> list[str]:
+def headline(summary: Mapping[str, Any], tendon_yield: float | None) -> list[str]:
     """Summarize a run in six lines.
 
     Parameters
@@ -40,11 +47,24 @@ def headline(summary: Mapping[str, Any], tendon_yield: float | None = None) -> l
         Roof displacement, interstorey drift, floor acceleration, tendon force, residual drift,
         impacts and events.
     """
-    return _lines(_texts(summary, tendon_yield))
+    return [f"{name:26s}{text}" for name, text in headline_rows(summary, tendon_yield).items()]
 
 
-def _texts(summary: Mapping[str, Any], tendon_yield: float | None) -> dict[str, str]:
-    """Return the text of each line by its name."""
+def headline_rows(summary: Mapping[str, Any], tendon_yield: float | None) -> dict[str, str]:
+    """Return the lines of `headline` as name and text.
+
+    Parameters
+    ----------
+    summary : mapping
+        Named scalars of the run.
+    tendon_yield : float, optional
+        As for `headline` [-].
+
+    Returns
+    -------
+    dict
+        Text of each line by its name.
+    """
     return {
         "roof displacement": _displacement(summary),
         "interstorey drift (IDR)": _drift(summary),
@@ -55,56 +75,38 @@ def _texts(summary: Mapping[str, Any], tendon_yield: float | None) -> dict[str, 
     }
 
 
-def _lines(texts: Mapping[str, str]) -> list[str]:
-    return [f"{name:26s}{text}" for name, text in texts.items()]
-
-
-def headline_of_case(summary: Mapping[str, Any], case: Case) -> list[str]:
-    """Summarize a run with the numbers of its case.
+def tendon_yield_of(case: Case) -> float | None:
+    """Return the force at which the tendon of a case yields.
 
     Parameters
     ----------
-    summary : mapping
-        Named scalars of the run.
     case : Case
         The case.
 
     Returns
     -------
-    list of str
-        As `headline`, with roof drift and tendon force even when the run reports neither.
+    float or None
+        Force over the weight of the wall [-]; None for an elastic tendon, or without one.
     """
-    return _lines(headline_rows(summary, case))
+    return case.cable.eta_y if case.cable is not None and "eta_y" in case.cable else None
 
 
-def headline_rows(summary: Mapping[str, Any], case: Case) -> dict[str, str]:
-    """Return the lines of `headline_of_case` as name and text.
+def is_complete(summary: Mapping[str, Any]) -> bool:
+    """Check whether scalars are those of a whole run, not of a selection or a static curve.
 
     Parameters
     ----------
     summary : mapping
-        Named scalars of the run.
-    case : Case
-        The case.
+        Named scalars.
 
     Returns
     -------
-    dict
-        Text of each line by its name.
+    bool
+        True when every effect of the run has its scalar.
     """
-    known = dict(summary)
-    height = 2 * case.wall.h if case.wall is not None else height_of_frame(case)
-    if height is not None and "u_s_max_m" in summary:
-        known.setdefault("roof_drift_max", summary["u_s_max_m"] / height)
-    if case.cable is None:
-        return _texts(known, None)
-    increment = "cable_force_increment_max"
-    ratio = summary[f"{increment}_over_m_w_g"]
-    known.setdefault("tendon_force_max_over_m_w_g", case.cable.eta_0 + ratio)
-    if "m_w" in case.wall:
-        force = known["tendon_force_max_over_m_w_g"] * case.wall.m_w * case.model.g
-        known.setdefault("tendon_force_max_N", force)
-    return _texts(known, case.cable.eta_y if "eta_y" in case.cable else None)
+    effects = summary.get("effects") or ()
+    scalars = [key for effect, key in _SCALAR_OF_EFFECT.items() if effect in effects]
+    return bool(scalars) and all(key in summary for key in scalars)
 
 
 def _displacement(summary: Mapping[str, Any]) -> str:
@@ -165,7 +167,10 @@ def _residual(summary: Mapping[str, Any]) -> str:
         return f"{1e3 * abs(summary['residual_displacement_m']):.3g} mm"
     if "theta_end_over_alpha" in summary:
         return f"rotation {abs(summary['theta_end_over_alpha']):.3g} alpha at the end"
-    return "the wall lies" if summary.get("overturned") else "none: frame and wall return"
+    if summary.get("overturned"):
+        return "the wall lies"
+    parts = [word for word, key in _PARTS.items() if key in summary]
+    return f"none: the {' and the '.join(parts)} return" + ("s" if len(parts) == 1 else "")
 
 
 def _events(summary: Mapping[str, Any]) -> str:
@@ -338,9 +343,9 @@ def value_text(key: str, value: object, digits: int = 10) -> str:
         Its text; for the list of warnings, which are printed elsewhere, their number.
     """
     if key == "warnings":
-        return str(len(value.splitlines() if isinstance(value, str) else value))  # type: ignore[arg-type]
+        return str(len(value if isinstance(value, list) else str(value).splitlines()))
     if isinstance(value, list):
-        return ", ".join(value)
+        return ", ".join(map(str, value))
     if isinstance(value, bool):
         return "yes" if value else "no"
     # zero without a sign

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import operator
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, TypeGuard
 
@@ -17,7 +18,17 @@ import numpy.typing as npt
 from rwmf._files.names import shorten
 from rwmf.errors import InputError
 
-__all__ = ["float_of", "is_whole", "show", "to_array", "to_items", "to_number", "to_whole"]
+__all__ = [
+    "first_masked",
+    "float_of",
+    "is_whole",
+    "show",
+    "to_array",
+    "to_items",
+    "to_number",
+    "to_shaped",
+    "to_whole",
+]
 
 Array = npt.NDArray[np.float64]
 _NUMBERS = int | float | np.integer | np.floating
@@ -27,6 +38,7 @@ _NO_NUMBERS = bool | np.timedelta64
 _KINDS = {"b": "true or false", "c": "complex", "U": "text", "S": "bytes", "M": "dates",
           "m": "time differences", "V": "records"}  # fmt: skip
 _FINITE = "a finite number"
+_NUMPY = re.compile(r"\bnp\.(?:[a-z]+\d*_?\(('[^']*'|[^()]*)\)|(True|False)_)")
 
 
 def show(value: object) -> str:
@@ -45,7 +57,10 @@ def show(value: object) -> str:
     if isinstance(value, int) and value.bit_length() > 256:
         return f"an integer of {value.bit_length()} bits"
     try:
-        text = repr(value.item() if isinstance(value, np.generic) else value)
+        # numbers of NumPy, alone and in lists, as those of Python: 0.5, not np.float64(0.5)
+        text = repr(value)
+        if not isinstance(value, str | bytes):
+            text = _NUMPY.sub(lambda found: found[1] or found[2], text)
     except Exception:
         text = f"an object of type {type(value).__name__}"
     return shorten(" ".join(text.split()))
@@ -193,6 +208,39 @@ def to_array(
     return array
 
 
+def to_shaped(name: str, values: object, *shapes: tuple[int, ...]) -> Array:
+    """Convert finite numbers of any dimension.
+
+    Parameters
+    ----------
+    name : str
+        Name of the argument in messages.
+    values : number, sequence or array
+        The numbers.
+    *shapes : tuple of int
+        Allowed shapes; any by default.
+
+    Returns
+    -------
+    numpy.ndarray
+        A new array of the numbers.
+
+    Raises
+    ------
+    InputError
+        When a value is no number, masked or not finite, or the shape is another one.
+    """
+    wanted = "finite numbers"
+    array = np.array(values) if type(values) is float else _floats(name, values, wanted)
+    if not np.isfinite(array).all():
+        wrong = array[~np.isfinite(array)].flat[0].item()
+        raise InputError(f"{name} = {wrong!r}: must be {wanted}")
+    if shapes and array.shape not in shapes:
+        allowed = " or ".join(map(str, shapes))
+        raise InputError(f"{name}: has the shape {array.shape}: must have {allowed}")
+    return array
+
+
 def to_items(value: object) -> list[Any] | None:
     """List the items of a list, an array or another ordered iterable.
 
@@ -243,7 +291,7 @@ def _floats(name: str, values: object, wanted: str) -> Array:
     """Return numbers of any shape as a new array."""
     if isinstance(values, str | bytes | bytearray | memoryview | Mapping | set | frozenset):
         raise InputError(f"{name} = {show(values)}: must be {wanted}")
-    masked = _first_masked(values)
+    masked = first_masked(values)
     if masked is not None:
         raise InputError(f"{name}: the value at position {masked} is masked: must be {wanted}")
     try:
@@ -274,8 +322,19 @@ def _floats_of_objects(name: str, array: npt.NDArray[Any], wanted: str) -> Array
     return found
 
 
-def _first_masked(values: object) -> int | None:
-    """Return the flat position of the first masked value."""
+def first_masked(values: object) -> int | None:
+    """Find the first masked value.
+
+    Parameters
+    ----------
+    values : object
+        Any value.
+
+    Returns
+    -------
+    int or None
+        Its flat position; None without one.
+    """
     if isinstance(values, np.ma.MaskedArray):
         found = np.flatnonzero(np.ma.getmaskarray(values))
         return int(found[0]) if found.size else None

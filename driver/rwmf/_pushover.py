@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rwmf import _library
-from rwmf._arguments import case_of, dataset_of
+from rwmf._arguments import case_of, checked, dataset_of
 from rwmf._labels import Labelled, dataset
 from rwmf._numbers import show, to_array, to_number, to_whole
 from rwmf._response import Response
@@ -40,7 +40,7 @@ _OWN = {
     "energy_work_J_per_kg": (
         "energy_work",
         "J/kg",
-        "work of the load by the trapezoidal rule over the steps, over the reference mass",
+        "work of the load along the path, over the reference mass",
     ),
     "energy_released_J_per_kg": (
         "energy_released",
@@ -56,6 +56,7 @@ _SIGNED = {
 }
 
 
+@checked
 def pushover(
     case: CaseLike,
     drifts: float | Sequence[float] = _DRIFT,
@@ -250,6 +251,7 @@ def _to_dataset(curve: _library.StaticCurve, case: Case, pattern: str) -> Respon
         "pattern": pattern,
         "pattern_shares": curve.pattern.tolist(),
         "ending": curve.ending,
+        "warnings": "\n".join(case.kernel.motion_warnings()),
         "roof_height_m": curve.height,
         "weight": "weight of wall and frame" if case.wall is not None else "weight of the frame",
     }

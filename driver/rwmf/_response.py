@@ -11,7 +11,8 @@ from typing import Any, Self, cast, overload
 import numpy as np
 import xarray as xr
 
-from rwmf._headline import grouped, headline
+from rwmf._headline import grouped, headline, is_complete
+from rwmf.errors import InputError
 from rwmf.quantities import QUANTITIES, Quantity
 
 __all__ = ["LEVELS", "Response", "as_response"]
@@ -33,6 +34,13 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
     """
 
     __slots__ = ()
+
+    def __init__(self, data_vars: Any = None, coords: Any = None, attrs: Any = None) -> None:  # noqa: ANN401 (as xarray)
+        """Make a dataset as xarray does."""
+        try:
+            super().__init__(data_vars, coords, attrs)
+        except (AttributeError, TypeError, ValueError) as error:
+            raise InputError(f"Response: must have the arguments of a Dataset: {error}") from error
 
     @overload
     def __getitem__(self, key: Hashable) -> xr.DataArray: ...
@@ -104,14 +112,30 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
         Returns
         -------
         str
-            The lines.
+            The lines, followed by one for each warning.
+
+        Raises
+        ------
+        InputError
+            When the dataset is not a complete run, for example a selection of variables.
         """
-        return "\n".join(headline(self.flat(), self.attrs.get("tendon_yield_over_m_w_g")))
+        scalars = self.flat()
+        if not is_complete(scalars):
+            raise InputError("headline: the dataset must have all scalars of rwmf.simulate")
+        lines = headline(scalars, self.attrs.get("tendon_yield_over_m_w_g"))
+        return "\n".join([*lines, *self._warnings()])
+
+    def _warnings(self) -> list[str]:
+        """Return a line for each warning."""
+        lines = str(self.attrs.get("warnings", "")).splitlines()
+        return [f"{'warning':26s}{line}" for line in lines]
 
     def __repr__(self) -> str:
         """Show the headline, the scalars by group, and the names of the histories."""
-        sizes = ", ".join(f"{name} {size}" for name, size in self.sizes.items())
         scalars = self.flat()
+        if not is_complete(scalars):
+            return "\n".join([super().__repr__(), *self._warnings()])
+        sizes = ", ".join(f"{name} {size}" for name, size in self.sizes.items())
         known = {name for name, (_, key) in _names_of_runs().items()}
         others = [
             f"{name} [{values.attrs.get('units', '1')}]"
@@ -123,7 +147,10 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
 
     def _repr_html_(self) -> str:
         """Show the headline and the table of xarray in a notebook."""
-        return f"<pre>{escape(self.headline())}</pre>{super()._repr_html_()}"
+        table = str(super()._repr_html_())
+        lines = [self.headline()] if is_complete(self.flat()) else self._warnings()
+        text = "\n".join(lines)
+        return f"<pre>{escape(text)}</pre>{table}" if text else table
 
 
 @cache

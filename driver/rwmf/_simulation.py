@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rwmf import _library
-from rwmf._arguments import case_of
+from rwmf._arguments import case_of, checked
+from rwmf._headline import tendon_yield_of
 from rwmf._numbers import to_number
 from rwmf.case import Case, CaseLike
 from rwmf.case.heights import heights_of_storeys
@@ -32,6 +33,7 @@ __all__ = [
 ]
 
 
+@checked
 def simulate(case: CaseLike, dt: float | None = None) -> Response:
     """Compute the response of a case.
 
@@ -152,8 +154,9 @@ def to_dataset(run: _library.Run, case: Case) -> Response:
             case, sizes, {dim for item in variables.values() for dim in item[0]}
         )
     facts: dict[str, Any] = {"version": _library.version()}
-    if "cable_prestress_loss_over_m_w_g" in summary and "eta_y" in case.cable:
-        facts["tendon_yield_over_m_w_g"] = case.cable.eta_y
+    tendon_yield = tendon_yield_of(case)
+    if tendon_yield is not None:
+        facts["tendon_yield_over_m_w_g"] = tendon_yield
     for key, (quantity, value) in of_run.items():
         if not quantity.name:
             # attributes of files are texts, and must not be empty

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import difflib
 import re
+import sys
+import warnings
 from collections.abc import Iterable
+from contextvars import ContextVar
+from pathlib import Path
 
 __all__ = [
     "InputError",
@@ -12,9 +16,16 @@ __all__ = [
     "NumericalError",
     "OutputError",
     "RwmfError",
+    "RwmfWarning",
+    "call_depth",
     "did_you_mean",
+    "warn",
     "without_lines",
 ]
+
+_PACKAGE = str(Path(__file__).parent)
+# number of public functions that are running, one inside the other
+call_depth: ContextVar[int] = ContextVar("call_depth", default=0)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -83,10 +94,28 @@ class OutputError(RwmfError, OSError):
     exit_status = 2
 
 
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C stopped a running kernel.
+# Ctrl-C stopped a running kernel; Python ends with the status of the signal for this type alone
+Interrupted = KeyboardInterrupt
 
-    Not a `RwmfError`: like every `KeyboardInterrupt` it must pass through ``except Exception``.
+
+class RwmfWarning(UserWarning):
+    """Warning about a result: the model, the input or the accuracy."""
+
+
+def warn(lines: Iterable[str]) -> None:
+    """Emit warnings about a result at the line of the user that called the package.
+
+    A function that another public function of the package has called emits none.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        One text per warning.
     """
-
-    exit_status = 130
+    if call_depth.get() > 1:
+        return
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        level, frame = level + 1, frame.f_back
+    for line in lines:
+        warnings.warn(line, RwmfWarning, stacklevel=level)

@@ -175,6 +175,8 @@ def _springs(case: Case) -> dict[str, _Spring]:
             r"$V/(m_w g)$",
             partial(_sway, height=height, name=f"storey_{i}_drift"),
         )
+    if case.wall is None:
+        return found
     found["cable"] = (
         "cable_force_over_m_w_g",
         r"$P/(m_w g)$",

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from rwmf import _library
 from rwmf._arguments import checked
 from rwmf._extras import how_to_install
 from rwmf._files import files
@@ -221,8 +222,8 @@ def read(
     Parameters
     ----------
     path : str or path
-        File in the format AT2, ESM, K-NET or KiK-net, COSMOS 1.20, CGS volume 1 or 2; or a table of
-        one, two or more columns.
+        File in the format AT2, ESM, K-NET or KiK-net (ASCII or CSV), COSMOS 1.20, CGS volume 1 or
+        2; or a table of one, two or more columns.
     unit : str, optional
         Unit of the samples where the file gives none: 'g', 'm/s2' or 'cm/s2'.
     dt : float, optional
@@ -347,23 +348,12 @@ def _header(record: Record, source: Path) -> bytes:
 
 def _facts(record: Record, source: Path) -> str:
     """Return number of points, interval, peak and checksum of the package's file."""
-    t, a = _read_at2(source) if record.is_at2 else _read_columns(source)
+    content = source.read_bytes()
+    channel = _library.read_record(content, None if record.is_at2 else record.unit, None)[0]
+    motion = Motion(channel.values, dt=channel.dt, times=channel.times, unit=channel.unit)
+    t, a = motion.times, motion.values
     i = int(np.argmax(np.abs(a)))
-    checksum = zlib.crc32(source.read_bytes())
     return (
         f"{a.size} points, dt = {t[1] - t[0]:g} s, peak {abs(a[i]):g} {record.unit} "
-        f"at {t[i]:g} s, CRC-32 of the source {checksum:08x}"
+        f"at {t[i]:g} s, CRC-32 of the source {zlib.crc32(content):08x}"
     )
-
-
-def _read_columns(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    t, a = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
-    return t, a
-
-
-def _read_at2(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    # sufficient for the files above; the kernel reads all variants of the format
-    lines = path.read_text(encoding="latin-1").splitlines()
-    dt = float(lines[3].split("DT=")[1].split()[0])
-    a = np.array([float(word) for line in lines[4:] for word in line.split()])
-    return np.arange(a.size) * dt, a

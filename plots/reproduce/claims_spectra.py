@@ -146,10 +146,16 @@ def _restitution(cache: ResponseCache, form: Formulation, etas: Etas) -> Measure
     texts, within = [], True
     for gamma in (5.0, 1800.0):
         name = f"fig08_mild_frame_mass_ratio_{gamma:g}"
-        response = cache.history(name, form, etas)
+        response = cache.history(name, form, etas, {"output": {"reactions": True}})
         e, e_max = float(response["e"]), float(response["e_max"])
         within = within and abs(0.9 - e_max) <= 0.01
-        texts.append(f"gamma {gamma:g}: e = {e:.5g}, adds {-math.log(e) / math.pi:.2%} damping")
+        # momentum about the new corner; inside the base e would exceed e_max
+        outside = (e_max - e) / ((1 - e_max) * (1 + e))
+        texts.append(
+            f"gamma {gamma:g}: e = {e:.5g}, adds {-math.log(e) / math.pi:.2%} damping, its impulse "
+            f"needs friction {float(response['friction_demand_impact_max']):.3g} and acts "
+            f"{outside:.1f} base widths outside the base"
+        )
     allowed = float(cache.history("fig08_mild_frame_mass_ratio_5", EXACT, etas)["e_max"])
     text = f"{'; '.join(texts)}; momentum balance of gamma 5: {allowed:.5g}"
     return Measured(text, within)

@@ -15,7 +15,7 @@ program rwmf_batch
    use rwmf_problem_single_run, only: has_period
    use rwmf_spectrum_ordinates, only: spectrum_periods, status_of
    use rwmf_text_atomic_file, only: check_folder, join_path, remove_leftovers
-   use rwmf_text_strings, only: string_t
+   use rwmf_text_strings, only: integer_to_text, string_t
    implicit none
 
    integer, parameter :: warning_length = 256
@@ -166,7 +166,8 @@ contains
       !! text between the two numbers
       character(40 + len(between)) :: text
 
-      write (text, '(i0, a, i0)') command_line%part, between, command_line%parts
+      text = trim(integer_to_text(command_line%part))//between &
+         //integer_to_text(command_line%parts)
    end function part_name
 
    !> Compose the beginning of the names of a case's files.
@@ -217,16 +218,14 @@ contains
       !! unchanged if the message was printed
       type(error_t), allocatable, intent(out) :: error
       type(result_t) :: result
-      character(40) :: seconds
 
       call simulate(case, result, error, control)
       if (allocated(error)) return
       if (allocated(result%warnings)) call report_warnings(path, result%warnings, told)
       call write_result(case, result, folder, case_name(path), error, path, control)
       if (allocated(error)) return
-      write (seconds, '(f0.3)') result%seconds
       call say(path//': summary'//trim(merge(', history', '         ', allocated(result%history))) &
-         //' written ('//trim(seconds)//' s)', status)
+         //' written ('//milliseconds(result%seconds)//' s)', status)
    end subroutine run_simulation
 
    !> Compute and write the spectrum. Failed ordinates are NaN with a reason; the others are
@@ -242,7 +241,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer, parameter :: all_threads = 0
       type(spectrum_t) :: spectrum
-      character(80) :: counts
       integer :: failed
 
       call compute_spectrum(case, all_threads, spectrum, error, control)
@@ -253,14 +251,12 @@ contains
       associate (names => status_of(spectrum))
          failed = count(names /= 'ok' .and. names /= 'overturned' .and. names /= 'collapsed')
       end associate
-      write (counts, '(i0, a, f0.3, a, i0, a)') size(spectrum%status), ' ordinates, ', &
-         spectrum%seconds, ' s, ', spectrum%threads, ' threads)'
-      call say(path//': spectrum written ('//trim(counts), status)
-      if (failed > 0) then
-         write (counts, '(i0, " of ", i0)') failed, size(spectrum%status)
-         call fail(error, err_numerical, &
-            trim(counts)//' ordinates failed; the spectrum gives their reasons')
-      end if
+      call say(path//': spectrum written ('//trim(integer_to_text(size(spectrum%status))) &
+         //' ordinates, '//milliseconds(spectrum%seconds)//' s, ' &
+         //trim(integer_to_text(spectrum%threads))//' threads)', status)
+      if (failed > 0) call fail(error, err_numerical, trim(integer_to_text(failed))//' of ' &
+         //trim(integer_to_text(size(spectrum%status))) &
+         //' ordinates failed; the spectrum gives their reasons')
    end subroutine run_spectrum
 
    !> Write a spectrum or a part of it.
@@ -294,7 +290,7 @@ contains
       do i = 1, size(warnings)
          if (any(told == warnings(i))) cycle
          told = [character(warning_length) :: told, warnings(i)]
-         write (error_unit, '(a)') 'rwmf-batch: '//path//': warning: '//trim(warnings(i))
+         call complain(path//': warning: '//trim(warnings(i)))
       end do
    end subroutine report_warnings
 
@@ -310,8 +306,8 @@ contains
       do i = 1, size(names)
          if (has_group(case%values, trim(names(i)))) given = given//', &'//trim(names(i))
       end do
-      if (given /= '') write (error_unit, '(a)') 'rwmf-batch: '//path//': note: ' &
-         //given(3:)//': evaluated by the command rwmf only'
+      if (given /= '') call complain(path//': note: '//given(3:) &
+         //': evaluated by the command rwmf only')
    end subroutine report_groups
 
    !> Print a line. Results are written even if the standard output is closed.
@@ -333,7 +329,29 @@ contains
 
       if (.not. allocated(error)) return
       status = error%stat
-      write (error_unit, '(a)') 'rwmf-batch: '//error%message
+      call complain(error%message)
    end subroutine report
+
+   !> Print a line on the standard error output, which may be closed.
+   subroutine complain(line)
+      character(*), intent(in) :: line
+      integer :: status
+
+      write (error_unit, '(a)', iostat=status) 'rwmf-batch: '//line
+      if (status /= 0) return
+   end subroutine complain
+
+   !> Time with three decimals.
+   pure function milliseconds(seconds) result(text)
+      real(wp), intent(in) :: seconds
+      !! [s]
+      character(:), allocatable :: text
+      character(40) :: digits
+      integer :: status
+
+      write (digits, '(f0.3)', iostat=status) seconds
+      text = trim(digits)
+      if (status /= 0) text = '*'
+   end function milliseconds
 
 end program rwmf_batch

@@ -35,6 +35,7 @@ EQUATION = "equation_t"  # a model with its discrete state
 
 _SUBDIR = re.compile(r"\bsubdir\('([^']+)'\)")
 _SOURCE_NAME = re.compile(r"(?<![/+] )'(\w+\.(?:f90|F90|c))'")
+_TRANSFER = re.compile(r"(?:read|write|open|close|inquire|rewind|backspace)\s*\(", re.IGNORECASE)
 _NOISE = re.compile(
     r"(print\b|pause\b|(error\s+)?stop\b|call\s+(exit|abort)\b"
     r"|write\s*\(\s*(unit\s*=\s*)?(\*|output_unit\b|error_unit\b|[06]\s*[,)]))",
@@ -251,6 +252,17 @@ def noise(tree: Tree, free: Iterable[str]) -> list[str]:
         if not source.path.as_posix().startswith(tuple(f"{name}/" for name in free))
         for statement in source.statements
         if _NOISE.match(_without_condition(statement.text))
+    ]
+
+
+def unchecked_transfers(tree: Tree) -> list[str]:
+    """Statements that read or write without `iostat`: an error would end the host's process."""
+    return [
+        f"{source.path}:{statement.line}: {statement.text}"
+        for source in tree.sources
+        for statement in source.statements
+        if _TRANSFER.match(_without_condition(statement.text))
+        and not re.search(r"\biostat\s*=", statement.text, re.IGNORECASE)
     ]
 
 

@@ -140,6 +140,10 @@ def test_the_library_neither_prints_nor_stops(tree: Tree) -> None:
     _none(rules.noise(tree, MAY_PRINT))
 
 
+def test_every_transfer_has_a_status(tree: Tree) -> None:
+    _none(rules.unchecked_transfers(tree))
+
+
 def test_nothing_is_kept_between_calls(tree: Tree) -> None:
     _none(rules.kept_state(tree, STATE_ALLOWED))
 

@@ -11,7 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rwmf
+from c_host import run_rows
 from checkout import BATCH
+from fuzz_sizes import building
+from rwmf import _library
 
 FALL = """
 &wall b = 1.0, h = 2.0 /
@@ -122,3 +125,17 @@ def test_the_lowest_vertical_acceleration_is_known(ratio: float, is_warned: bool
     result = rwmf.simulate(rwmf.Case.from_text(PULSES.format(ratio=ratio, cycles=1e8)))
     warnings = result.attrs["warnings"].splitlines()
     assert is_warned == any("takes all of weight" in text for text in warnings)
+
+
+def test_limits_of_a_thousand_storeys(tmp_path: Path) -> None:
+    """Keys with numbers of four digits in every list: in Python, in batch and in C."""
+    text = building(1000, "full", "elastic_plastic", "dop853")
+    text = text.replace("b = 100.0", "b = 100.0, m_w = 1e6")
+    rows = (row for row in _library.schema() if row.group == "limits" and row.kind == "real list")
+    text += f"&limits {', '.join(f'{row.key} = 1e9' for row in rows)} /\n"
+    keys = [key for key in rwmf.Case.from_text(text).kernel.applicable() if "_1000_" in key]
+    assert len(keys) > 10
+    done = run_batch(tmp_path, text)
+    assert done.returncode == 0, done.stderr
+    (row,) = run_rows(tmp_path / "case.nml", "motion.a_max_g", [0.4], keys)
+    assert len(row) == len(keys)

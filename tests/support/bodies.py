@@ -359,9 +359,15 @@ class Building:
         return pivot + self.places[:, None] * (corner - pivot)
 
     def after_impact(self, y: Array, side: int) -> float:
-        """Return the factor of the angular velocity from the impulses on all bodies."""
-        if self.wall.e is not None:
-            return self.wall.e
+        """Return the factor of the angular velocity."""
+        return self.impulses(y, side)[0] if self.wall.e is None else self.wall.e
+
+    def impulses(self, y: Array, side: int) -> tuple[float, float, float]:
+        """Return the factor of the angular velocity, and H and N for a unit velocity before.
+
+        They follow from the impulses on all bodies. With a given factor the impulse acts anywhere
+        along the base, and the moments about the corner do not matter.
+        """
         inertia, _ = self._linked(0.0, np.zeros(self.n))
         turn = turned(0.0)
         matrix = self._arms(turn, np.array([side * self.b, self.h]), -side, inertia.size)
@@ -372,7 +378,11 @@ class Building:
         right[:2] = self.h, side * self.b
         right[2] = matrix[2, 0]
         right[3:] = inertia * slope
-        return float(np.linalg.solve(matrix, right)[0])
+        if self.wall.e is not None:
+            matrix[2], right[2] = 0.0, self.wall.e
+            matrix[2, 0] = 1.0
+        e, horizontal, normal = np.linalg.solve(matrix, right)[:3]
+        return float(e), float(horizontal), float(normal)
 
     # demands
 

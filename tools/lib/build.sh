@@ -1,19 +1,46 @@
 # The meson builds: `build` for use; `build-debug`, `build-sanitize` and `build-races` for tests.
 # shellcheck shell=bash
 
-# build_in FOLDER [MESON OPTIONS]: set up when the options or the tools changed, then compile what
-# changed (ninja finds that out, also after edits of meson.build).
+# setup_key [MESON OPTIONS]: checksum of the options and tools of a build. Compilers and flags of the
+# environment count where they are set, a foreign SUNDIALS by its own configuration.
+setup_key() {
+   local name
+   {
+      printf '%s\n' "$root" "$sundials_prefix" "$(sundials_key)" "$(venv_key)" "$@"
+      for name in CC FC CFLAGS CPPFLAGS FFLAGS LDFLAGS; do
+         [[ -z "${!name:-}" ]] || printf '%s=%s\n' "$name" "${!name}"
+      done
+      [[ -z "${RWMF_SUNDIALS_PREFIX:-}" ]] ||
+         cat "$sundials_prefix/include/sundials/sundials_config.h" 2>/dev/null || true
+   } | sha256sum
+}
+
+# is_set_up FOLDER KEY [MESON OPTIONS]: whether the folder is complete and has these options alone.
+# Someone may have called meson in it, or a set-up may have been interrupted.
+is_set_up() {
+   local folder="$1" key="$2" file found wanted; shift 2
+   stamp_is "$folder/setup.stamp" "$key" || return 1
+   for file in build.ninja meson-private/{build.dat,coredata.dat,cmd_line.txt}; do
+      [[ -s "$folder/$file" ]] || return 1
+   done
+   found="$(sed -n '/^\[options\]/,/^$/s/ = /=/p' "$folder/meson-private/cmd_line.txt" | sort)"
+   wanted="$(printf '%s\n' "$@" | sed -E 's/^(-D|--)//' | sort)"
+   [[ "$found" == "$wanted" ]]
+}
+
+# build_in FOLDER [MESON OPTIONS]: set up unless that is done, then compile what changed (ninja finds
+# that out, also after edits of meson.build).
 build_in() {
-   local folder="$1" targets=(all) key log; shift
-   key="$(printf '%s\n' "$root" "$sundials_prefix" "$(sundials_key)" "$(venv_key)" "$@" |
-      sha256sum)"
-   if ! stamp_is "$folder/setup.stamp" "$key"; then
+   local folder="$1" targets=(all) key log options; shift
+   # A local .cache may belong to another compiler: always name the prefix.
+   options=(-Dsundials_prefix="$sundials_prefix" "$@")
+   key="$(setup_key "$@")"
+   if ! is_set_up "$folder" "$key" "${options[@]}"; then
       say "configuring $(basename "$folder")"
       rm -rf "$folder"
-      # A local .cache may belong to another compiler: always name the prefix.
       quietly "$cache/$(basename "$folder")-setup.log" \
          env PATH="$venv/bin:$PATH" "$venv/bin/meson" setup "$folder" "$root" \
-         -Dsundials_prefix="$sundials_prefix" "$@"
+         "${options[@]}"
       printf '%s\n' "$key" >"$folder/setup.stamp"
    fi
    log="$cache/$(basename "$folder")-compile.log"

@@ -78,7 +78,7 @@ _SECTIONS = {
     "NaN. `&output` needs only\n`friction_limit`. In Python each quantity is a variable under its "
     "name, or under its key",
     "sweep": "Sweeps\n\nA sweep adds these to the requested scalars of a run",
-    "cost": "Comparison of methods\n\n`rwmf cost --json`",
+    "cost": "Comparison of methods\n\n`rwmf cost --json`, where `seconds` is processor time",
 }
 
 

@@ -25,9 +25,10 @@ from rwmf._design.targets import (
 )
 from rwmf._numbers import show, to_items, to_number, to_whole
 from rwmf._sweep.axes import key_of_column
+from rwmf._sweep.plan import united
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf.case import Case, CaseLike, Motion
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["Check", "Design", "design"]
 
@@ -108,6 +109,8 @@ class Design:
         Number of computed designs.
     records, left_out : tuple of str
         Names of the records of the design, and of those left out.
+    warnings : tuple of str
+        Warnings about the runs of the design.
     """
 
     case: Case
@@ -117,6 +120,7 @@ class Design:
     designs: int
     records: tuple[str, ...]
     left_out: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
 
     @property
     def is_feasible(self) -> bool:
@@ -134,7 +138,7 @@ class Design:
         Returns
         -------
         dict
-            Values, cost, checks, missed targets, number of designs, names of records.
+            Values, cost, checks, missed targets, number of designs, names of records, warnings.
         """
         return {
             "values": dict(self.values),
@@ -145,6 +149,7 @@ class Design:
             "designs": self.designs,
             "records": list(self.records),
             "left_out": list(self.left_out),
+            "warnings": list(self.warnings),
         }
 
 
@@ -226,10 +231,15 @@ def design(
     start = None if guess is None else _start(guess, variables)
     runs = SuiteRuns(case, variables, limits, suite, threads)
     best = cheapest(runs, variables, price, designs, start)
-    found = runs.compute(best[None])[0]
-    others = np.full(len(limits), np.nan)
+    # the runs of the best design alone, without the warnings of others
+    final = SuiteRuns(case, variables, limits, suite, threads)
+    found = final.compute(best[None])[0]
+    others, lines = np.full(len(limits), np.nan), final.warnings
     if judges:
-        others = SuiteRuns(case, variables, limits, judges, threads).compute(best[None])[0]
+        judging = SuiteRuns(case, variables, limits, judges, threads)
+        others = judging.compute(best[None])[0]
+        lines = united([*lines, *judging.warnings])
+    warn(lines)
     checks = tuple(map(_check, limits, found.tolist(), others.tolist()))
     return Design(
         _with_values(case, variables, best),
@@ -242,6 +252,7 @@ def design(
         len(runs.values),
         tuple(record.name for record in suite),
         tuple(record.name for record in judges),
+        tuple(lines),
     )
 
 

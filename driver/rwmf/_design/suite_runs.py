@@ -11,6 +11,7 @@ import numpy.typing as npt
 from rwmf._design.targets import COLLAPSE, Target, Variable
 from rwmf._sweep import sweep
 from rwmf._sweep.kept_quantities import default_quantity, refuse_missing
+from rwmf._sweep.plan import united
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case
 from rwmf.quantities import ENDINGS
@@ -58,6 +59,7 @@ class SuiteRuns:
         names = [item.quantity for item in targets if item.quantity != COLLAPSE]
         self._names = list(dict.fromkeys(names)) or [default_quantity(case)]
         self.values: dict[tuple[float, ...], Array] = {}
+        self.warnings: list[str] = []
 
     def utilisations(self, designs: Array) -> Array:
         """Compute values over limits.
@@ -122,6 +124,7 @@ class SuiteRuns:
             threads=self._threads,
         )
         refuse_missing(found, self._names, "targets")
+        self.warnings = united([*self.warnings, *str(found.attrs["warnings"]).splitlines()])
         names = found["status"].attrs["flag_meanings"].split()
         ends = [names.index(name) for name in ENDINGS if name in names]
         shape = (-1, len(scales), len(designs))

@@ -292,6 +292,7 @@ _BELONGING: dict[str, dict[str, dict[str, bool]]] = {
         "constant": {"e|r": True},
         "housner": {},
         "coupled": {},
+        "none": {},
         "table": {"table_theta_dot": True, "table_e": True},
     },
     "fuse.law": {

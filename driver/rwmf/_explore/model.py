@@ -26,14 +26,14 @@ from rwmf._explore.captions import captions_of, compare_with_frame
 from rwmf._explore.controls import describe
 from rwmf._explore.presets import PRESETS, case_of_preset
 from rwmf._explore.questions import BadQuestionError, Question, case_of, given
-from rwmf._headline import headline_rows, rows_by_title
+from rwmf._headline import headline_rows, rows_by_title, tendon_yield_of
 from rwmf.case import Case
 from rwmf.case.heights import heights_of_storeys
 from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.plotting.animation import ground_displacement
 from rwmf.plotting.levels import levels_of_frame, levels_of_storeys
 from rwmf.plotting.mode_shapes import mode_shapes
-from rwmf.quantities import find
+from rwmf.quantities import ENDINGS, find
 
 __all__ = ["Model", "as_files", "encode", "start"]
 
@@ -209,7 +209,7 @@ class Model:
         return answer | {
             "profile": profile,
             "numbers": _key_numbers(summary),
-            "headline": list(headline_rows(summary, shown).items()),
+            "headline": list(headline_rows(summary, tendon_yield_of(shown)).items()),
             "groups": _groups_of(summary),
             "captions": captions_of(shown, summary, t_lift_off, _yields(profile)),
             "method": f"{summary['method']}, rtol = {summary['rtol']:g}",
@@ -232,9 +232,10 @@ class Model:
         Returns
         -------
         dict
-            ``T``, ``values``, ``alone`` (or None), ``failed`` (number of each status) and
-            ``overturned`` (periods). ``quantity`` describes the quantity; ``quantities`` lists
-            those of the scene. ``caption`` compares with the frame alone at the period of the case.
+            ``T``, ``axis`` (its meaning and the consequence), ``values``, ``alone`` (or None),
+            ``failed`` (number of each status) and ``overturned`` (periods). ``quantity`` describes
+            the quantity; ``quantities`` lists those of the scene. ``caption`` compares with the
+            frame alone at the period of the case.
 
         Raises
         ------
@@ -260,10 +261,11 @@ class Model:
         quantity = find(key)
         return {
             "T": _pack(periods),
+            "axis": case.kernel.axes()["T_s"].meaning.replace("2 pi/p", "2π/p").split("; "),
             "values": _pack(values),
             "alone": None if alone is None else _pack(alone),
             "failed": dict(zip(names.tolist(), counts.tolist(), strict=True)),
-            "overturned": _pack(periods[np.isin(status, ("overturned", "collapsed"))]),
+            "overturned": _pack(periods[np.isin(status, ENDINGS)]),
             "quantity": {"key": key, "unit": quantity.unit, "help": quantity.meaning},
             "caption": caption,
             "quantities": [[name, find(name).meaning] for name in case.kernel.applicable()],
@@ -400,12 +402,14 @@ class Model:
     def _row_of(
         self, case: Case, periods: Array, key: str, poll: Poll
     ) -> tuple[Array, npt.NDArray[np.str_]]:
-        """Return a quantity and the status over periods."""
+        """Return a quantity, NaN for runs that ended early, and the status over periods."""
         with _library.start_rows(
             case.kernel, "", ["T_s"], periods[:, None], [key], self._threads, poll
         ) as found:
             values = found.values()
-            return values[key].ravel().astype(np.float64), values["status"].ravel()
+            status = values["status"].ravel()
+            found_values = values[key].ravel().astype(np.float64)
+            return np.where(np.isin(status, ENDINGS), math.nan, found_values), status
 
     def _comparison(self, question: Question, case: Case, key: str, poll: Poll) -> str:
         """Compare the case with its frame alone, at its own period."""
@@ -585,13 +589,16 @@ def _period_of(case: Case) -> float | None:
 
 def _grid(case: Case, points: int) -> Array:
     """Return the periods of the spectrum: the case's range, including its period."""
+    own = _period_of(case)
     low, high = _PERIODS
+    if own and case.frame is None and case.storeys is None:
+        # smaller blocks overturn, larger ones hardly rock
+        low, high = 0.5 * own, 3.0 * own
     group: Mapping[str, Any] = case.groups.get("spectrum", {})
     if group.get("T_s"):
         low, high = min(group["T_s"]), max(group["T_s"])
     elif group.get("T_s_min") and group.get("T_s_max"):
         low, high = group["T_s_min"], group["T_s_max"]
-    own = _period_of(case)
     if own:
         low, high = min(low, own), max(high, own)
     if not high > low:

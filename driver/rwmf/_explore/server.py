@@ -119,6 +119,8 @@ class PageServer(ThreadingHTTPServer):
             self.ending = threading.Event()
             # deadlines of requests that are still incomplete
             self.arriving: dict[socket.socket, float] = {}
+            # connections that have sent the token
+            self.trusted: set[socket.socket] = set()
             self._records = 0
             self._lock = threading.Lock()
             # no name in a request becomes a path: only these files exist
@@ -159,7 +161,10 @@ class PageServer(ThreadingHTTPServer):
             traceback.print_exc()
 
     def verify_request(self, request: Any, client_address: Any) -> bool:  # noqa: ANN401
-        """Close a connection at once when there are too many.
+        """Make room for a connection when there are too many.
+
+        An incomplete request ends, the oldest one without the token first, so that idle
+        connections of other programs do not keep the page out.
 
         Parameters
         ----------
@@ -171,10 +176,20 @@ class PageServer(ThreadingHTTPServer):
         Returns
         -------
         bool
-            True when the connection is accepted.
+            True when the connection is accepted; False when all others wait for answers.
         """
         if len(self.arriving) >= _MOST_CONNECTIONS:
-            return False
+            waiting = [
+                (connection in self.trusted, until, connection)
+                for connection, until in list(self.arriving.items())
+                if until < math.inf
+            ]
+            if not waiting:
+                return False
+            *_, oldest = min(waiting, key=lambda item: item[:2])
+            self.arriving.pop(oldest, None)
+            with suppress(OSError):
+                oldest.shutdown(socket.SHUT_RDWR)
         self.arriving[request] = time.monotonic() + _ARRIVAL
         return True
 
@@ -187,6 +202,7 @@ class PageServer(ThreadingHTTPServer):
             The connection.
         """
         self.arriving.pop(request, None)
+        self.trusted.discard(request)
         super().shutdown_request(request)
 
     def stop(self, number: int, frame: object) -> None:
@@ -373,6 +389,7 @@ class _Handler(BaseHTTPRequestHandler):
             self.headers.get("X-Token", "").encode(), self.server.token.encode()
         ):
             raise _RefusedError(403, "the token is missing or that of another run")
+        self.server.trusted.add(self.connection)
         url = urlsplit(self.path)
         server = self.server
         if url.path == "/api/record":
@@ -484,8 +501,13 @@ class _Handler(BaseHTTPRequestHandler):
     def _fail(self, status: int, message: str) -> None:
         # the rest of the request would be read as the next one
         self.close_connection = True
-        with suppress(ConnectionError, TimeoutError):
+        with suppress(OSError):
             self._send(status, "application/json", encode({"error": message}))
+            # a connection closed before the end of an upload is reset, and the answer is lost
+            self.server.arriving[self.connection] = time.monotonic() + _ARRIVAL
+            self.connection.shutdown(socket.SHUT_WR)
+            while self.connection.recv(_MOST_QUESTION):
+                pass
 
     def _send(self, status: int, kind: str, content: bytes) -> None:
         self._head(status, kind, len(content))

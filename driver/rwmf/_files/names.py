@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import TypeVar
 
-__all__ = ["is_name_of_folder", "problem_of_name", "readable", "shorten"]
+__all__ = ["is_name_of_folder", "problem_of_name", "readable", "shorten", "xml_text"]
 
 _T = TypeVar("_T")
 
 # Linux limits of a part of a path and of a path [bytes]
 _NAME_BYTES = 255
 _PATH_BYTES = 4095
+# characters that XML 1.0 lacks, and line breaks, which it joins
+_NOT_IN_XML = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufffe\uffff]")
 # letters of a wrong word shown in a message
 _SHOWN = 80
 
@@ -92,3 +95,19 @@ def readable(value: _T) -> _T | str:
     if not isinstance(value, str):
         return value
     return value.encode("utf-8", "backslashreplace").decode()
+
+
+def xml_text(value: str) -> str:
+    """Replace characters that XML cannot hold by their numbers; the writer escapes the markup.
+
+    Parameters
+    ----------
+    value : str
+        A text of the user.
+
+    Returns
+    -------
+    str
+        The text in one line.
+    """
+    return _NOT_IN_XML.sub(lambda match: ascii(match[0])[1:-1], value)

@@ -19,6 +19,8 @@ __all__ = ["ReaderGoneError", "guarded"]
 _STANDARD_ERROR = 2
 # error handler for letters that a stream cannot encode
 _ANYWAY = "rwmf"
+# control characters of names, which could steer a terminal; line ends and tabs are the program's
+_CONTROLS = {i: f"\\x{i:02x}" for i in (*range(32), *range(127, 160)) if chr(i) not in "\t\n\r"}
 
 
 class ReaderGoneError(BrokenPipeError):
@@ -48,6 +50,14 @@ class _Stream(io.FileIO):
                 if isinstance(error, BrokenPipeError) and self.fileno() != _STANDARD_ERROR:
                     raise ReaderGoneError from error
         return memoryview(data).nbytes
+
+
+class _Text(io.TextIOWrapper):
+    """Text of a standard stream, with control characters as numbers."""
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        return super().write(text.translate(_CONTROLS))
 
 
 @contextmanager
@@ -81,7 +91,7 @@ def guarded() -> Iterator[list[OSError]]:
 
 
 def _wrapped(raw: _Stream, usual: io.TextIOWrapper) -> io.TextIOWrapper:
-    return io.TextIOWrapper(
+    return _Text(
         io.BufferedWriter(raw),
         usual.encoding,
         _ANYWAY,

@@ -64,8 +64,8 @@ def gradient(
 
     The derivatives are central differences with one Richardson step, computed in the lanes of one
     sweep at a relative tolerance of 1e-9. Where they disagree, lanes with smaller steps and tighter
-    tolerances follow. At a bound of a key the differences are one-sided. All other keys, given or
-    default, are held; keys that the case derives from a parameter follow it.
+    tolerances follow. At a bound of a key the differences are one-sided. All other given keys are
+    held; defaults and keys that the case derives from a parameter follow it.
 
     Parameters
     ----------

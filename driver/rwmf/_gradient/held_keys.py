@@ -1,4 +1,4 @@
-"""Parameters of a gradient: names, values, steps, and the keys that do not follow them."""
+"""Parameters of a gradient: names, values, steps and bounds."""
 
 from __future__ import annotations
 
@@ -17,7 +17,14 @@ from rwmf._sweep.axes import SCALE, SETTINGS, column_in, key_of_column, kind_of
 from rwmf.case import Case
 from rwmf.errors import InputError, without_lines
 
-__all__ = ["Parameter", "allowed_changes", "find_parameters", "followers", "value_of"]
+__all__ = [
+    "Parameter",
+    "allowed_changes",
+    "changed_entries",
+    "find_parameters",
+    "is_given",
+    "value_of",
+]
 
 Array = npt.NDArray[np.float64]
 # an element of a list, as in a namelist: storey_F_y(2)
@@ -171,6 +178,25 @@ def value_of(case: Case, item: Parameter) -> Array:
     return np.atleast_1d(np.asarray(given.get(key, group[key]), dtype=np.float64))
 
 
+def is_given(case: Case, item: Parameter) -> bool:
+    """Return whether the case states a parameter, so that no other key changes it.
+
+    Parameters
+    ----------
+    case : Case
+        The case.
+    item : Parameter
+        The parameter.
+
+    Returns
+    -------
+    bool
+        False for a default and for the period and mass ratio of storeys.
+    """
+    name, key = item.key
+    return item.column == SCALE or key in getattr(case.groups.get(name), "given", ())
+
+
 def _givers(case: Case, group: str, key: str) -> list[str]:
     """List the given keys that replace a key."""
     given = case.groups[group].given
@@ -199,43 +225,6 @@ def scale_of(item: Parameter, value: float) -> float:
     if len(ends) != 2:
         return 1.0
     return math.sqrt(float(ends[0]) * float(ends[1]))
-
-
-def followers(case: Case, item: Parameter) -> list[tuple[str, str]]:
-    """List the keys whose default follows a parameter, such as eta_alpha after eta_0.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    item : Parameter
-        The parameter.
-
-    Returns
-    -------
-    list of (group, key)
-        Keys that are neither given nor derived from dimensional keys, with another default.
-    """
-    name, key = item.key
-    if item.column == SCALE or key not in case.groups.get(name, {}):
-        return []
-    numbers = value_of(case, item) if key not in case.groups[name].derived else np.zeros(0)
-    if numbers.size != 1:
-        return []
-    other = _accepted(case, item, float(numbers[0]) + NEAR[0] * scale_of(item, float(numbers[0])))
-    if isinstance(other, str):
-        return []
-    before, after = case.groups, other.groups
-    return [
-        (name, word)
-        for name, group in before.items()
-        if name not in SETTINGS or name == "solver"
-        for word in group
-        if word not in group.given | group.derived
-        and isinstance(group[word], float)
-        and (name, word) != item.key
-        and after[name].get(word) != group[word]
-    ]
 
 
 def allowed_changes(case: Case, item: Parameter, value: float, scale: float) -> dict[bool, float]:

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from rwmf._gradient.held_keys import (
     Parameter,
     changed_entries,
-    followers,
+    is_given,
     value_of,
 )
 from rwmf._gradient.scenes import Scenes
@@ -88,7 +88,11 @@ class Lanes:
         self._case = scenes.case.replace(solver=numbers)
         self._rows = [dict(row) for row in scenes.rows]
         self.values = np.empty((len(self._rows), len(parameters)))
-        held = {key for item in parameters for key in followers(scenes.case, item)}
+        # the other keys of a parameter without a column follow it, such as eta_alpha after eta_0
+        self._has_column = [
+            item.column in scenes.columns or (is_given(scenes.case, item) and not item.is_list)
+            for item in parameters
+        ]
         for number, row in enumerate(self._rows):
             case = scenes.case_of(number)
             for i, item in enumerate(parameters):
@@ -98,10 +102,8 @@ class Lanes:
                 found = value_of(case, item)
                 chosen = found[item.element - 1] if item.element else found.mean()
                 self.values[number, i] = chosen
-                if not item.is_list:
+                if self._has_column[i]:
                     row[item.column] = float(chosen)
-            for group, key in held:
-                row.setdefault(f"{group}.{key}", case.groups[group][key])
         self._scenes = scenes
 
     def run(self, requests: Sequence[Request]) -> tuple[Array, npt.NDArray[np.bool_]]:
@@ -127,15 +129,19 @@ class Lanes:
         self.runs += len(requests)
         values = np.full((len(requests), len(self._names)), np.nan)
         fallen = np.zeros(len(requests), dtype=bool)
-        # a column has one number a row: each change of a list needs another sweep
+        # a column has one number a row: each change of a list needs another sweep, and a default
+        # that follows other keys has no column where these change
         groups: dict[tuple[int, float], list[int]] = {}
         for place, request in enumerate(requests):
-            is_list = request.parameter >= 0 and self._parameters[request.parameter].is_list
-            label = (request.parameter, request.value) if is_list else (-1, 0.0)
+            number = request.parameter
+            label = (-1, 0.0)
+            if number >= 0 and not self._has_column[number]:
+                is_list = self._parameters[number].is_list
+                label = (number, request.value if is_list else 0.0)
             groups.setdefault(label, []).append(place)
         for (number, value), places in groups.items():
             case = self._case
-            if number >= 0:
+            if number >= 0 and self._parameters[number].is_list:
                 item = self._parameters[number]
                 case = case.replace(**changed_entries(case, item, value))
             table = self._table([requests[place] for place in places])
@@ -150,8 +156,7 @@ class Lanes:
 
     def _table(self, requests: Sequence[Request]) -> dict[str, list[Any]]:
         """Make the table of points of some runs."""
-        table: dict[str, list[Any]] = {name: [] for name in self._rows[0]}
-        table[_RTOL] = []
+        table: dict[str, list[Any]] = {}
         for request in requests:
             row = self._rows[request.row] | {_RTOL: request.rtol}
             if request.parameter >= 0:
@@ -159,5 +164,5 @@ class Lanes:
                 if not item.is_list:
                     row[item.column] = request.value
             for name, value in row.items():
-                table[name].append(value)
+                table.setdefault(name, []).append(value)
         return table

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Generic, NamedTuple, TypeVar, overload
 
 import numpy as np
 
-from rwmf._arguments import case_of
+from rwmf._arguments import checked
 from rwmf._hosts.guard import Closable, Guard, NotPickled
 from rwmf._hosts.states import Reals
 from rwmf._library.hosts import KernelMember, Saved, event_names
-from rwmf._numbers import is_whole, show, to_array, to_number
-from rwmf.case import CaseLike
-from rwmf.errors import InputError
+from rwmf._numbers import is_whole, show, to_number, to_shaped
+from rwmf.case.case import CaseLike, kernel_for_host
+from rwmf.errors import InputError, warn
 
 __all__ = ["Element", "ElementEvent", "ElementResponse", "ElementSnapshot"]
 
@@ -101,9 +101,10 @@ class Element(Closable[KernelMember]):
 
     Parameters
     ----------
-    case : Case or path
-        The case. Frame and motion have no effect, but for links and masses of the impact rule
-        ``coupled``.
+    case : Case, path, or mapping of str to mapping
+        The case, or its groups. Frame and motion have no effect, but for links and masses of the
+        impact rule ``coupled``: in a file or in groups ``T_s`` and ``xi_s`` of `&frame` and
+        ``t_end`` of `&solver` may be absent.
 
     Raises
     ------
@@ -111,11 +112,13 @@ class Element(Closable[KernelMember]):
         When an effect of the case does not allow an element.
     """
 
-    def __init__(self, case: CaseLike) -> None:
-        given = case_of(case)
-        kernel = KernelMember(given.kernel, given.kernel_source())
+    @checked
+    def __init__(self, case: CaseLike | Mapping[str, Mapping[str, object]]) -> None:
+        given, source = kernel_for_host(case)
+        kernel = KernelMember(given, source)
         self._guard = Guard(kernel, "Element")
         self._dofs, self._links, self._modes = kernel.dofs, kernel.links, kernel.modes
+        warn(given.motion_warnings())
 
     @property
     def dofs(self) -> int:
@@ -205,7 +208,7 @@ class Element(Closable[KernelMember]):
         """
         n = self._dofs
         given = [
-            _numbers(name, value)
+            to_shaped(name, value)
             for name, value in (("u", u), ("u_dot", u_dot), ("u_ddot", u_ddot))
         ]
         if n == 1:
@@ -215,13 +218,20 @@ class Element(Closable[KernelMember]):
                 raise InputError(
                     f"{name}: has the shape {values.shape}: must end with {n}, the dofs"
                 )
-        grounds = [_numbers("u_g_ddot", u_g_ddot), _numbers("v_g_ddot", v_g_ddot)]
+        grounds = [to_shaped("u_g_ddot", u_g_ddot), to_shaped("v_g_ddot", v_g_ddot)]
         sides = np.zeros(()) if side is None else _side(side)
-        shape = np.broadcast_shapes(
+        shapes = [
             *(values.shape[:-1] for values in given),
             *(values.shape for values in grounds),
             sides.shape,
-        )
+        ]
+        try:
+            shape = np.broadcast_shapes(*shapes)
+        except ValueError:
+            shape = (0,)
+        if 0 in shape:
+            text = ", ".join(map(str, shapes))
+            raise InputError(f"u to side: have the shapes {text}: must be one motion or as many")
         table = np.concatenate(
             [np.broadcast_to(values, (*shape, n)).reshape(-1, n) for values in given]
             + [np.broadcast_to(values, shape).reshape(-1, 1) for values in grounds],
@@ -317,6 +327,7 @@ class Element(Closable[KernelMember]):
         with self._guard as kernel:
             return kernel.links_of(np.concatenate(motion))
 
+    @checked
     def next_event(
         self,
         dt: float,
@@ -353,12 +364,13 @@ class Element(Closable[KernelMember]):
         InputError
             When an argument is not acceptable.
         """
-        ground = [to_number("u_g_ddot", value) for value in u_g_ddot]
+        grounds = np.zeros(4)
+        grounds[::2] = to_shaped("u_g_ddot", u_g_ddot, (2,))
         numbers = np.concatenate(
             [
-                [to_number("dt", dt)],
-                [to_number("push", value) for value in push],
-                [ground[0], 0.0, ground[1], 0.0],
+                [dt],
+                to_shaped("push", push, (2,)),
+                grounds,
                 self._motion("begin", begin),
                 self._motion("end", end),
             ]
@@ -394,6 +406,7 @@ class Element(Closable[KernelMember]):
             kernel.land(self._vector("u", u), velocities, mass)
         return velocities
 
+    @checked
     def settles(
         self,
         dt: float,
@@ -427,31 +440,28 @@ class Element(Closable[KernelMember]):
         InputError
             When an argument is not acceptable.
         """
-        head = [to_number("dt", dt), to_number("push", push), to_number("u_g_ddot", u_g_ddot), 0.0]
+        head = [dt, to_number("push", push), to_number("u_g_ddot", u_g_ddot), 0.0]
         numbers = np.concatenate([head, self._motion("motion", motion)])
         mass = self._mass(host_mass)
         with self._guard as kernel:
             return kernel.settles(numbers, mass)
 
     def _vector(self, name: str, value: object) -> Reals:
-        return to_array(name, value, least=self._dofs)[: self._dofs]
+        n = self._dofs
+        return to_shaped(name, value, *([(), (1,)] if n == 1 else [(n,)])).reshape(n)
 
     def _motion(self, name: str, value: object) -> Reals:
         """Return displacements, velocities and accelerations, one after the other."""
-        array = _numbers(name, value)
-        if array.shape not in ((3, self._dofs), (3,) if self._dofs == 1 else (3, self._dofs)):
-            raise InputError(f"{name}: has the shape {array.shape}: must have (3, {self._dofs})")
-        return array.ravel()
+        n = self._dofs
+        return to_shaped(name, value, (3, n), *([(3,)] if n == 1 else [])).ravel()
 
     def _mass(self, value: object) -> Reals:
         """Return masses of the host as a matrix; empty for those of the case."""
         if value is None:
             return _NO_MASS
-        array = np.atleast_2d(_numbers("host_mass", value))
-        if array.shape != (self._dofs, self._dofs):
-            wanted = f"({self._dofs}, {self._dofs})"
-            raise InputError(f"host_mass: has the shape {array.shape}: must have {wanted}")
-        return np.asfortranarray(array)
+        n = self._dofs
+        array = to_shaped("host_mass", value, (n, n), *([(), (1,)] if n == 1 else []))
+        return np.asfortranarray(array.reshape(n, n))
 
 
 def _response(found: Reals, n: int) -> ElementResponse[float] | ElementResponse[Reals]:
@@ -475,17 +485,9 @@ def _response(found: Reals, n: int) -> ElementResponse[float] | ElementResponse[
     )  # fmt: skip
 
 
-def _numbers(name: str, value: object) -> Reals:
-    """Return finite numbers of any shape."""
-    array = np.asarray(value)
-    if array.ndim == 0:
-        return np.array(to_number(name, value))
-    return to_array(name, array.ravel()).reshape(array.shape)
-
-
 def _side(value: object) -> Reals:
     """Return sides."""
-    sides = _numbers("side", value)
+    sides = to_shaped("side", value)
     if not np.all(np.abs(sides) == 1):
         raise InputError(f"side = {show(value)}: must be 1 or -1")
     return sides

@@ -8,7 +8,7 @@ from typing import TypeGuard
 
 import numpy as np
 
-from rwmf._arguments import case_of
+from rwmf._arguments import case_of, checked, texts_of
 from rwmf._hosts.guard import Closable, Guard, NotPickled
 from rwmf._hosts.states import (
     Counts,
@@ -22,9 +22,9 @@ from rwmf._hosts.states import (
 )
 from rwmf._library import check_threads
 from rwmf._library.hosts import KernelWalls, Saved, event_names
-from rwmf._numbers import show, to_array, to_items, to_number, to_whole
+from rwmf._numbers import show, to_array, to_items, to_number, to_shaped, to_whole
 from rwmf.case import Case, CaseLike
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["Wall", "WallSnapshot", "Walls"]
 
@@ -59,13 +59,12 @@ class _Stepping(Closable[KernelWalls]):
     def __init__(
         self, cases: Sequence[Case], n: int, t_begin: float, peak: float | None, threads: int
     ) -> None:
-        begin = to_number("t_begin", t_begin)
-        expected = 0.0 if peak is None else to_number("peak", peak, above=0.0)
         self._threads = threads
         source = cases[0].kernel_source() if len(cases) == 1 else ""
-        kernel = KernelWalls([case.kernel for case in cases], n, begin, expected, source)
+        kernel = KernelWalls([case.kernel for case in cases], n, t_begin, peak or 0.0, source)
         self._guard = Guard(kernel, type(self).__name__)
         self._no_motion = np.empty((1, 0), order="F")
+        warn(dict.fromkeys(line for case in cases for line in case.kernel.motion_warnings()))
 
     def advance(self, t: float) -> None:
         """Advance to a later time under the motion of the case, none without `&motion`.
@@ -174,6 +173,7 @@ class Wall(_Stepping):
         When the case does not allow stepping, or a number is not acceptable.
     """
 
+    @checked
     def __init__(self, case: CaseLike, t_begin: float = 0.0, peak: float | None = None) -> None:
         super().__init__([case_of(case)], 1, t_begin, peak, 1)
 
@@ -224,6 +224,7 @@ class Wall(_Stepping):
             for kind, values in zip(kinds.tolist(), reals.T.tolist(), strict=True)
         ]
 
+    @checked
     def advance_ground(self, t: float, function: Callable[[float], float]) -> None:
         """Advance under an acceleration that a function computes.
 
@@ -243,12 +244,11 @@ class Wall(_Stepping):
         NumericalError
             When the integration fails.
         """
-        if not callable(function):
-            raise InputError(f"function = {show(function)}: must be callable")
         target = to_number("t", t)
         with self._guard as kernel:
             kernel.advance_ground(target, function)
 
+    @checked
     def next_event(
         self,
         horizon: float,
@@ -278,8 +278,7 @@ class Wall(_Stepping):
         NumericalError
             When the integration fails.
         """
-        wanted = _kinds(kinds)
-        end = to_number("horizon", horizon)
+        wanted, end = _kinds(kinds), horizon
         before = self.save()
         begin = self.t
         way = (end - begin) * _FIRST_PART
@@ -334,6 +333,7 @@ class Walls(_Stepping):
         When a case does not allow stepping, or an argument is not acceptable.
     """
 
+    @checked
     def __init__(
         self,
         cases: CaseLike | Sequence[CaseLike],
@@ -409,12 +409,7 @@ def _is_plain(value: object, ndim: int = 1) -> TypeGuard[Reals]:
 
 def _columns(a: object, walls: int, times: int) -> Reals:
     """Return accelerations as (times, walls) or (times, 1) in Fortran order."""
-    plain = a if isinstance(a, np.ndarray) else np.asarray(to_items(a) or a)
-    rows: Reals
-    if _is_plain(plain, 1) or _is_plain(plain, 2):
-        rows = plain
-    else:
-        rows = to_array("a", plain.ravel()).reshape(plain.shape)
+    rows = a if _is_plain(a, 1) or _is_plain(a, 2) else to_shaped("a", a)
     if rows.shape not in ((times,), (walls, times)):
         allowed = f"({times},)" if walls == 1 else f"({times},) or ({walls}, {times})"
         raise InputError(f"a: has the shape {rows.shape}: must have {allowed}, as many as t")
@@ -424,8 +419,8 @@ def _columns(a: object, walls: int, times: int) -> Reals:
 def _kinds(kinds: Sequence[str]) -> set[str]:
     """Check kinds of events."""
     known = event_names()
-    wanted = {kinds} if isinstance(kinds, str) else set(to_items(kinds) or ())
-    for kind in wanted or {kinds}:
+    wanted = set(texts_of("kinds", kinds))
+    for kind in wanted or {""}:
         if kind not in known:
             raise InputError(f"kinds = {show(kind)}: must be of {', '.join(known)}")
     return wanted

@@ -11,7 +11,9 @@ from rwmf._library.kernel_case import (
     SceneAxis,
     keep_samples,
     read_case,
+    read_host_case,
 )
+from rwmf._library.record_files import FileChannel, read_record, read_record_header, unit_named
 from rwmf._library.results import Run, Spectrum
 from rwmf._library.start import check_threads, start_rows, start_simulation, start_spectrum
 from rwmf._library.static_curve import StaticCurve, compute_curve
@@ -25,11 +27,13 @@ from rwmf._library.tables import (
     result_names,
     schema,
     strip_under,
+    unusual_record,
     version,
 )
 
 __all__ = [
     "Changes",
+    "FileChannel",
     "KernelCase",
     "KeyRow",
     "Run",
@@ -46,11 +50,16 @@ __all__ = [
     "needs_of_groups",
     "quantities",
     "read_case",
+    "read_host_case",
+    "read_record",
+    "read_record_header",
     "result_names",
     "schema",
     "start_rows",
     "start_simulation",
     "start_spectrum",
     "strip_under",
+    "unit_named",
+    "unusual_record",
     "version",
 ]

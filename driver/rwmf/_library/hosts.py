@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import ctypes
 import functools
-from collections.abc import Callable, Sequence
+import math
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
 from typing import NamedTuple
 
 import numpy as np
@@ -16,13 +22,16 @@ from rwmf._library.kernel_case import KernelCase
 from rwmf._library.kernel_thread import NoResult, wait_for
 from rwmf._library.marshalling import fetch_text, message_buffer, raise_for
 from rwmf._library.memory import Memory
-from rwmf.errors import RwmfError
+from rwmf._numbers import float_of, show
+from rwmf.errors import InputError
 
 __all__ = ["KernelMember", "KernelWalls", "Saved", "event_names"]
 
 _Reals = npt.NDArray[np.float64]
 _Counts = npt.NDArray[np.int64]
 _GROUND = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double, ctypes.c_void_p)
+# calls that are expected to take longer wait in another thread, so that Ctrl-C ends them
+_SHORT_SECONDS = 0.05
 _REALS = 11
 _COUNTS = 6
 _FORCES = 3
@@ -39,10 +48,13 @@ class Saved(NamedTuple):
         Memory in the kernel.
     n : int
         Number of walls.
+    t : float
+        Time reached [s].
     """
 
     memory: Memory
     n: int
+    t: float = 0.0
 
 
 class KernelWalls:
@@ -77,6 +89,8 @@ class KernelWalls:
         raise_for(status, self._message, length, source=source)
         self._memory = Memory(handle)
         self.n = n
+        # time reached [s], and processor time of a second of motion in the last call
+        self._t, self._pace = t_begin, math.inf
 
     def advance(self, t: _Reals, a: _Reals, threads: int) -> None:
         """Advance all walls; after an error none of them has changed.
@@ -95,19 +109,25 @@ class KernelWalls:
         InputError, NumericalError
             As the kernel reports them.
         Interrupted
-            After Ctrl-C, with several walls.
+            After Ctrl-C; a call of one wall that is short does not wait for it.
         """
         message, handle = self._message, self._memory.handle
-        if self.n == 1:
+        target = float(t[-1]) if t.size else self._t
+        span = target - self._t
+        begun = time.perf_counter()
+        if self.n == 1 and not self._pace * span > _SHORT_SECONDS:
             status, length = _hosts.walls_advance(handle, t, a, 1, self._control, message)
             if status:
                 raise_for(status, message, length)
-            return
+        else:
 
-        def call(control: _Counts) -> tuple[int, int, int]:
-            return (0, *_hosts.walls_advance(handle, t, a, threads, control, message))
+            def call(control: _Counts) -> tuple[int, int, int]:
+                return (0, *_hosts.walls_advance(handle, t, a, threads, control, message))
 
-        wait_for(call, message, "", NoResult, None)
+            wait_for(call, message, "", NoResult, None)
+        self._t = target
+        if span > 0:
+            self._pace = (time.perf_counter() - begun) / span
 
     def advance_ground(self, t: float, function: Callable[[float], float]) -> None:
         """Advance the only wall under a computed acceleration.
@@ -130,20 +150,22 @@ class KernelWalls:
 
         def ground(time: float, _: object) -> float:
             try:
-                return float("nan") if raised else float(function(time))
+                return math.nan if raised else _ground_of(function(time))
             except BaseException as error:
                 raised.append(error)
-                return float("nan")
+                return math.nan
 
         callback = _GROUND(ground)
         address = ctypes.cast(callback, ctypes.c_void_p).value
-        status, length = _hosts.wall_advance_ground(self._memory.handle, t, address, self._message)
-        try:
-            raise_for(status, self._message, length)
-        except RwmfError:
-            if raised:
-                raise raised[0] from None
-            raise
+        with _signals_in(raised):
+            status, length = _hosts.wall_advance_ground(
+                self._memory.handle, t, address, self._message
+            )
+        if status == 0:
+            self._t = t
+        if raised:
+            raise raised[0] from None
+        raise_for(status, self._message, length)
 
     def states(self) -> tuple[_Reals, _Counts]:
         """Return the states, written by the kernel into new arrays.
@@ -206,7 +228,7 @@ class KernelWalls:
         """
         handle, status, length = _hosts.walls_save(self._memory.handle, self._message)
         raise_for(status, self._message, length)
-        return Saved(Memory(handle), self.n)
+        return Saved(Memory(handle), self.n, self._t)
 
     def restore(self, saved: Saved) -> None:
         """Restore the states of all walls.
@@ -225,6 +247,47 @@ class KernelWalls:
             self._memory.handle, saved.memory.handle, self._message
         )
         raise_for(status, self._message, length)
+        self._t = saved.t
+
+
+def _ground_of(value: object) -> float:
+    """Return the acceleration that a function of the caller returns."""
+    number = float_of(value)
+    if number is None:
+        raise InputError(f"function: returns {show(value)}: must return a number")
+    return number
+
+
+@contextmanager
+def _signals_in(raised: list[BaseException]) -> Iterator[None]:
+    """Keep exceptions of the handler of Ctrl-C, which are lost in a function called by the kernel.
+
+    Parameters
+    ----------
+    raised : list
+        Receives the exceptions.
+
+    Yields
+    ------
+    None
+        Control to the block.
+    """
+    handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(handler):
+        yield
+        return
+
+    def keep(number: int, frame: FrameType | None) -> None:
+        try:
+            handler(number, frame)
+        except BaseException as error:
+            raised.append(error)
+
+    signal.signal(signal.SIGINT, keep)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, handler)
 
 
 class KernelMember:

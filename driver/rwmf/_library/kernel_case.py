@@ -15,7 +15,15 @@ from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_
 from rwmf._library.memory import Memory
 from rwmf.errors import InputError, without_lines
 
-__all__ = ["Changes", "KernelCase", "Samples", "SceneAxis", "keep_samples", "read_case"]
+__all__ = [
+    "Changes",
+    "KernelCase",
+    "Samples",
+    "SceneAxis",
+    "keep_samples",
+    "read_case",
+    "read_host_case",
+]
 
 
 class SceneAxis(NamedTuple):
@@ -258,6 +266,16 @@ class KernelCase:
         text = fetch_text(_kernel.case_warnings, self.handle, requested)
         return [line for line in text.split("\t") if line]
 
+    def motion_warnings(self) -> list[str]:
+        """Return the warnings about the motion of the case, whatever its outputs.
+
+        Returns
+        -------
+        list of str
+            One line per warning.
+        """
+        return self.warnings(("u_s_max_m",))
+
     def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:
         """Fetch a text, and raise the error of the kernel if there is one."""
 
@@ -352,9 +370,38 @@ def read_case(
     InputError
         When the case is not acceptable.
     """
-    message = message_buffer()
     others = [0 if kept is None else kept.handle for kept in (known, motion, vertical)]
-    handle, status, n = _cases.case_read(encode(text), encode(source), others, message)
+    return _read(text, source, others, is_for_host=False)
+
+
+def read_host_case(text: str, source: str) -> KernelCase:
+    """Read and validate a case for an element.
+
+    Parameters
+    ----------
+    text : str
+        Namelist text; ``T_s`` and ``xi_s`` of `&frame` and ``t_end`` may be absent.
+    source : str
+        As for `read_case`.
+
+    Returns
+    -------
+    KernelCase
+        The case.
+
+    Raises
+    ------
+    InputError
+        When the case is not acceptable.
+    """
+    return _read(text, source, [0, 0, 0], is_for_host=True)
+
+
+def _read(text: str, source: str, others: list[int], *, is_for_host: bool) -> KernelCase:
+    message = message_buffer()
+    handle, status, n = _cases.case_read(
+        encode(text), encode(source), others, int(is_for_host), message
+    )
     raise_for(status, message, n)
     return KernelCase(Memory(handle), source=source)
 

@@ -116,7 +116,24 @@ def split_table(text: str) -> list[list[str]]:
     list of list of str
         The cells.
     """
-    return [line.split("\t") for line in text.splitlines()]
+    return [line.split("\t") for line in split_lines(text)]
+
+
+def split_lines(text: str) -> list[str]:
+    """Split a text at line feeds only: names of files may contain other separators, as U+2028.
+
+    Parameters
+    ----------
+    text : str
+        Lines; the last one may lack its line feed.
+
+    Returns
+    -------
+    list of str
+        The lines.
+    """
+    lines = text.split("\n")
+    return lines if lines[-1] else lines[:-1]
 
 
 def message_buffer() -> npt.NDArray[np.int8]:

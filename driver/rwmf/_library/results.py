@@ -10,7 +10,14 @@ import numpy.typing as npt
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.kernel_case import KernelCase, SceneAxis
 from rwmf._library.kernel_thread import write
-from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, summary_item
+from rwmf._library.marshalling import (
+    encode,
+    fetch_text,
+    message_buffer,
+    raise_for,
+    split_lines,
+    summary_item,
+)
 from rwmf._library.memory import Memory, MemoryView
 
 __all__ = ["Run", "Spectrum"]
@@ -76,9 +83,8 @@ class Run(Result):
         capacity = _FIRST_CAPACITY
         while True:
             reals, counts = np.zeros(capacity), np.zeros(capacity, dtype=np.int64)
-            lines = fetch_text(
-                _kernel.result_summary, self._case.handle, self.handle, reals, counts
-            ).splitlines()
+            numbers_of = (self._case.handle, self.handle, reals, counts)
+            lines = split_lines(fetch_text(_kernel.result_summary, *numbers_of))
             if len(lines) <= capacity:
                 break
             capacity = len(lines)

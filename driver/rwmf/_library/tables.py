@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.marshalling import encode, fetch_text, split_table
+from rwmf._library.marshalling import encode, fetch_text, split_lines, split_table
 
 __all__ = [
     "KeyRow",
@@ -21,6 +21,7 @@ __all__ = [
     "result_names",
     "schema",
     "strip_under",
+    "unusual_record",
     "version",
 ]
 
@@ -136,11 +137,12 @@ def strip_under(
     width: float,
     thickness: float,
     k: float,
+    strength: float,
     normal: npt.NDArray[np.float64],
     phi: npt.NDArray[np.float64],
     found: npt.NDArray[np.float64],
 ) -> None:
-    """Compute contact length [m], toe stress [Pa] and moment [N m] of a strip under a base.
+    """Compute contact, toe stress, moment and settlement of a strip under a base.
 
     Parameters
     ----------
@@ -148,14 +150,16 @@ def strip_under(
         Dimensions of the base [m].
     k : float
         Stiffness per area [N/m3].
+    strength : float
+        Largest stress [Pa].
     normal : numpy.ndarray, shape (n,)
         Compressive forces [N].
     phi : numpy.ndarray, shape (n,)
         Magnitudes of the rotation [rad].
-    found : numpy.ndarray, shape (n, 3), in the order of Fortran
-        The results.
+    found : numpy.ndarray, shape (n, 4), in the order of Fortran
+        Contact lengths [m], toe stresses [Pa], moments [N m], stiffness times settlement [Pa].
     """
-    _kernel.strip_under(width, thickness, k, normal, phi, found)
+    _kernel.strip_under(width, thickness, k, strength, normal, phi, found)
 
 
 def meant_quantity(word: str) -> str:
@@ -174,6 +178,26 @@ def meant_quantity(word: str) -> str:
     return fetch_text(_kernel.meant_quantity, encode(word[:80]))
 
 
+def unusual_record(peak: float, interval: float, duration: float) -> str:
+    """Return the warning about a record that is no earthquake in these units.
+
+    Parameters
+    ----------
+    peak : float
+        Largest acceleration over g [-].
+    interval : float
+        Mean distance of the samples [s].
+    duration : float
+        Duration [s].
+
+    Returns
+    -------
+    str
+        The text, '' for a usual record.
+    """
+    return fetch_text(_kernel.unusual_record, peak, interval, duration)
+
+
 def result_names(source: str) -> list[str]:
     """Return the names of the files that the batch program may write for a case.
 
@@ -187,4 +211,4 @@ def result_names(source: str) -> list[str]:
     list of str
         Their names, without folder.
     """
-    return fetch_text(_kernel.result_names, encode(source)).splitlines()
+    return split_lines(fetch_text(_kernel.result_names, encode(source)))

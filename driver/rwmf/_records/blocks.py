@@ -10,13 +10,14 @@ from rwmf._records.channels import (
     check_peak,
     fixed_numbers,
     header_number,
+    in_base_unit,
 )
 from rwmf.case import Motion
 from rwmf.errors import InputError
 
 __all__ = ["is_cgs", "is_cosmos", "read_cgs", "read_cosmos"]
 
-_LAYOUT = r"\(?(?P<per>\d+)[efEF](?P<width>\d+)\.\d+\)"
+_LAYOUT = r"\(?(?P<per>\d+)[efEF](?P<width>\d+)\.\d+[eEdD]?\d*\)"
 _COSMOS = re.compile(
     r"\s*(?P<n>\d+)\s+acceleration pts,\s*approx\s+(?P<seconds>\d+\.?\d*)\s*secs,"
     r"\s*units=(?P<unit>[^,]*),\s*Format=" + _LAYOUT,
@@ -24,8 +25,6 @@ _COSMOS = re.compile(
 )
 _REALS = re.compile(r"\s*(?P<n>\d+) Real-header values .*Format=\s*" + _LAYOUT, re.IGNORECASE)
 _COSMOS_VERSION = "(Format v01.20"
-# unit of the data line: unit of the motion
-_COSMOS_UNITS = {"cm/sec2": "cm/s2", "g": "g"}
 # positions of numbers in the real header: interval of raw [s] and of processed data [ms], largest
 # acceleration; and the text of an unknown number
 _INTERVAL, _INTERVAL_MS, _LARGEST = 33, 61, 63
@@ -35,7 +34,6 @@ _SECONDS = 1.01
 _CGS_1 = r"Accelerogram points at\s*(?P<rate>[\d.]+) pts/sec in units of (?P<raw>\S+?)\.\s+Format:"
 _CGS_2 = r"points of accel data equally spaced at\s*(?P<dt>[\d.]+) sec, in (?P<unit>\S+?)\."
 _CGS = re.compile(rf"\s*(?P<n>\d+) (?:{_CGS_1}|{_CGS_2})\s*{_LAYOUT}", re.IGNORECASE)
-_CGS_UNITS = {"g": "g", "cm/sec2": "cm/s2", "cm/sec/sec": "cm/s2"}
 _CGS_PEAK = re.compile(
     r"(?:Units of uncor data are sec and g\.\s+Max  =|Peak acceleration =)\s*(-?[\d.]+)"
 )
@@ -83,13 +81,8 @@ def read_cosmos(lines: list[str], name: str) -> list[Channel]:
     places = _places(lines, _COSMOS)
     channels = []
     for number, (i, match) in enumerate(places, 1):
-        unit = match["unit"].partition("(")[0].strip().lower()
-        if unit not in _COSMOS_UNITS:
-            raise InputError(
-                f"line {i + 1}: units={match['unit']}: must be {' or '.join(_COSMOS_UNITS)}"
-            )
         reals = _real_header(lines[:i])
-        values = _block(lines, i, match)
+        values, unit = in_base_unit(_block(lines, i, match), match["unit"], f"line {i + 1}: units")
         is_raw = reals[_INTERVAL_MS] in (0.0, _UNKNOWN)
         dt = reals[_INTERVAL] if is_raw else reals[_INTERVAL_MS] / 1000
         seconds = float(match["seconds"])
@@ -102,7 +95,7 @@ def read_cosmos(lines: list[str], name: str) -> list[Channel]:
         if reals[_LARGEST] not in (0.0, _UNKNOWN):
             check_peak(values, f"{reals[_LARGEST]:.6f}", "the largest acceleration")
         title = _title(name, number, len(places))
-        motion = Motion(values, dt=dt, unit=_COSMOS_UNITS[unit], name=title)
+        motion = Motion(values, dt=dt, unit=unit, name=title)
         channels.append(Channel(motion, _direction(lines[:i]), "COSMOS", len(places) == 1))
     return channels
 
@@ -147,18 +140,16 @@ def read_cgs(lines: list[str], name: str) -> list[Channel]:
     places = _places(lines, _CGS)
     channels = []
     for number, (i, match) in enumerate(places, 1):
-        unit = (match["raw"] or match["unit"]).lower()
-        if unit not in _CGS_UNITS:
-            raise InputError(f"line {i + 1}: unit {unit}: must be {' or '.join(_CGS_UNITS)}")
         if match["rate"] is None:
             dt = header_number("the interval", match["dt"])
         else:
             dt = 1 / header_number("pts/sec", match["rate"])
-        values = _block(lines, i, match)
+        numbers, text = _block(lines, i, match), match["raw"] or match["unit"]
+        values, unit = in_base_unit(numbers, text, f"line {i + 1}: unit")
         peaks = [found[1] for line in lines[:i] if (found := _CGS_PEAK.search(line))]
         check_peak(values, peaks[-1] if peaks else None, "the largest acceleration")
         title = _title(name, number, len(places))
-        motion = Motion(values, dt=dt, unit=_CGS_UNITS[unit], name=title)
+        motion = Motion(values, dt=dt, unit=unit, name=title)
         channels.append(Channel(motion, _direction(lines[:i]), "CGS", len(places) == 1))
     return channels
 

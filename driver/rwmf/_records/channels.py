@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rwmf import _library
 from rwmf._files.names import shorten
 from rwmf._numbers import show
 from rwmf.case import Motion
@@ -23,11 +24,14 @@ __all__ = [
     "fixed_numbers",
     "free_numbers",
     "header_number",
+    "in_base_unit",
 ]
 
 Values = npt.NDArray[np.float64]
 
 _VERTICAL = re.compile(r"\b(up|u-d|ud|vert\w*|down|dn|dwn|z)\b", re.IGNORECASE)
+# number of a unit in tables of COSMOS: 'cm/s^2 (4)'
+_CODE = re.compile(r"\(\d+\)")
 # accepted difference between the stated and the largest sample, beside the printed digits [-]
 _PEAK = 2e-3
 
@@ -174,6 +178,38 @@ def header_number(key: str, text: str | None, *, above: float = 0.0) -> float:
             f"the header has {key} = {show(text.strip())}: must be a number > {above:g}"
         )
     return float(text)
+
+
+def in_base_unit(values: Values, text: str, key: str) -> tuple[Values, str]:
+    """Convert accelerations to a unit of a motion.
+
+    Parameters
+    ----------
+    values : array, shape (n,)
+        Numbers of the file.
+    text : str
+        Their unit as in the file, perhaps with a number in brackets.
+    key : str
+        Its name in the file, for messages.
+
+    Returns
+    -------
+    values : array, shape (n,)
+        The accelerations.
+    unit : str
+        'g', 'm/s2' or 'cm/s2'.
+
+    Raises
+    ------
+    InputError
+        When the unit is unknown, or one of another quantity.
+    """
+    quantity, base, times, over = _library.unit_named(_CODE.sub("", text))
+    if quantity != "acceleration":
+        raise InputError(
+            f"{key} = {text.strip()!r}: must be a unit of accelerations: g, m/s2, cm/s2 or gal"
+        )
+    return (values if times == over == 1 else values * times / over), base
 
 
 def check_count(values: Values, stated: float, key: str) -> None:

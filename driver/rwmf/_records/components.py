@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from pathlib import Path
 
-__all__ = ["VERTICAL", "component_of"]
+__all__ = ["VERTICAL", "component_of", "is_left_behind", "verticals_beside"]
 
 VERTICAL = "vertical"
-_UP = r"(?:up|dwn|down|vert?|[-_]v|[-_]z|[-_]?ud)"
+# letters of band and instrument of a channel: HN, BN, HL, EN
+_STREAM = r"[A-Z][GHLMNP]"
+# words of a direction; single letters need a mark before them
+_UP = rf"(?:[-_. ]?(?:up|dwn|down|vert?(?:ical)?|u-?d)|[-_. ](?:[vz]|dn|{_STREAM}z))"
+_LEVEL = (
+    r"(?:h[123]|hor[12]|[xynewslt]|ln|tr|n-?s|e-?w|fn|fp|north|south|east|west|long\w*|tran\w*"
+    rf"|radial|{_STREAM}[NERT123])"
+)
 # (whole name, with its ending): key of the record and name of the component; the first that fits
 _PATTERNS = tuple(
     re.compile(pattern, re.IGNORECASE)
@@ -15,16 +24,25 @@ _PATTERNS = tuple(
         # K-NET and KiK-net: CHB0021412312349.NS, NGNH311106302345.EW2
         r"(?P<key>.+)\.(?P<part>ns|ew|ud)(?P<further>[12]?)",
         # ESM and COSMOS, by the code of the stream: HI.ARS1..HNN.D.20190728.160908.C.ACC.ASC
-        r"(?P<key>(?:.*\.)?[A-Z]{2})(?P<part>[ENZ123])(?P<further>\..*)",
+        rf"(?P<key>(?:.*\.)?{_STREAM})(?P<part>[ENZ123])(?P<further>\..+\..+)",
+        rf"(?P<key>{_STREAM})(?P<part>[ENZ123])(?P<further>\.\w+)",
         # PEER, by the number of the record: RSN6_IMPVALL.I_I-ELC180.AT2
         rf"(?P<key>RSN\d+)_(?P<part>.*?)(?P<up>{_UP}(?:[-_]up)?)?(?:[-_]hor[12])?\.\w+",
         # sets of FEMA P-695: far_field_011.csv
         r"(?P<key>(?:far|near)_field_(?:\w+_)?\d\d)(?P<part>[12])\.\w+",
-        # NORTHR_SYL090.AT2, quake-UP.txt, quake_h1.csv, quake_x.csv, quake-1.txt
-        rf"(?P<key>.+?)(?P<part>\d{{3}}|(?P<up>{_UP})|[-_](?:h?[123]|[xyne]|ns|ew|hor[12]))\.\w+",
+        # NORTHR_SYL090.AT2, ABBAR--L.AT2, quake-UP.txt, quake_h1.csv, quake_x.csv, quake-1.txt
+        rf"(?P<key>.+?)(?P<part>\d{{3}}|(?P<up>{_UP})|[-_. ](?:{_LEVEL}|[123]))\.\w+",
+        # in a folder of the station: 090.AT2, UP.AT2, x.csv
+        rf"(?P<key>)(?P<part>\d{{3}}|(?P<up>up|dwn|down|vert?(?:ical)?|u-?d|[vz])|{_LEVEL})\.\w+",
     )
 )
 _VERTICAL_PARTS = ("ud", "z", "3")
+# a component that no pattern knows: a letter, two digits, or at most four letters behind a mark
+_SHORT = re.compile(r"(.+?)(?:[-_. ]+\w{1,4}|\d\d|[nsewltxyh])\.\w+", re.IGNORECASE)
+# names that archives, file managers and editors leave behind, in lower case
+_LEFT_BEHIND = frozenset(
+    {"__macosx", ".ds_store", "thumbs.db", "desktop.ini", "@eadir", ".ipynb_checkpoints"}
+)
 
 
 def component_of(name: str) -> tuple[str, str]:
@@ -42,13 +60,72 @@ def component_of(name: str) -> tuple[str, str]:
     part : str
         Name of the component, `VERTICAL` for a vertical one, '' where no pattern fits.
     """
+    key, part, is_up = _split(name)
+    return key, VERTICAL if is_up else part
+
+
+def _split(name: str) -> tuple[str, str, bool]:
+    """Return record, component, and whether it is vertical."""
     for pattern in _PATTERNS:
         match = pattern.fullmatch(name)
         if match is None:
             continue
         found = match.groupdict()
-        part = found["part"].strip("-_").lower()
+        part = found["part"].strip("-_. ").lower()
         is_up = found.get("up") is not None or part in _VERTICAL_PARTS
-        key = found["key"].rstrip("-_") + (found.get("further") or "")
-        return key, VERTICAL if is_up else part
-    return name, ""
+        return found["key"].rstrip("-_. ") + (found.get("further") or ""), part, is_up
+    return name, "", False
+
+
+def verticals_beside(paths: Iterable[Path]) -> set[Path]:
+    """Find the vertical components beside horizontal ones of the same record and folder.
+
+    Parameters
+    ----------
+    paths : iterable of path
+        Files of records.
+
+    Returns
+    -------
+    set of path
+        The vertical ones. A component 3 is vertical beside 1 and 2 alone in a format of networks,
+        otherwise it is the third record of a numbered suite.
+    """
+    level: dict[tuple[Path, str], list[str]] = {}
+    upward: list[tuple[tuple[Path, str], str, Path]] = []
+    for path in paths:
+        key, part, is_up = _split(path.name)
+        place = (path.parent, key.lower())
+        if is_up:
+            upward.append((place, part, path))
+            continue
+        level.setdefault(place, []).append(part)
+        short = _SHORT.fullmatch(path.name)
+        if short is not None and short[1].lower() != place[1]:
+            level.setdefault((path.parent, short[1].lower()), []).append(part)
+    return {
+        path
+        for place, part, path in upward
+        if place in level
+        and (part != "3" or (sorted(level[place]) == ["1", "2"] and not _is_table(path)))
+    }
+
+
+def _is_table(path: Path) -> bool:
+    return path.suffix.lower() in (".csv", ".txt", ".dat")
+
+
+def is_left_behind(path: Path) -> bool:
+    """Check whether an archive, a file manager or an editor has left a file or its folder behind.
+
+    Parameters
+    ----------
+    path : path
+        Path relative to the folder of a suite.
+
+    Returns
+    -------
+    bool
+        True for ``__MACOSX``, ``._name``, ``.DS_Store``, ``Thumbs.db`` and others.
+    """
+    return any(part.lower() in _LEFT_BEHIND or part.startswith("._") for part in path.parts)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from rwmf._intensity import DAMPING, Array, Waveform, pseudo_accelerations, waveform_of
+from rwmf._library import unusual_record
 from rwmf._records.channels import Channel
 from rwmf._records.reader import read_bytes, read_channels
 
@@ -18,8 +19,6 @@ __all__ = ["Described", "curves", "describe"]
 _PRINTED = 1e-4
 # an interval this many times the median is a gap
 _GAP = 5.0
-# peaks outside these limits point to a wrong unit [g]
-_SMALLEST, _LARGEST = 1e-5, 5.0
 # final over largest value that points to an uncorrected baseline [-]
 _DRIFT = {"velocity": 0.2, "displacement": 0.5}
 # first and last period of a spectrum [s], and their number
@@ -106,10 +105,12 @@ def _doubts(wave: Waveform, peak: float, velocity: float, displacement: float) -
             f"gap of {h[i]:g} s behind t = {wave.t[i]:g} s, where the median interval is "
             f"{np.median(h):g} s"
         )
-    if not _SMALLEST <= peak <= _LARGEST:
-        found.append(f"peak of {peak:.3g} g: check the unit")
-    if wave.t[-1] - wave.t[0] < _SHORT:
-        found.append(f"duration of {wave.t[-1] - wave.t[0]:g} s: check the interval")
+    duration = float(wave.t[-1] - wave.t[0])
+    unusual = unusual_record(peak, duration / h.size, duration)
+    if unusual:
+        found.append(unusual)
+    if duration < _SHORT:
+        found.append(f"duration of {duration:g} s: check the interval")
     ends = {
         "velocity": (abs(float(wave.velocities()[0, -1])), velocity, "m/s"),
         "displacement": (abs(float(wave.displacements()[0, -1])), displacement, "m"),

@@ -1,23 +1,28 @@
-"""Formats of networks with one channel a file: ESM and ITACA (DYNA), K-NET and KiK-net."""
+"""Formats of single networks: ESM and ITACA (DYNA), K-NET and KiK-net."""
 
 from __future__ import annotations
 
+import itertools
 import re
 
+import numpy as np
+
+from rwmf import _library
 from rwmf._records.channels import (
     Channel,
     check_count,
     check_peak,
     free_numbers,
     header_number,
+    in_base_unit,
 )
 from rwmf.case import Motion
 from rwmf.errors import InputError
 
-__all__ = ["is_dyna", "is_nied", "read_dyna", "read_nied"]
+__all__ = ["is_dyna", "is_nied", "is_nied_csv", "read_dyna", "read_nied", "read_nied_csv"]
 
-_DYNA_UNITS = {"cm/s^2": "cm/s2", "m/s^2": "m/s2", "g": "g"}
 _NIED_LINES = 17
+_NIED_COLUMNS = re.compile(r"#\s*Time\s*,\s*RelativeTime\(s\),", re.IGNORECASE)
 _GAIN = re.compile(r"([\d.]+)\s*\(gal\)\s*/\s*([\d.]+)")
 # directions of KiK-net: three in the borehole, three at the surface
 _KIK_NET = {
@@ -74,19 +79,15 @@ def read_dyna(lines: list[str], name: str) -> list[Channel]:
     kind = header.get("DATA_TYPE", "ACCELERATION")
     if kind != "ACCELERATION":
         raise InputError(f"the header has DATA_TYPE = {kind}: must be ACCELERATION")
-    unit = header.get("UNITS", "")
-    if unit not in _DYNA_UNITS:
-        raise InputError(
-            f"the header has UNITS = {unit!r}: must be one of {', '.join(_DYNA_UNITS)}"
-        )
     dt = header_number("SAMPLING_INTERVAL_S", header.get("SAMPLING_INTERVAL_S"))
-    values = free_numbers(lines[n:], n + 1)
+    numbers = free_numbers(lines[n:], n + 1)
+    values, unit = in_base_unit(numbers, header.get("UNITS", ""), "the header has UNITS")
     check_count(values, header_number("NDATA", header.get("NDATA")), "NDATA")
-    if unit == "cm/s^2":
+    if unit == "cm/s2":
         check_peak(values, header.get("PGA_CM/S^2"), "PGA_CM/S^2")
     stream = header.get("STREAM", "")
     direction = "Z" if stream.endswith("Z") else stream
-    motion = Motion(values, dt=dt, unit=_DYNA_UNITS[unit], name=name)
+    motion = Motion(values, dt=dt, unit=unit, name=name)
     return [Channel(motion, direction, dialect)]
 
 
@@ -145,3 +146,58 @@ def read_nied(lines: list[str], name: str) -> list[Channel]:
     direction = header.get("Dir.", "")
     motion = Motion(values, dt=1 / rate, unit="cm/s2", name=name)
     return [Channel(motion, _KIK_NET.get(direction, direction), "K-NET")]
+
+
+def is_nied_csv(lines: list[str]) -> bool:
+    """Recognise a CSV file of K-NET or KiK-net.
+
+    Parameters
+    ----------
+    lines : list of str
+        The lines of the file.
+
+    Returns
+    -------
+    bool
+        True when its first line names the network.
+    """
+    return bool(lines) and lines[0].lower().startswith(("#k-net", "#kik-net"))
+
+
+def read_nied_csv(lines: list[str], name: str) -> list[Channel]:
+    """Read the channels of a CSV file of K-NET or KiK-net.
+
+    Parameters
+    ----------
+    lines : list of str
+        The lines of the file.
+    name : str
+        Name of the motions.
+
+    Returns
+    -------
+    list of Channel
+        Its channels.
+
+    Raises
+    ------
+    InputError
+        When the header lacks a value or contradicts the samples.
+    """
+    begin = next((i for i, line in enumerate(lines) if _NIED_COLUMNS.match(line)), None)
+    if begin is None:
+        raise InputError("the header has no line '#Time,RelativeTime(s),...'")
+    heads = [line.strip().removeprefix("#") for line in lines[:begin]]
+    header = dict(itertools.pairwise(heads))
+    rate = header_number("SamplingFrequency(Hz)", header.get("SamplingFrequency(Hz)"))
+    seconds = header_number("DurationTime(s)", header.get("DurationTime(s)"))
+    # without the column of dates; blank lines keep the numbers of lines in messages
+    table = [""] * begin + [line.partition(",")[2] for line in lines[begin:]]
+    channels = []
+    for item in _library.read_record("\n".join(table).encode("latin-1"), None, None):
+        check_count(item.values, seconds * rate, "DurationTime(s) times SamplingFrequency(Hz)")
+        if item.times is None or not np.allclose(np.diff(item.times) * rate, 1, rtol=0, atol=0.1):
+            raise InputError(f"the times do not have the header's {rate:g} Hz")
+        motion = Motion(item.values, dt=1 / rate, unit=item.unit, name=f"{name}-{item.name}")
+        channels.append(Channel(motion, item.name, "K-NET CSV", is_complete=False))
+    return channels

@@ -19,13 +19,21 @@ from rwmf._arguments import case_of, checked, texts_of
 from rwmf._files import files
 from rwmf._files.names import readable
 from rwmf._numbers import show, to_array, to_number
-from rwmf._risk.table import describe, fallen, read_table, table_of, write_table
+from rwmf._risk.table import (
+    describe,
+    fallen,
+    read_table,
+    table_of,
+    warnings_of,
+    write_table,
+)
 from rwmf._sweep.computation import SweepOptions, path_of_store, sweep
 from rwmf._sweep.intensity import Intensity, choose_intensity, scale_to_one
 from rwmf._sweep.kept_quantities import default_quantity, find_quantities
+from rwmf._sweep.plan import united
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf.case import Case, CaseLike, Motion
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["AnalysisOptions", "cloud", "designs_of", "ida", "levels_of", "stripes"]
 
@@ -398,7 +406,9 @@ def _run(
             inputs += map(str, case.inputs)
         files.check_outputs([path], inputs)
         if path.exists() and not _is_other(path, attributes["request"], restart):
-            return read_table(path)
+            found = read_table(path)
+            warn(warnings_of(found))
+            return found
     stages = _Stages(suite, options, path, restart)
     steps = settings.get("levels", settings.get("factors"))
     table, warnings = stages.run(
@@ -410,11 +420,19 @@ def _run(
         ]
     )
     while search is not None and (further := list(_next_points(suite, table, search))):
-        more, _ = stages.run(further)
+        more, others = stages.run(further)
+        warnings += others
         table = {name: np.concatenate([table[name], more[name]]) for name in table}
     order = np.lexsort([table["intensity"], table.pop("number"), table.pop("case")])
     columns = {name: values[order] for name, values in table.items()}
-    found = table_of(columns, attributes | {"warnings": "\n".join(warnings)})
+    # stages of a search repeat the warnings of the first one with other numbers
+    lines = [
+        f"{name}: {line}"
+        for name in suite.designs
+        for line in united([text for design, text in warnings if design == name])
+    ]
+    found = table_of(columns, attributes | {"warnings": "\n".join(lines)})
+    warn(lines)
     if path is not None:
         write_table(found, path)
         stages.remove()
@@ -470,7 +488,7 @@ class _Stages:
 
     def run(
         self, points: list[tuple[str, int, float]]
-    ) -> tuple[dict[str, npt.NDArray[Any]], list[str]]:
+    ) -> tuple[dict[str, npt.NDArray[Any]], list[tuple[str, str]]]:
         """Run points (design, number of the record, factor) and return columns and warnings."""
         parts, warnings = [], []
         for number, design in enumerate(self._suite.designs):
@@ -478,7 +496,7 @@ class _Stages:
             if own:
                 found, lines = self._sweep(number, design, own)
                 parts.append(found)
-                warnings += [f"{design}: {line}" for line in lines]
+                warnings += [(design, line) for line in lines]
         self._stage += 1
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}, warnings
 

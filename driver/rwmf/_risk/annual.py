@@ -15,9 +15,10 @@ from rwmf._arguments import checked
 from rwmf._numbers import show, to_array, to_items, to_number
 from rwmf._risk.hazard import Hazard, hazard_of
 from rwmf._risk.normal import exceedance, log_normal_cdf
-from rwmf.errors import InputError
+from rwmf._risk.table import warnings_of
+from rwmf.errors import InputError, warn
 
-__all__ = ["closed_form", "integrate", "risk"]
+__all__ = ["closed_form", "integrate", "risk", "unit_of"]
 
 Array = npt.NDArray[np.float64]
 # beyond these standard deviations from its peak, the integrand is below rounding
@@ -27,6 +28,8 @@ _STEEP = 8.0
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _YEARS = 50.0
 _BINS = 12
+# largest dispersion that widens them; exp(3 times more) would leave the range of numbers
+_WIDEST = 10.0
 # share of the frequency from outside the given hazard curve that a warning mentions
 _SHARE = 0.01
 _FREQUENCY = {"units": "1/year", "long_name": "mean annual frequency of exceedance"}
@@ -50,10 +53,13 @@ def risk(
     ----------
     fragility : xarray.Dataset, mapping or pair
         From `rwmf.fragility`, for one or several designs; or ``{"median": , "dispersion": }`` or
-        the pair of both. The intensities of fragility and hazard have the same measure and unit.
+        the pair of both. Fragility and hazard have the same measure of intensity, accelerations
+        over g.
     hazard : path, mapping or pair
-        CSV file of intensity and annual frequency [1/year], ``{"k0": , "k": }`` or (k0, k) for the
-        power law k0 intensity^-k, or ``{"intensity": , "frequency": }``.
+        CSV file or mapping of two columns: the intensity with ``frequency`` [1/year],
+        ``return_period`` [year] or ``poe_50`` (probability in 50 years). Their names may state
+        units, as ``pga [m/s2]``. ``{"k0": , "k": }`` or (k0, k) for the power law
+        k0 intensity^-k.
     levels : sequence of float, optional
         Intensities that separate the bins of the deaggregation; otherwise 11 around the medians.
 
@@ -72,15 +78,17 @@ def risk(
         When a fragility has no finite median > 0 or no dispersion >= 0, or when the hazard is not
         acceptable.
     """
-    curve = hazard_of(hazard)
     curves, samples = _fragilities(fragility)
+    curve = hazard_of(hazard, unit_of(fragility))
     medians, dispersions = curves["median"].values, curves["dispersion"].values
+    closed = np.array([closed_form(curve, m, b) for m, b in zip(medians, dispersions, strict=True)])
+    _check_range(curves, closed)
     edges = _edges(levels, medians, dispersions)
     parts = np.array(
         [integrate(curve, m, b, edges) for m, b in zip(medians, dispersions, strict=True)]
     )
     frequency = parts.sum(axis=1)
-    closed = np.array([closed_form(curve, m, b) for m, b in zip(medians, dispersions, strict=True)])
+    _check_range(curves, frequency)
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = parts / frequency[:, None]
         period = 1 / frequency
@@ -97,8 +105,41 @@ def risk(
     )
     if samples is not None:
         found["annual_frequency_band"] = _band(curve, samples)
-    found.attrs |= {"warnings": "\n".join(_warnings(found))}
+    lines = [*warnings_of(curves), *curve.warnings, *_warnings(found)]
+    found.attrs["warnings"] = "\n".join(lines)
+    warn(lines)
     return found.squeeze("design") if found.sizes["design"] == 1 else found
+
+
+def unit_of(fragility: object) -> str:
+    """Return the unit of the intensities of a fragility; g for a pair.
+
+    Parameters
+    ----------
+    fragility : xarray.Dataset, mapping or pair
+        As for `risk`.
+
+    Returns
+    -------
+    str
+        The unit.
+    """
+    if isinstance(fragility, xr.Dataset) and "median" in fragility:
+        return str(fragility["median"].attrs.get("units", "g"))
+    return "g"
+
+
+def _check_range(curves: xr.Dataset, frequencies: Array) -> None:
+    """Refuse frequencies that double precision cannot represent."""
+    wrong = ~(np.isfinite(frequencies) & (frequencies > 0))
+    if wrong.any():
+        i = int(np.argmax(wrong))
+        median, dispersion = (float(curves[name][i]) for name in ("median", "dispersion"))
+        raise InputError(
+            f"risk: the annual frequency is {frequencies[i]:g} for median = {median:g}, "
+            f"dispersion = {dispersion:g}: the hazard there is outside the range of numbers; "
+            "check the units of both"
+        )
 
 
 def integrate(hazard: Hazard, median: float, dispersion: float, edges: Array) -> Array:
@@ -216,7 +257,7 @@ def _fragilities(value: Any) -> tuple[xr.Dataset, xr.Dataset | None]:  # noqa: A
         total = dataset["dispersion_total" if "dispersion_total" in dataset else "dispersion"]
         found = {"median": dataset["median"].values, "dispersion": total.values}
         names = dataset["design"].values if "design" in dataset.coords else [""]
-        attrs = {key: item for key, item in dataset.attrs.items() if key != "warnings"}
+        attrs = dict(dataset.attrs)
         samples = None
         if "median_resampled" in dataset:
             further = total**2 - dataset["dispersion"] ** 2
@@ -261,7 +302,7 @@ def _edges(levels: Sequence[float] | None, medians: Array, dispersions: Array) -
         if (np.diff(edges) <= 0).any():
             raise InputError(f"levels = {show(levels)}: must ascend")
         return edges
-    spread = max(0.2, float(dispersions.max()))
+    spread = min(max(0.2, float(dispersions.max())), _WIDEST)
     low = math.log(float(medians.min())) - 3 * spread
     high = math.log(float(medians.max())) + 2 * spread
     edges = np.exp(np.linspace(low, high, _BINS - 1))
@@ -283,7 +324,12 @@ def _band(hazard: Hazard, samples: xr.Dataset) -> xr.DataArray:
 
 
 def _warnings(found: xr.Dataset) -> list[str]:
+    warnings = []
     worst = float(found["extrapolated"].max())
-    if worst <= _SHARE:
-        return []
-    return [f"{100 * worst:.3g} % of the annual frequency is from outside the hazard's points"]
+    if worst > _SHARE:
+        text = "of the annual frequency is from outside the hazard's points"
+        warnings.append(f"{100 * worst:.3g} % {text}")
+    most = float(found["annual_frequency"].max())
+    if most > 1:
+        warnings.append(f"the annual frequency {most:.3g} is above 1: check the units")
+    return warnings

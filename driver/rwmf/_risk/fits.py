@@ -54,7 +54,9 @@ def fit_counts(levels: Array, exceeded: Array, runs: Array) -> Fit:
     Returns
     -------
     Fit
-        Without a level between none and all, a step halfway (in the logarithm) between them.
+        Without a level between none and all, a step halfway (in the logarithm) between them. A
+        single level between them is the step; at the lowest or highest one the median may be 0 or
+        infinite.
     """
     n = len(exceeded)
     median, dispersion = np.full(n, math.nan), np.full(n, math.nan)
@@ -92,8 +94,14 @@ def _step(levels: Array, exceeded: Array, runs: Array) -> float | None:
     first = levels[~none].min()
     if first > last:
         return math.sqrt(first * last)
-    # one level between none and all: its own fraction, and an ever steeper curve
-    return float(first) if first == last else None
+    if first < last:
+        return None
+    # a single level between none and all has an ever steeper curve; at an end its median may lie
+    # anywhere beyond
+    share = float(exceeded[levels == first][0] / runs[levels == first][0])
+    if first == levels.max() and share <= 0.5:
+        return math.inf
+    return 0.0 if first == levels.min() and share >= 0.5 else float(first)
 
 
 def fit_capacities(logarithms: Array, kinds: Kinds, weights: Array) -> Fit:

@@ -18,8 +18,8 @@ from rwmf._risk.fits import Fit, fit_capacities, fit_cloud, fit_counts
 from rwmf._risk.likelihood import BELOW, EXACT, OVER
 from rwmf._risk.normal import exceedance
 from rwmf._risk.p695 import shape_factor_of
-from rwmf._risk.table import fallen, quantities_of, read_table
-from rwmf.errors import InputError
+from rwmf._risk.table import fallen, quantities_of, read_table, warnings_of
+from rwmf.errors import InputError, warn
 
 __all__ = ["METHODS", "fragility"]
 
@@ -29,6 +29,10 @@ _OF_ANALYSIS = {"ida": "capacities", "stripes": "counts", "cloud": "cloud"}
 COLLAPSE = "collapse"
 _RESAMPLES = 1000
 _CONFIDENCE = 0.95
+# a median this many times beyond the levels is extrapolated
+_FAR = 1.5
+# a dispersion above this is no property of a structure [-]
+_WIDE = 2.0
 # positions of curves without given levels
 _POSITIONS = 41
 
@@ -171,8 +175,9 @@ def fragility(
         "method": question.method,
         "confidence": options["confidence"],
         "seed": seed,
-        "warnings": "\n".join([*str(rows.attrs.get("warnings", "")).splitlines(), *notes]),
+        "warnings": "\n".join([*warnings_of(rows), *notes]),
     }
+    warn(warnings_of(found))
     return found.squeeze("design") if len(names) == 1 else found
 
 
@@ -182,7 +187,7 @@ def _options(confidence: float, dispersions: float | Sequence[float]) -> dict[st
     further = to_array("dispersions", [dispersions] if items is None else items)
     if (further < 0).any():
         raise InputError(f"dispersions = {show(dispersions)}: must be numbers >= 0")
-    return {"confidence": confidence, "further": float(np.sqrt(np.sum(further**2)))}
+    return {"confidence": confidence, "further": math.hypot(*further)}
 
 
 def _rows_of(table: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
@@ -270,7 +275,7 @@ def _one(
     _check_some(rows, question, label)
     points, fit, resampled = sample(rows, question, label)
     median, dispersion = float(fit.median[0]), float(fit.dispersion[0])
-    notes = _notes(dispersion, points)
+    notes = _notes(median, dispersion, points, rows)
     total = math.hypot(dispersion, options["further"])
     unit = {"units": str(rows["intensity"].attrs.get("units", "g"))}
     one = {"units": "1"}
@@ -382,16 +387,39 @@ def _check_some(rows: xr.Dataset, question: _Question, label: str) -> None:
         )
 
 
-def _notes(dispersion: float, points: Mapping[str, Any]) -> list[str]:
+def _notes(
+    median: float, dispersion: float, points: Mapping[str, Any], rows: xr.Dataset
+) -> list[str]:
+    """Return the warnings about a fit."""
+    is_counted = "exceeded" in points and "capacity" not in points
+    x = points["x"] if is_counted else rows["intensity"].values
+    low, high = float(x.min()), float(x.max())
+    notes = []
+    if not low / _FAR <= median <= _FAR * high:
+        side = f"above the highest intensity {high:.4g}"
+        side = side if median > high else f"below the lowest intensity {low:.4g}"
+        notes.append(f"the median {median:.4g} is extrapolated far {side}: give more levels")
+    if dispersion > _WIDE:
+        notes.append(f"the dispersion {dispersion:.4g} is large: the probability hardly grows")
+    keys = zip(*(rows[word].values.tolist() for word in ("record", "intensity")), strict=True)
+    repeated = rows.sizes["row"] - len(set(keys))
+    if repeated:
+        notes.append(f"{repeated} rows repeat record and intensity of others; all are counted")
+    down, statuses = fallen(rows), rows["status"].values.astype(str)
+    failed = sorted(set(statuses[~down].tolist()) - {"ok"})
+    if failed:
+        lost = int(np.isin(statuses, failed).sum())
+        notes.append(f"{lost} of {statuses.size} runs failed ({', '.join(failed)})")
     if dispersion > 0:
-        return []
-    if "exceeded" not in points or "capacity" in points:
-        return ["all capacities are equal: the dispersion is 0"]
-    x, k, n = (points[word] for word in ("x", "exceeded", "runs"))
-    low, high = x[k < n].max(), x[k > 0].min()
+        return notes
+    if not is_counted:
+        return [*notes, "all capacities are equal: the dispersion is 0"]
+    k, n = points["exceeded"], points["runs"]
+    low, high = float(x[k == 0].max()), float(x[k == n].min())
     return [
-        f"the counts step from none to all between {min(low, high):g} and {max(low, high):g}: the "
-        "median lies there, and the dispersion is 0 for want of levels between"
+        *notes,
+        f"the counts step from none to all between {low:g} and {high:g}: the median lies there, "
+        "and the dispersion is 0 for want of levels between",
     ]
 
 
@@ -442,10 +470,21 @@ def _counts(
     used = runs[0] > 0
     x, exceeded, runs = x[used], exceeded[:, used], runs[:, used]
     fit, resampled = _split(fit_counts(x, exceeded, runs))
+    counts = ", ".join(f"{a:g} of {b:g}" for a, b in zip(exceeded[0], runs[0], strict=True))
     if math.isnan(fit.median[0]):
         raise InputError(
             f"{label}: {question.label}: the probability does not grow with the intensity "
-            f"({', '.join(f'{a:g} of {b:g}' for a, b in zip(exceeded[0], runs[0], strict=True))})"
+            f"({counts})"
+        )
+    ends = {0.0: "below the lowest", x[0]: "at the lowest", x[-1]: "at the highest",
+            math.inf: "above the highest"}  # fmt: skip
+    median = float(fit.median[0])
+    if median in (0.0, math.inf) or (fit.dispersion[0] == 0 and median in (x[0], x[-1])):
+        side = ends[median]
+        level = x[0] if side.endswith("lowest") else x[-1]
+        raise InputError(
+            f"{label}: {question.label}: no finite fit exists ({counts}): the median lies {side} "
+            f"intensity {level:g}: give more levels there"
         )
     points = {"x": x, "exceeded": exceeded[0].astype(int), "runs": runs[0].astype(int)}
     return points, fit, resampled
@@ -539,7 +578,7 @@ def _cloud(
     kinds = np.where(exact, EXACT, OVER)
     fit = fit_cloud(x, np.log(y[used]), kinds, weights, math.log(question.limit))
     first, resampled = _split(fit)
-    if math.isnan(first.median[0]):
+    if not 0 < first.median[0] < math.inf:
         raise InputError(f"{label}: {question.quantity}: does not grow with the intensity")
     values = np.exp(x)
     return {"x": np.geomspace(values.min(), values.max(), _POSITIONS)}, first, resampled

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
+from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rwmf._files import files
+from rwmf._files.names import xml_text
 from rwmf._risk.table import fallen, quantities_of
 from rwmf.case import Case
 from rwmf.errors import InputError
@@ -109,12 +110,16 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
     finite = np.all([np.isfinite(values) for values, _ in lasting.values()], axis=0) & bool(lasting)
     with files.reported(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    written = []
+    written: list[tuple[Path, int]] = []
+    stems: set[str] = set()
     for design in dict.fromkeys(table["design"].values.tolist()):
         for level in levels:
             own = (table["design"].values == design) & (is_cloud | (x == level))
             name = f"{design}_cloud" if is_cloud else f"{design}_{level:g}{unit}"
             stem = re.sub(r"[^\w.-]+", "_", name.lstrip("_"))
+            while stem in stems:
+                stem += "_"
+            stems.add(stem)
             for ending, kept, chosen in (
                 ("", columns, own & whole & ~down),
                 ("_collapsed", lasting, own & finite & down),
@@ -184,12 +189,15 @@ def nrml_text(fragility: xr.Dataset) -> str:
     x = designs["intensity"].values
     quantity = str(fragility.attrs["quantity"])
     limit = float(np.asarray(fragility["limit"].values).ravel()[0])
+    # limit states are words
+    quantity = re.sub(r"[^\w.-]+", "_", quantity)
     state = quantity if math.isnan(limit) else f"{quantity}_{limit:g}"
+    version = xml_text(str(fragility.attrs.get("version", "")))
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         '<nrml xmlns="http://openquake.org/xmlns/nrml/0.5">',
         '<fragilityModel id="rwmf" assetCategory="buildings" lossCategory="structural">',
-        f"  <description>rwmf {fragility.attrs.get('version', '')}</description>",
+        f"  <description>rwmf {escape(version)}</description>",
         f"  <limitStates>{state}</limitStates>",
     ]
     for i, name in enumerate(designs["design"].values.tolist()):
@@ -198,7 +206,7 @@ def nrml_text(fragility: xr.Dataset) -> str:
         mean = median * math.exp(0.5 * beta**2)
         deviation = mean * math.sqrt(math.expm1(beta**2))
         lines += [
-            f"  <fragilityFunction id={quoteattr(str(name) or 'design')} "
+            f"  <fragilityFunction id={quoteattr(xml_text(str(name)) or 'design')} "
             'format="continuous" shape="logncdf">',
             f'    <imls imt="{imt}" noDamageLimit="0.0" minIML="{x.min():g}" '
             f'maxIML="{x.max():g}"/>',

@@ -18,10 +18,11 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rwmf._arguments import path_of
 from rwmf._files import files
-from rwmf._files.names import shorten
+from rwmf._files.names import readable, shorten
 from rwmf._files.netcdf_file import new_file
-from rwmf._numbers import show
+from rwmf._numbers import first_masked, show
 from rwmf._sweep import netcdf
 from rwmf._sweep.kept_quantities import find_quantities
 from rwmf._sweep.point_files import is_netcdf, read_csv, read_netcdf
@@ -38,6 +39,7 @@ __all__ = [
     "read_columns",
     "read_table",
     "table_of",
+    "warnings_of",
     "write_dataset",
     "write_table",
 ]
@@ -52,11 +54,27 @@ _LABELS = {
     "scale": {"units": "1", "long_name": "factor on the record"},
     "status": {"long_name": "ok, overturned, collapsed, or the name of an error"},
 }
-# statuses in upper and lower case that another program may write
-_STATUSES = {name.lower(): name for name in ("ok", *ENDINGS)}
+# statuses of failed runs, without a result or with an inaccurate one
+_FAILED = ("inaccurate", "refused", "input", "interrupted", "numerical_failure", "too_many_steps",
+           "out_of_memory", "wall_jumps")  # fmt: skip
+# statuses by the words, in lower case, that another program may write
+_STATUSES = {name: name for name in ("ok", *ENDINGS, *_FAILED)} | {
+    "collapse": "collapsed",
+    "overturn": "overturned",
+    "overturning": "overturned",
+    "no collapse": "ok",
+    "survived": "ok",
+}
+_WEIGHTS = ("weight", "weights")
+# columns that state the end of a run where the table has no status
+_ENDED = ("collapse", *ENDINGS)
 
 
-def table_of(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> xr.Dataset:
+def table_of(
+    columns: Mapping[str, Any],
+    attributes: Mapping[str, Any],
+    lines: npt.NDArray[np.int64] | None = None,
+) -> xr.Dataset:
     """Make a table from its columns.
 
     Parameters
@@ -65,6 +83,8 @@ def table_of(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> xr.Da
         The columns; ``intensity`` is required, missing texts get defaults.
     attributes : mapping of str to object
         Attributes of the dataset.
+    lines : numpy.ndarray of int, shape (rows,), optional
+        Lines of the rows in their file.
 
     Returns
     -------
@@ -81,6 +101,8 @@ def table_of(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> xr.Da
         raise InputError(f"table: has no column intensity, only {', '.join(found) or 'none'}")
     x = found["intensity"]
     n = x.size
+    places = [f"row {i + 1}" for i in range(n)] if lines is None else [f"line {i}" for i in lines]
+    has_status = "status" in found
     found.setdefault("design", np.full(n, "", dtype=object))
     found.setdefault("record", np.array([str(i) for i in range(n)], dtype=object))
     found.setdefault("scale", np.ones(n))
@@ -91,16 +113,22 @@ def table_of(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> xr.Da
         if name in TEXTS:
             texts = [str(value) for value in values.tolist()]
             if name == "status":
-                texts = [_STATUSES.get(text.lower(), text) for text in texts]
+                texts = _statuses(texts, places)
             found[name] = np.array(texts, dtype=object)
+        elif name.lower() in _WEIGHTS:
+            raise InputError(f"table: {name}: rows have no weights: leave out the column")
+        elif not has_status and name.lower() in _ENDED:
+            raise InputError(f"table: {name}: state the ends of runs in the column status")
         elif values.dtype.kind not in "iuf":
             raise InputError(f"table: {name}: must be a column of numbers")
         else:
             found[name] = values.astype(float)
     x = found["intensity"]
-    if n == 0 or not (np.isfinite(x) & (x > 0)).all():
-        wrong = "no row" if n == 0 else f"{x[~(np.isfinite(x) & (x > 0))][0]!r}"
-        raise InputError(f"table: intensity = {wrong}: must be finite numbers > 0")
+    wrong = ~(np.isfinite(x) & (x > 0))
+    if n == 0 or wrong.any():
+        i = int(np.argmax(wrong)) if n else 0
+        where, value = (f", {places[i]}", f"{x[i]:g}") if n else ("", "no row")
+        raise InputError(f"table{where}: intensity = {value}: must be finite numbers > 0")
     names = ["design", "record", "intensity", "scale"]
     names += [name for name in found if name not in COLUMNS]
     dataset = xr.Dataset(attrs=dict(attributes))
@@ -109,6 +137,17 @@ def table_of(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> xr.Da
     unit = str(dataset.attrs.get("intensity_unit", "g"))
     dataset["intensity"].attrs |= {"units": unit}
     return dataset
+
+
+def _statuses(words: list[str], places: Sequence[str]) -> list[str]:
+    """Return the statuses of the rows; an unknown word could hide a collapse."""
+    found = [_STATUSES.get(word.strip().lower()) for word in words]
+    if None in found:
+        i = found.index(None)
+        raise InputError(
+            f"table, {places[i]}: status = {show(words[i])}: must be one of {', '.join(_STATUSES)}"
+        )
+    return [status for status in found if status is not None]
 
 
 def _labels(name: str) -> dict[str, str]:
@@ -172,7 +211,7 @@ def read_table(source: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
     if isinstance(source, list | tuple):
         return join([read_table(item) for item in source])
     if isinstance(source, str | os.PathLike):
-        path = Path(source)
+        path = Path(path_of("table", source))
         try:
             return _read_file(path)
         except InputError as error:
@@ -199,6 +238,9 @@ def read_table(source: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
 def _arrays(columns: Mapping[Any, Any]) -> dict[str, npt.NDArray[Any]]:
     found = {}
     for name, values in columns.items():
+        masked = first_masked(values)
+        if masked is not None:
+            raise InputError(f"table: {show(name)}: the value at position {masked} is masked")
         try:
             found[str(name)] = np.atleast_1d(np.asarray(values))
         except Exception as error:
@@ -211,15 +253,16 @@ def _read_file(path: Path) -> xr.Dataset:
         if not path.is_file():
             raise InputError(f"{path}: the file does not exist, or is no regular file")
         return read_table(read_netcdf(path))
-    columns, _ = read_columns(path, set(TEXTS), "table")
-    first = path.open(encoding="utf-8", errors="replace").readline()
+    columns, lines = read_columns(path, set(TEXTS), "table")
+    with path.open(encoding="utf-8", errors="replace") as file:
+        first = file.readline()
     attributes = {}
     if first.startswith(_MARK):
         try:
             attributes = json.loads(first.removeprefix(_MARK))
         except ValueError as error:
             raise InputError(f"{path}, line 1: the attributes are damaged: {error}") from error
-    return table_of(columns, attributes)
+    return table_of(columns, attributes, lines)
 
 
 def read_columns(
@@ -248,7 +291,7 @@ def read_columns(
     InputError
         When the file does not exist, cannot be read or is malformed.
     """
-    if not path.is_file():
+    if not Path(path_of(content, path)).is_file():
         raise InputError(f"{path}: the {content} does not exist, or is no regular file")
     return read_csv(path, lambda name: name not in texts)
 
@@ -303,7 +346,24 @@ def join(tables: Sequence[xr.Dataset]) -> xr.Dataset:
             for table in tables:
                 parts |= json.loads(table.attrs[key])
             attributes[key] = json.dumps(parts)
-    return table_of(columns, attributes)
+    warnings = [line for table in tables for line in warnings_of(table)]
+    return table_of(columns, attributes | {"warnings": "\n".join(dict.fromkeys(warnings))})
+
+
+def warnings_of(dataset: xr.Dataset) -> list[str]:
+    """Return the warnings about a result.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result.
+
+    Returns
+    -------
+    list of str
+        One line each; none without the attribute.
+    """
+    return str(dataset.attrs.get("warnings", "")).splitlines()
 
 
 def _same(old: object, new: object) -> bool:
@@ -339,11 +399,12 @@ def write_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
 def _cells(values: npt.NDArray[Any]) -> Iterable[str]:
     if values.dtype.kind == "f":
         return [repr(value) for value in values.tolist()]
-    return [_quoted(str(value)) for value in values.tolist()]
+    return [_quoted(str(readable(value))) for value in values.tolist()]
 
 
 def _quoted(text: str) -> str:
-    return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n\r') else text
+    is_special = set(text) & set(',;\t"\n\r') or text.startswith("#") or text != text.strip()
+    return '"' + text.replace('"', '""') + '"' if is_special else text
 
 
 def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
@@ -364,8 +425,15 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         When the file cannot be written.
     """
     netcdf.check_package()
+    texts = {
+        str(name): item.copy(data=np.vectorize(readable, otypes="O")(item.values).astype(str))
+        for name, item in dataset.variables.items()
+        if item.dtype.kind in "UO" and item.size
+    }
+    attributes = {str(key): readable(value) for key, value in dataset.attrs.items()}
     with new_file(Path(path)) as (file, _):
-        dataset.dump_to_store(xr.backends.H5NetCDFStore(file))
+        whole = dataset.assign(texts).assign_attrs(attributes)
+        whole.dump_to_store(xr.backends.H5NetCDFStore(file))
 
 
 def describe(path: Path) -> str:

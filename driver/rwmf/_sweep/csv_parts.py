@@ -59,7 +59,7 @@ def merge_csv(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[s
 
 
 def _read(path: str) -> _Part:
-    lines = read_text(path).splitlines(True)
+    lines = [f"{line}\n" for line in read_text(path).removesuffix("\n").split("\n")]
     marks = [i for i, line in enumerate(lines) if _PART.match(line.rstrip("\n"))]
     if len(marks) != 1:
         raise InputError(f"{path}: is not written by rwmf-batch --part K/N")

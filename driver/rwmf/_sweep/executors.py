@@ -5,7 +5,14 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager
 
 from rwmf._extras import how_to_install
@@ -153,8 +160,8 @@ def run_on(executor: Executor, tasks: Iterable[Task]) -> Iterator[Chunk]:
 
     Raises
     ------
-    Exception
-        Error of the executor, for example for a dead worker.
+    InputError
+        When the executor is shut down or its workers have ended.
     """
     yield from _stream(executor, run_task, tasks, lambda: None)
 
@@ -172,16 +179,34 @@ def _stream(
     try:
         while True:
             while len(waiting) < window and (task := next(supply, None)) is not None:
-                waiting.add(executor.submit(work, task))
+                waiting.add(_submit(executor, work, task))
             if not waiting:
                 return
             done, waiting = wait(waiting, _WAIT_SECONDS, FIRST_COMPLETED)
             idle()
             for future in done:
                 yield future.result()
+    except BrokenExecutor as error:
+        raise _refusal(error) from error
     finally:
         for future in waiting:
             future.cancel()
+
+
+def _submit(executor: Executor, work: Callable[[Task], Chunk], task: Task) -> Future[Chunk]:
+    try:
+        return executor.submit(work, task)
+    except RuntimeError as error:
+        raise _refusal(error) from error
+
+
+def _refusal(error: RuntimeError) -> InputError:
+    """Return the error for an executor whose workers have ended or that is shut down."""
+    cause = " ".join(str(error).split()).partition(". ")[0]
+    return InputError(
+        f"executor: has no workers ({cause.rstrip('.')}): a script must create it below "
+        "`if __name__ == '__main__':`, before its end or shutdown"
+    )
 
 
 @contextmanager

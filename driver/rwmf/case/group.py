@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NoReturn
 import numpy as np
 
 from rwmf import _library
+from rwmf._numbers import show
 from rwmf.case.namelist import Value, format_value, parse_value
 
 __all__ = ["Group"]
@@ -124,7 +125,7 @@ class Group(Mapping[str, Value]):
     def __setattr__(self, name: str, value: object) -> NoReturn:
         """Refuse: a case never changes."""
         raise AttributeError(
-            f"a case cannot be changed; case.replace({self._name}={{{name!r}: {value!r}}}) "
+            f"a case cannot be changed; case.replace({self._name}={{{name!r}: {show(value)}}}) "
             "returns another one"
         )
 

@@ -162,7 +162,7 @@ class Fuse(Group):
     Attributes
     ----------
     eta_y : float
-        Yield force of the fuse under each corner of the base over m_w g.
+        Yield force of the fuse at each edge of the base over m_w g.
     stroke_y : float
         Stroke at which it yields first [m].
     F_y : float
@@ -319,9 +319,11 @@ class Bending(Group):
     modes : int
         Number of modes.
     xi : float
-        Damping ratio of the modes.
+        Damping ratio, in the first mode of damping stiffness.
+    xi_of : str
+        Wall whose modes have xi: bare on a fixed base, or rocking with its floors (first mode).
     damping : str
-        Xi in each mode, or in the first and in proportion to the stiffness above.
+        Equal ratios in all modes of the cantilever, or in proportion to the stiffness.
     nu : float
         Poisson's ratio; if given, the wall also deforms in shear.
     """
@@ -333,6 +335,7 @@ class Bending(Group):
     cracking: float
     modes: int
     xi: float
+    xi_of: Literal["cantilever", "rocking"]
     damping: Literal["modal", "stiffness"]
     nu: float
 
@@ -389,7 +392,8 @@ class Impact(Group):
     Attributes
     ----------
     rule : str
-        Coupled: momentum balance of wall and frame; e, r imply constant, table_e table.
+        Coupled: momentum balance of wall and frame; e, r imply constant, table_e table; none: e =
+        1.
     e : float
         Factor on the angular velocity at impact; constant: exactly one of e and r.
     r : float
@@ -401,7 +405,7 @@ class Impact(Group):
     """
 
     __slots__ = ()
-    rule: Literal["constant", "housner", "coupled", "table"]
+    rule: Literal["constant", "housner", "coupled", "table", "none"]
     e: float
     r: float
     table_theta_dot: tuple[float, ...]
@@ -436,9 +440,10 @@ class Motion(Group):
     file : str
         Path, relative to the case file; required for a record.
     dt : float
-        Sampling interval; required for one column, refused for two columns and AT2 [s].
+        Sampling interval; required for one column unless the file states it, refused for two
+        columns and AT2 [s].
     unit : str
-        Of the accelerations; required but for AT2, where it is refused.
+        Of the accelerations; required unless the file states it; refused for AT2.
     scale : float
         Factor on the accelerations.
     """
@@ -480,9 +485,10 @@ class Vertical(Group):
     file : str
         Record of the vertical acceleration (positive upward), relative to the case file.
     dt : float
-        Sampling interval; required for one column, refused for two columns and AT2 [s].
+        Sampling interval; required for one column unless the file states it, refused for two
+        columns and AT2 [s].
     unit : str
-        Of the accelerations; required but for AT2, where it is refused.
+        Of the accelerations; required unless the file states it; refused for AT2.
     scale : float
         Factor on the record.
     """
@@ -574,7 +580,7 @@ class Output(Group):
     energy : bool
         Energy ledger: its parts at the end, with dt in every row.
     reactions : bool
-        Reactions of the base, demands and member forces: extrema, with dt rows.
+        Reactions of the base, demands and member forces of a run: extrema, with dt rows.
     friction_limit : float
         Coefficient of friction: whether and when the friction demand exceeds it.
     conditioning : bool
@@ -597,15 +603,18 @@ class BaseSection(Group):
     k : float
         Subgrade modulus: stress per settlement of the strip, which takes no tension [N/m3].
     E : float
-        Modulus of elasticity: toe strain = stress/E; beside length: k = E/length [Pa].
+        Modulus of elasticity: toe strain = k settlement/E; beside length: k = E/length [Pa].
     length : float
         Height of the strip over which it is strained; beside k: E = k length [m].
+    f_c : float
+        Compressive strength: largest stress; a toe stress above 0.6 f_c gives a warning [Pa].
     """
 
     __slots__ = ()
     k: float
     E: float
     length: float
+    f_c: float
 
 
 class Limits(Group):
@@ -641,6 +650,8 @@ class Limits(Group):
         Largest base shear over weight of wall and frame.
     friction_demand_max : float
         Required coefficient of friction.
+    friction_demand_impact_max : float
+        Largest horizontal over vertical impulse of the base at an impact.
     shear_key_force_max_over_m_w_g : float
         Largest force of the shear key over weight of wall.
     wall_drift_max : float
@@ -765,6 +776,7 @@ class Limits(Group):
     storeys_residual_drift_at_rest: tuple[float, ...]
     base_shear_max_over_weight: float
     friction_demand_max: float
+    friction_demand_impact_max: float
     shear_key_force_max_over_m_w_g: float
     wall_drift_max: float
     frame_drift_max: float

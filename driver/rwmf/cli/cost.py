@@ -9,7 +9,7 @@ from rwmf._cost import Cost, Row, cost, count_tasks
 from rwmf._files import files
 from rwmf._progress import progress_bar
 from rwmf.case import Case
-from rwmf.cli.output import print_json, print_written
+from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.plotting import cost_figure as plot_cost
 from rwmf.plotting import image_files as figures
 from rwmf.plotting.style import new_figure
@@ -37,12 +37,16 @@ def run(options: argparse.Namespace) -> int:
         found = cost(case, options.target, report, options.quantity)
     if options.plot:
         with new_figure(4.2) as figure:
-            plot_cost.work_precision(found, figure.subplots())
+            left, right = figure.subplots(1, 2, sharey=True)
+            plot_cost.work_precision(found, left, legend=False)
+            plot_cost.work_precision(found, right, over="rhs_evaluations")
+            right.label_outer()
             figures.save(figure, options.plot)
     if options.json:
         print_json(found.to_dict())
     else:
         _print(found)
+    print_warnings(options.case, filter(None, [found.note]))
     print_written([options.plot], is_json=options.json)
     return 0
 
@@ -93,8 +97,8 @@ def _number(value: float, form: str) -> str:
 def _recommendation(found: Cost) -> str:
     row = found.recommended
     if row is None:
-        return f"no setting has a relative error of {found.target:.0e} or less"
+        return f"no setting has errors of {found.target:.0e} or less in all columns"
     return (
-        f"* cheapest for a relative error of {found.target:.0e}: method = '{row.method}', "
-        f"rtol = {row.rtol:.0e} ({1e3 * row.seconds:.2f} ms)"
+        f"* cheapest for errors of {found.target:.0e} or less in all columns: "
+        f"method = '{row.method}', rtol = {row.rtol:.0e} ({1e3 * row.seconds:.2f} ms)"
     )

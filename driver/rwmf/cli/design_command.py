@@ -10,7 +10,7 @@ from typing import TypeVar
 from rwmf._design.design import Design, design
 from rwmf._files import files
 from rwmf.case import Case
-from rwmf.cli.output import print_json, print_written
+from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.errors import InputError
 from rwmf.plotting import design_page
 
@@ -61,6 +61,7 @@ def run(options: argparse.Namespace) -> int:
         found.case.to_namelist(options.out)
     if options.report:
         design_page.write(found, options.report, _commands(options))
+    print_warnings(options.case, found.warnings)
     if options.json:
         print_json(found.to_dict())
     else:

@@ -6,19 +6,22 @@ import os
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 
 from rwmf._files.streams import ReaderGoneError, guarded
 from rwmf.cli.parser import make_parser
-from rwmf.errors import Interrupted, OutputError, RwmfError
+from rwmf.errors import OutputError, RwmfError, RwmfWarning
 
 __all__ = ["main"]
 
 
 # exit status of unexpected errors
 _UNFORESEEN = 3
+# 128 and the number of SIGINT, as shells report it
+_INTERRUPTED = 130
 _SHOW_TRACEBACK = "RWMF_TRACEBACK"
 # signals handled like Ctrl-C; by default they would leave unfinished files
 _ENDS = (signal.SIGTERM, signal.SIGHUP)
@@ -45,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             status = error.exit_status
         except KeyboardInterrupt:
             print("rwmf: interrupted", file=sys.stderr)
-            status = Interrupted.exit_status
+            status = _INTERRUPTED
         except SystemExit as leave:
             # after --help, --version, or an error of argparse
             status = int(leave.code or 0)
@@ -55,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             # the clean-up of a library after an interrupt may also fail
             if _follows_interrupt(error):
                 print("rwmf: interrupted", file=sys.stderr)
-                status = Interrupted.exit_status
+                status = _INTERRUPTED
             else:
                 status = _report(error)
     if not lost:
@@ -91,7 +94,10 @@ def _run(arguments: Sequence[str] | None) -> int:
     options = make_parser().parse_args(arguments)
     # import only the module of the requested command
     module, function = options.run.split(".")
-    status: int = getattr(import_module(f"rwmf.cli.{module}"), function)(options)
+    with warnings.catch_warnings():
+        # the commands print the warnings of their results
+        warnings.simplefilter("ignore", RwmfWarning)
+        status: int = getattr(import_module(f"rwmf.cli.{module}"), function)(options)
     sys.stdout.flush()
     return status
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-__all__ = ["print_json", "print_warnings", "print_written"]
+from rwmf.errors import RwmfWarning
+
+__all__ = ["print_json", "print_warnings", "print_written", "printed_warnings"]
 
 
 def print_json(value: dict[str, Any]) -> None:
@@ -25,18 +29,38 @@ def print_json(value: dict[str, Any]) -> None:
     print(json.dumps(_plain(value), indent=1, allow_nan=False))
 
 
-def print_warnings(path: str, warnings: Iterable[str]) -> None:
+def print_warnings(path: str, lines: Iterable[str]) -> None:
     """Print the warnings about the results of a file on the error output.
 
     Parameters
     ----------
     path : str
         Path of the case's file.
-    warnings : iterable of str
+    lines : iterable of str
         One line per warning.
     """
-    for warning in warnings:
-        print(f"rwmf: {path}: warning: {warning}", file=sys.stderr)
+    for line in lines:
+        print(f"rwmf: {path}: warning: {line}", file=sys.stderr)
+
+
+@contextmanager
+def printed_warnings(path: str) -> Iterator[None]:
+    """Print the warnings about the inputs that a block reads.
+
+    Parameters
+    ----------
+    path : str
+        Path of the file, or name of the command.
+
+    Yields
+    ------
+    None
+        The block.
+    """
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", RwmfWarning)
+        yield
+    print_warnings(path, (str(item.message) for item in caught))
 
 
 def print_written(paths: Iterable[str | Path | None], *, is_json: bool = False) -> None:

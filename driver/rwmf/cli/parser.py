@@ -149,7 +149,7 @@ def _add_cost(commands: Subcommands) -> None:
         metavar="ERROR",
         type=number(0, 1),
         default=1e-6,
-        help="relative error of the peak for the recommended setting (1e-6)",
+        help="largest error of all columns for the recommended setting (1e-6)",
     )
     parser.add_argument(
         "--quantity",
@@ -280,7 +280,7 @@ def _add_reproduce(commands: Subcommands) -> None:
         "reproduce",
         "Reproduce the paper's figures, check its claims, compare with contact engines; needs the "
         "checkout of the project.",
-        "4 12 --out plots",
+        "4 12 --out figures",
         "reproduce.run",
     )
     parser.add_argument(
@@ -293,7 +293,7 @@ def _add_reproduce(commands: Subcommands) -> None:
         "--docs", type=Path, metavar="DIR", help="write claims.md and validation.md there"
     )
     for name, content in (
-        ("out", "of the results (default: plots"),
+        ("out", "of the results (default: build/plots"),
         ("inputs", "of the cases (default: inputs"),
         ("validation", "of the engines' cases (default: validation"),
     ):

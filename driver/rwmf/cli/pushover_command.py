@@ -67,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
         with new_figure(3.8) as figure:
             draw(curve, figure.subplots(), history=history)
             figures.save(figure, options.plot)
+    print_warnings(options.case, curve.attrs["warnings"].splitlines())
     checks = _checks(case, curve, options)
     write_checks(checks, options.checks)
     if options.json:
@@ -117,7 +118,8 @@ def _plain(curve: xr.Dataset) -> dict[str, object]:
             strict=True,
         )
     ]  # fmt: skip
-    return {**curve.attrs, "marks": marks, **columns_by_key(curve)}
+    warnings = curve.attrs["warnings"].splitlines()
+    return {**curve.attrs, "warnings": warnings, "marks": marks, **columns_by_key(curve)}
 
 
 def _lines(curve: xr.Dataset) -> list[str]:

@@ -11,7 +11,7 @@ from rwmf._files import files
 from rwmf._records.facts import Described, curves, describe
 from rwmf._sweep.intensity import G
 from rwmf.case import Motion
-from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
 from rwmf.errors import OutputError
 from rwmf.plotting import image_files as figures
 from rwmf.plotting.record_figure import draw_records, draw_selection
@@ -218,17 +218,18 @@ def select(options: argparse.Namespace) -> int:
     """
     files.check_outputs([options.out, options.plot], [options.target])
     figures.check_formats(options.plot)
-    found = records.select(
-        options.records,
-        options.target,
-        options.band,
-        options.n,
-        limits=options.limits,
-        damping=options.damping,
-        is_paired=options.pairs,
-        unit=options.unit,
-        dt=options.dt,
-    )
+    with printed_warnings(options.target):
+        found = records.select(
+            options.records,
+            options.target,
+            options.band,
+            options.n,
+            limits=options.limits,
+            damping=options.damping,
+            is_paired=options.pairs,
+            unit=options.unit,
+            dt=options.dt,
+        )
     if options.out:
         records.write_suite(found, options.out)
     if options.plot:

@@ -83,7 +83,7 @@ def _add_select(actions: Subcommands) -> None:
     )
     text = "files, folders, patterns, lists, fema:far_field and others, as for a sweep"
     parser.add_argument("records", metavar="RECORD", nargs="+", help=text)
-    text = "two columns: periods in s and pseudo-accelerations in g"
+    text = "two columns, periods in s and pseudo-accelerations in g, or as their names say"
     parser.add_argument("--target", metavar="FILE", required=True, help=text)
     text = "first and last period of the band in s"
     parser.add_argument("--band", metavar="T1,T2", type=numbers, required=True, help=text)

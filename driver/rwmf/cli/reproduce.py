@@ -65,7 +65,7 @@ def run(options: argparse.Namespace) -> int:
     checkout = find_checkout()
     for name in ("inputs", "validation"):
         setattr(options, name, getattr(options, name) or checkout / name)
-    options.out = options.out or checkout / "plots"
+    options.out = options.out or checkout / "build" / "plots"
     sys.path.insert(0, str(checkout / "plots"))
     status: int = import_module("reproduce.command").run(options)
     return status

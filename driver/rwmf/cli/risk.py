@@ -12,12 +12,14 @@ import xarray as xr
 import rwmf
 from rwmf._files import files
 from rwmf._progress import progress
+from rwmf._risk.annual import unit_of
+from rwmf._risk.hazard import hazard_of
 from rwmf._risk.loss import loss_quantities, nrml_text, write_pelicun
 from rwmf._risk.table import fallen, quantities_of, write_dataset
 from rwmf._sweep.executors import open_executor
 from rwmf._sweep.netcdf import check_package
 from rwmf._sweep.point_files import is_netcdf
-from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
@@ -27,6 +29,10 @@ from rwmf.plotting.style import new_figure
 __all__ = ["analyse", "fit", "integrate"]
 
 _SHARED = ("intensity", "period", "damping", "periods", "file", "restart", "threads")
+_NOT_IN_MODEL = (
+    "runs of rwmf cannot show sliding, crushed toes, a wall that cracks or yields, failed joints "
+    "or settlement; a rigid base with elastic springs recentres by construction"
+)
 
 
 def analyse(options: argparse.Namespace) -> int:
@@ -48,7 +54,8 @@ def analyse(options: argparse.Namespace) -> int:
         As the analysis and the writers of files.
     """
     cases = [rwmf.Case.from_namelist(path) for path in options.cases]
-    records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
+    with printed_warnings(options.analysis):
+        records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
     inputs = [path for case in cases for path in case.inputs]
     inputs += [Path(record.path) for record in records if record.path]
     files.check_outputs([options.plot, options.file], inputs)
@@ -152,8 +159,9 @@ def integrate(options: argparse.Namespace) -> int:
     """
     inputs = [word for word in (options.fragility, options.hazard) if Path(word).is_file()]
     _check_outputs(options, inputs)
-    hazard = _pair("--hazard", options.hazard) or options.hazard
-    found = rwmf.risk(_read_fragility(options.fragility), hazard, levels=options.levels)
+    fragility = _read_fragility(options.fragility)
+    hazard = hazard_of(_pair("--hazard", options.hazard) or options.hazard, unit_of(fragility))
+    found = rwmf.risk(fragility, hazard, levels=options.levels)
     names = ["annual_frequency", "annual_frequency_band", "closed_form", "return_period"]
     print_warnings(options.hazard, str(found.attrs["warnings"]).splitlines())
     _print_results(found, [*names, "probability_50_years", "extrapolated"], options)
@@ -219,7 +227,8 @@ def _read_fragility(word: str) -> xr.Dataset | tuple[float, float]:
     try:
         with xr.open_dataset(path, engine="h5netcdf") as dataset:
             return dataset.load()
-    except (OSError, ValueError) as error:
+    except Exception as error:
+        # HDF5 has errors of many kinds for a damaged file
         raise InputError(f"{word}: cannot be read as NetCDF: {error}") from error
 
 
@@ -242,7 +251,7 @@ def _print_table(table: xr.Dataset) -> None:
 
 
 def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namespace) -> None:
-    """Print numbers of all designs in one table, or as JSON; write the dataset."""
+    """Print numbers of all designs and the limits of the model, or JSON; write the dataset."""
     if options.file:
         write_dataset(found, options.file)
     shown = [name for name in names if name in found]
@@ -253,7 +262,7 @@ def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namesp
         fields |= {str(name): found[name].values for name in found.coords}
         print_json({str(key): np.asarray(value) for key, value in fields.items()} | {
             key: value for key, value in found.attrs.items() if isinstance(value, str | int | float)
-        })  # fmt: skip
+        } | {"not_in_model": _NOT_IN_MODEL})  # fmt: skip
         return
     each = found if "design" in found.dims else found.expand_dims("design")
     designs = [str(name) for name in np.atleast_1d(each["design"].values)]
@@ -269,6 +278,7 @@ def _print_results(found: xr.Dataset, names: list[str], options: argparse.Namesp
             for i in range(len(designs))
         ]
         print(f"{label:30}" + "".join(f"{cell:>{wide}}" for cell in cells))
+    print(f"not in the model: {_NOT_IN_MODEL}")
 
 
 def _cell(values: xr.DataArray) -> str:

@@ -118,7 +118,7 @@ def _add_frequency(commands: Subcommands) -> None:
     )
     text = "NetCDF file of rwmf fragility, or MEDIAN,DISPERSION"
     parser.add_argument("fragility", metavar="FRAGILITY", help=text)
-    text = "CSV file of intensity and annual frequency, or K0,K of a power law"
+    text = "CSV file of intensity and frequency, return_period or poe_50; or K0,K of a power law"
     parser.add_argument("--hazard", metavar="HAZARD", required=True, help=text)
     _list(parser, "levels", None, "intensities between the bins of the deaggregation")
     _add_results(parser, "hazard curve and deaggregation")

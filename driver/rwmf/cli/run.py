@@ -13,7 +13,7 @@ import numpy as np
 from rwmf import _library, loops
 from rwmf import _simulation as simulation
 from rwmf._files import files
-from rwmf._headline import grouped, headline_of_case, value_text
+from rwmf._headline import grouped, headline, tendon_yield_of, value_text
 from rwmf.case import Case
 from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
 from rwmf.cli.gradient_output import derivatives_by_name, print_gradient
@@ -172,7 +172,8 @@ def _print_table(
 ) -> None:
     """Print headline and grouped table, or every key with its sensitivity."""
     if not is_all:
-        print("\n".join([*headline_of_case(summary, case), *grouped(summary, digits=digits)]))
+        lines = headline(summary, tendon_yield_of(case))
+        print("\n".join([*lines, *grouped(summary, digits=digits)]))
         return
     shown = [key for key in summary if not key.startswith(SENSITIVITY)]
     width = max(map(len, shown))

@@ -17,7 +17,7 @@ from rwmf._progress import progress
 from rwmf._sweep import RecordFile, find_records
 from rwmf._sweep.kept_quantities import find_quantity
 from rwmf.case import Case
-from rwmf.cli.output import print_warnings, print_written
+from rwmf.cli.output import print_warnings, print_written, printed_warnings
 from rwmf.cli.study_parser import BLOCK_PERIODS, FACTORS, PERIODS, STRESSES, TENSIONS
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
@@ -52,7 +52,10 @@ def run(options: argparse.Namespace) -> int:
     """
     case = Case.from_namelist(options.case)
     words = getattr(options, "records", None) or ()
-    records: Sequence[RecordFile] = find_records(words, unit=options.unit) if words else ()
+    records: Sequence[RecordFile] = ()
+    if words:
+        with printed_warnings(options.case):
+            records = find_records(words, unit=options.unit)
     inputs = [*case.inputs, *(Path(record.path) for record in records)]
     files.check_outputs([options.plot, options.file], inputs)
     figures.check_formats(options.plot)

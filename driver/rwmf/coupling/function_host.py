@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from rwmf._numbers import show, to_array, to_items, to_whole
+from rwmf._arguments import function_of
+from rwmf._numbers import show, to_array, to_items, to_shaped, to_whole
 from rwmf.coupling.host import IteratedHost, Reals, Wholes, end_rates
 from rwmf.errors import InputError
 
@@ -61,12 +62,8 @@ class FunctionHost(IteratedHost):
         n = len(self._mass)
         self._damping = _forces("damping", damping, n)
         self._restoring = _forces("restoring", restoring, n)
-        if not callable(ground):
-            raise InputError(f"ground = {show(ground)}: must be callable")
-        self._ground = ground
-        self._on_commit = on_commit
-        if not (on_commit is None or callable(on_commit)):
-            raise InputError(f"on_commit = {show(on_commit)}: must be callable")
+        self._ground = function_of("ground", ground)
+        self._on_commit = None if on_commit is None else function_of("on_commit", on_commit)
         numbers = [to_whole("links", number, 0, n - 1) for number in to_items(links) or []]
         if not numbers:
             raise InputError(f"links = {show(links)}: must be numbers in [0, {n - 1}]")
@@ -134,18 +131,16 @@ class FunctionHost(IteratedHost):
         accelerations : numpy.ndarray, shape (dofs,)
             Accelerations [m/s2].
         """
-        self._v, self._a = velocities, accelerations
+        shape = self._u.shape
+        self._v = to_shaped("velocities", velocities, shape)
+        self._a = to_shaped("accelerations", accelerations, shape)
 
 
 def _matrix(name: str, value: object, n: int | None = None) -> Reals:
     """Return a square matrix; a vector is its diagonal."""
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise InputError(f"{name} = {show(value)}: must be a matrix or its diagonal") from None
-    flat = to_array(name, array.ravel(), least=1)
-    square = np.diag(flat) if array.ndim == 1 else flat.reshape(array.shape)
-    if square.ndim != 2 or square.shape[0] != square.shape[1] or n not in (None, len(square)):
+    array = to_shaped(name, value)
+    square = np.diag(array) if array.ndim == 1 else array
+    if square.ndim != 2 or not square.size or len({*square.shape, n or len(square)}) > 1:
         size = "(dofs, dofs)" if n is None else f"({n}, {n})"
         raise InputError(f"{name}: has the shape {array.shape}: must have {size}")
     return square

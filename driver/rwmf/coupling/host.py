@@ -8,12 +8,17 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from rwmf._numbers import to_number, to_shaped
 from rwmf.errors import NumericalError
 
 __all__ = ["Host", "IteratedHost", "Reals", "Wholes", "end_rates"]
 
 Reals = npt.NDArray[np.float64]
 Wholes = npt.NDArray[np.int64]
+
+
+# step whose square is far above the smallest number [s]
+_SHORTEST = 1e-100
 
 
 class Host(Protocol):
@@ -108,6 +113,7 @@ class IteratedHost(Host):
 
     def attempt(self, forces: Reals, h: float) -> Reals:
         """Compute a step without committing it."""
+        forces, h = self._checked(forces, h)
         increment = self._guess(h)
         for iteration in range(1, self._most_iterations + 1):
             correction, is_last = self._correct(increment, forces, h, iteration)
@@ -118,7 +124,13 @@ class IteratedHost(Host):
 
     def commit(self, forces: Reals, h: float) -> None:
         """Make a step."""
-        self._make_step(forces, h)
+        self._make_step(*self._checked(forces, h))
+
+    def _checked(self, forces: Reals, h: float) -> tuple[Reals, float]:
+        links = (len(self.links),)
+        return to_shaped("forces", forces, links), to_number(
+            "h", h, above=_SHORTEST, below=1 / _SHORTEST
+        )
 
     @abstractmethod
     def _guess(self, h: float) -> Reals:

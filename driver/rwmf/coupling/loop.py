@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from rwmf._arguments import case_of
+from rwmf._arguments import case_of, checked
 from rwmf._numbers import show, to_number
 from rwmf.case import CaseLike
 from rwmf.coupling.coupled_run import CoupledRun
 from rwmf.coupling.coupled_wall import CoupledWall
 from rwmf.coupling.host import Host
 from rwmf.coupling.pair import Pair
-from rwmf.errors import InputError
+from rwmf.errors import InputError, warn
 
 __all__ = ["couple"]
 
 
+@checked
 def couple(
     case: CaseLike,
     host: Host,
@@ -63,21 +64,17 @@ def couple(
     NumericalError
         When an iteration does not converge, or the wall overturns.
     """
-    step = to_number("dt", dt, above=0.0)
-    end = to_number("t_end", t_end, above=0.0)
-    if not callable(ground):
-        raise InputError(f"ground = {show(ground)}: must be callable")
     if not hasattr(host, "links") or not callable(getattr(host, "attempt", None)):
         raise InputError(f"host = {show(host)}: must be an OpenSeesHost, a FunctionHost or a Host")
-    accuracy = to_number("tolerance", tolerance, above=0.0)
     given = case_of(case)
     mass = None if given.wall is None else given.wall.get("m_w")
     if mass is None:
         raise InputError("case: a coupling needs &wall m_w, the mass of the wall")
     weight = to_number("m_w", mass) * given.model.g
     wall = CoupledWall(given, len(host.links), heights)
-    pair = Pair(wall, host, ground, step, weight, accuracy)
+    warn(given.kernel.motion_warnings())
+    pair = Pair(wall, host, ground, dt, weight, tolerance)
     begin = host.time()
-    for number in range(1, math.ceil((end - begin) / step * (1 - 1e-12)) + 1):
-        pair.advance(min(begin + number * step, end))
+    for number in range(1, math.ceil((t_end - begin) / dt * (1 - 1e-12)) + 1):
+        pair.advance(min(begin + number * dt, t_end))
     return pair.run

@@ -6,6 +6,7 @@ import ctypes
 import functools
 import hashlib
 import io
+import re
 import tempfile
 import zipfile
 from importlib.resources import files
@@ -86,7 +87,7 @@ def _resources(case: Case) -> dict[str, bytes]:
             source = next(records) if motion is None else Path(folder, f"{name}.txt")
             if motion is not None:
                 motion.write(source)
-            file = f"{name}{source.suffix}"
+            file = name + re.sub(r"[^.A-Za-z0-9]", "", source.suffix)
             found[file] = source.read_bytes()
             groups[name]["file"] = file
     # neither sweeps nor files belong to a unit; its demands need the requests of `reactions`

@@ -8,6 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree as Xml
 
 from rwmf import _library
+from rwmf._files.names import xml_text
 from rwmf.case import Case
 from rwmf.export.fmu_variables import Variable
 
@@ -45,7 +46,7 @@ def model_description(case: Case, variables: list[Variable], token: str) -> byte
     bytes
         The text of the file.
     """
-    name = Path(case.source).stem if case.source else "case"
+    name = xml_text(Path(case.source).stem) if case.source else "case"
     root = Xml.Element(
         "fmiModelDescription",
         fmiVersion="3.0",

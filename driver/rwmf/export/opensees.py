@@ -118,7 +118,8 @@ class _Script:
         has_mass = self.case.wall is None or self.case.wall.get("m_w") is not None
         analysis = files("rwmf.export").joinpath("opensees_analysis.txt").read_text("utf-8")
         head = _HEAD.format(
-            source=self.case.label,
+            # as in a string of Python, in ASCII: the name of a file must not end the docstring
+            source=json.dumps(self.case.label)[1:-1],
             scale="" if has_mass else "; masses and forces over the mass of the wall",
             notes="\n".join(self.notes or ["* nothing"]),
         )

@@ -262,9 +262,8 @@ def _refuse(case: Case) -> None:
         if group is not None and group.law not in _LAWS:
             stop(name, f"law = '{group.law}'; it has {', '.join(_LAWS)}")
     rocks = case.wall is not None and case.wall.base == "rocking"
-    if rocks and (case.impact is None or case.impact.rule not in ("coupled", "housner")):
-        found = "no rule" if case.impact is None else f"rule = '{case.impact.rule}'"
-        stop("impact", f"a prescribed e ({found}); its impacts follow rule = 'coupled'")
+    if rocks and case.impact.rule not in ("coupled", "housner"):
+        stop("impact", f"rule = '{case.impact.rule}'; its impacts follow rule = 'coupled'")
     if rocks and case.impact.rule == "housner" and case.frame is not None:
         stop("impact", "rule = 'housner' beside a frame; its impacts follow rule = 'coupled'")
     if case.wall is not None and case.model.formulation != "exact":
@@ -273,6 +272,8 @@ def _refuse(case: Case) -> None:
         stop("initial", "a rotated start of a wall with a frame in this export")
     if case.bending is not None and case.bending.damping == "modal":
         stop("bending", "damping = 'modal' of a wall by itself; use 'stiffness'")
+    if case.bending is not None and case.bending.xi_of == "rocking":
+        stop("bending", "xi_of = 'rocking'; use 'cantilever'")
     for name in sorted(set(case.groups) - _EXPORTED):
         stop(name, "a counterpart in this export; leave the group out")
 

@@ -216,7 +216,8 @@ def _encode_mp4(pictures: Iterator[Image], path: Path, name: str, frames_per_sec
     words = [
         FFMpegWriter.bin_path(), "-loglevel", "error", "-y",
         "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", size, "-r", str(frames_per_second), "-i", "-",
-        "-pix_fmt", "yuv420p", "-f", "mp4", name,
+        # a folder may be called like an option or a protocol
+        "-pix_fmt", "yuv420p", "-f", "mp4", f"file:{name}",
     ]  # fmt: skip
     with Popen(words, stdin=PIPE, stderr=PIPE) as process:
         try:

@@ -39,13 +39,16 @@ _PRACTICES = {
 }
 # symbols of the peaks compared by default
 _SYMBOLS = {"u_s_max_m": r"$u_{s,\max}$", "theta_max_rad": r"$|\theta|_{\max}$"}
+_WORK = {"seconds": "processor time of one run (s)", "rhs_evaluations": "evaluations of one run"}
 # errors below this are round-off and drawn at this level
 _FLOOR = 1e-16
 
 
 @checked
-def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -> Axes:
-    """Draw error against time, one line per method; procedures of practice are grey points.
+def work_precision(
+    cost: Cost, ax: Axes | None = None, *, legend: bool = True, over: str = "seconds"
+) -> Axes:
+    """Draw error against work, one line per method; procedures of practice are grey points.
 
     Parameters
     ----------
@@ -55,6 +58,9 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
         Axes to draw in; otherwise a new figure.
     legend : bool
         Add a legend beside the axes.
+    over : {'seconds', 'rhs_evaluations'}
+        Measure of work: processor time, which varies with the load of the machine, or the number
+        of evaluations, which does not.
 
     Returns
     -------
@@ -66,13 +72,15 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
     InputError
         When an argument has the wrong type.
     """
-    if not hasattr(cost, "practices"):
-        raise InputError(f"cost = {show(cost)}: must be the result of rwmf.cost")
+    if not getattr(cost, "rows", None):
+        raise InputError(f"cost = {show(cost)}: must be the result of rwmf.cost, with rows")
+    if over not in _WORK:
+        raise InputError(f"over = {show(over)}: must be one of {', '.join(_WORK)}")
     axes: Axes = make_panels(ax, 1)[0]
     for method, colour, marker in zip(_METHODS, COLOURS, MARKERS, strict=False):
         rows = [row for row in cost.rows if row.method == method and _is_drawn(row)]
         axes.plot(
-            [row.seconds for row in rows],
+            [getattr(row, over) for row in rows],
             [_height(row) for row in rows],
             color=colour,
             marker=marker,
@@ -81,10 +89,10 @@ def work_precision(cost: Cost, ax: Axes | None = None, *, legend: bool = True) -
         )
     for row in cost.practices:
         if _is_drawn(row):
-            _draw_practice(axes, row)
+            _draw_practice(axes, row, over)
     if cost.recommended is not None:
-        _mark_recommended(axes, cost.recommended, cost.target)
-    _finish(axes, cost)
+        _mark_recommended(axes, cost.recommended, cost.target, over)
+    _finish(axes, cost, over)
     if legend:
         legend_beside(axes)
     return axes
@@ -98,10 +106,10 @@ def _height(row: Row) -> float:
     return max(row.relative_error, _FLOOR)
 
 
-def _draw_practice(axes: Axes, row: Row) -> None:
+def _draw_practice(axes: Axes, row: Row, over: str) -> None:
     marker, filled = _PRACTICES.get(row.method, ("x", True))
     axes.plot(
-        [row.seconds],
+        [getattr(row, over)],
         [_height(row)],
         marker,
         color=GREY,
@@ -111,9 +119,9 @@ def _draw_practice(axes: Axes, row: Row) -> None:
     )
 
 
-def _mark_recommended(axes: Axes, row: Row, target: float) -> None:
+def _mark_recommended(axes: Axes, row: Row, target: float, over: str) -> None:
     axes.plot(
-        [row.seconds],
+        [getattr(row, over)],
         [_height(row)],
         "o",
         markersize=10,
@@ -132,11 +140,11 @@ def _power(value: float) -> str:
     return f"{value:g}"
 
 
-def _finish(axes: Axes, cost: Cost) -> None:
+def _finish(axes: Axes, cost: Cost, over: str) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_ylim(_FLOOR / 3, 10.0)
     axes.set_yticks(10.0 ** np.arange(-16, 1, 2))
-    axes.set_xlabel("time of one run (s)")
+    axes.set_xlabel(_WORK[over])
     peak = cost.reference["peak"]
     axes.set_ylabel(f"relative error of {_SYMBOLS.get(peak, peak)}")

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rwmf._files import files
+from rwmf._files.names import readable
 from rwmf.case.namelist import compose
 from rwmf.plotting.image_files import check_format, save
-from rwmf.plotting.style import INK, legend_above, new_figure, series
+from rwmf.plotting.style import INK, legend_above, new_figure, plain, series
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,7 +74,7 @@ def write(found: Design, path: str | os.PathLike[str], commands: Sequence[str] =
         When the file cannot be written.
     """
     if Path(path).suffix.lower() == ".html":
-        files.write_bytes(path, _html(found, commands).encode("utf-8"))
+        files.write_bytes(path, readable(_html(found, commands)).encode())
         return
     with new_figure(_PAGE) as figure:
         _draw_page(figure, found, commands)
@@ -109,7 +110,7 @@ def draw_checks(found: Design, ax: Axes) -> Axes:
             colour = series(i, 2)["color"]
             ax.barh(places - 0.16 - 0.24 * i, shown, 0.22, label=label, color=colour)
     for place, check in zip(places, found.checks, strict=True):
-        ax.text(0, float(place), f" {check.target}", va="bottom")
+        ax.text(0, float(place), f" {plain(check.target)}", va="bottom")
     ax.axvline(1.0, linewidth=1.0, color=INK)
     ax.set_yticks([])
     ax.set_ylim(0.4, n + 0.35)
@@ -186,7 +187,7 @@ def _draw_page(figure: Figure, found: Design, commands: Sequence[str]) -> None:
     lines = [line for text in _sentences(found) for line in textwrap.wrap(text, 88)]
     table = [f"{row[0]}: {row[1]} (limit {row[2]}), left out {row[4]}" for row in _rows(found)]
     head = [values, *lines, *table]
-    figure.text(_MARGIN, 0.98, "\n".join(head), va="top")
+    figure.text(_MARGIN, 0.98, plain("\n".join(head)), va="top")
     height = (_CHECKS + 0.4 * len(found.checks)) / _PAGE
     below = 0.98 - _LINE * len(head) - height - 0.05
     draw_checks(found, figure.add_axes((_MARGIN, below + 0.05, 1 - 2 * _MARGIN, height - 0.05)))
@@ -194,4 +195,4 @@ def _draw_page(figure: Figure, found: Design, commands: Sequence[str]) -> None:
     groups = _namelist(found).split("\n\n")
     texts = [" ".join(group.split()) for group in groups] + list(commands)
     lines = [line for text in texts for line in textwrap.wrap(text, 100)]
-    figure.text(_MARGIN, below, "\n".join(lines), va="top", family="monospace", fontsize=6)
+    figure.text(_MARGIN, below, plain("\n".join(lines)), va="top", family="monospace", fontsize=6)

@@ -24,6 +24,8 @@ Array = npt.NDArray[np.float64]
 
 # default of `&model g` [m/s2]
 _G = 9.81
+# shortest period of a spectrum; the sampling follows it [s]
+_SHORTEST = 1e-3
 _UNITS = {"g": _G, "m/s2": 1.0, "cm/s2": 0.01}
 _PERIODS = np.geomspace(0.05, 4.0, 120)
 # steps of the recursion in the shortest period, for its peaks between samples
@@ -67,9 +69,7 @@ def ground_motion(
         When there is no ground motion, or when a period or the damping is not acceptable.
     """
     t, a = _samples(dataset)
-    periods = to_array("T_s", T_s, above=0.0, least=1)
-    if damping >= 1:
-        raise InputError(f"damping = {damping:g}: must be in [0, 1)")
+    periods = to_array("T_s", T_s, above=_SHORTEST, least=1)
     over_time, over_period = panels = make_panels(axes, 2, across=True)
     look = {"color": COLOURS[0]} | line
     i = int(np.argmax(np.abs(a)))

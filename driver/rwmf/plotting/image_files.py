@@ -14,7 +14,7 @@ from rwmf.errors import InputError
 from rwmf.plotting import response as plot
 from rwmf.plotting.envelope import envelope, has_envelopes
 from rwmf.plotting.profile import demands_of, profile
-from rwmf.plotting.style import make_panels, new_figure
+from rwmf.plotting.style import make_panels, new_figure, plain
 from rwmf.quantities import names_by_key
 
 if TYPE_CHECKING:
@@ -213,5 +213,5 @@ def save_spectrum(
         panels = make_panels(figure.subplots(len(names)), len(names))
         for ax, name in zip(panels, names, strict=True):
             plot.spectrum(dataset, ax, bare, name)
-        panels[0].set_title(title)
+        panels[0].set_title(plain(title))
         save(figure, path)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rwmf._arguments import checked, dataset_of
-from rwmf.plotting.style import COLOURS, DOTS, GREY, INK, PAPER, legend_beside, tint
+from rwmf.plotting.style import COLOURS, DOTS, GREY, INK, PAPER, legend_beside, plain, tint
 from rwmf.studies.overturning import SURVIVES
 
 if TYPE_CHECKING:
@@ -119,4 +119,4 @@ def _scene_in_words(dataset: xr.Dataset) -> str:
     """Describe wall, velocity factor and pulse of a map."""
     units = {"alpha": r"$\alpha$ = {:.4g} rad", "p": "$p$ = {:.4g} rad/s", "e": "$e$ = {:.4g}"}
     parts = [form.format(float(dataset[name])) for name, form in units.items() if name in dataset]
-    return ", ".join([*parts, str(dataset.attrs["pulse"]).replace("_", "-")])
+    return ", ".join([*parts, plain(dataset.attrs["pulse"]).replace("_", "-")])

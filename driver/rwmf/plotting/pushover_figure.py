@@ -19,6 +19,7 @@ from rwmf.plotting.style import (
     PAPER,
     legend_beside,
     make_panels,
+    plain,
 )
 from rwmf.quantities import find_numbered
 
@@ -119,11 +120,11 @@ def pushover(
             markeredgecolor=PAPER,
             markeredgewidth=0.5,
             markersize=7,
-            label=f"{words}, {100 * at:.3g} %",
+            label=f"{plain(words)}, {100 * at:.3g} %",
             zorder=5,
         )
     ax.set_xlabel("roof drift (%)")
-    weight = str(curve.attrs["weight"])
+    weight = plain(curve.attrs["weight"])
     ax.set_ylabel("base shear (kN)" if scale else f"base shear over {weight}")
     legend_beside(ax)
     return ax

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from rwmf.plotting.style import ALONE, COLOURS, GREY, label_plainly, legend_below
+from rwmf.plotting.style import ALONE, COLOURS, GREY, label_plainly, legend_below, plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,7 +43,7 @@ def draw_records(figure: Figure, records: Mapping[str, Mapping[str, _Array]]) ->
         for key, ax in panels.items():
             ax.plot(curves["t"], curves[key], **look)
         energy.plot(curves["t"], curves["energy"], **look)
-        spectrum.loglog(curves["periods"], curves["Sa"], label=name, **look)
+        spectrum.loglog(curves["periods"], curves["Sa"], label=plain(name), **look)
     for key, label in _HISTORIES.items():
         panels[key].set_ylabel(label)
     panels["u"].set_xlabel("time $t$ (s)")

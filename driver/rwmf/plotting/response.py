@@ -24,6 +24,7 @@ from rwmf.plotting.style import (
     legend_beside,
     make_panels,
     period_label,
+    plain,
     series,
     storey,
 )
@@ -187,7 +188,7 @@ def _mark_end(panels: np.ndarray, dataset: xr.Dataset) -> None:
         t, kind = float(dataset["event_time"][k]), str(dataset["event"].values[k])
         for ax in panels:
             ax.axvline(t, **LIMIT)
-        panels[0].set_title(f"{kind} at {t:.2f} s", color=COLOURS[1], loc="left")
+        panels[0].set_title(f"{plain(kind)} at {t:.2f} s", color=COLOURS[1], loc="left")
 
 
 def members(dataset: xr.Dataset, name: str) -> list[str]:
@@ -365,8 +366,8 @@ def _explain_impacts(ax: Axes, dataset: xr.Dataset) -> None:
 def _axis_label(variable: xr.DataArray, name: str, letters: int = _LETTERS) -> str:
     """Return the words for a variable, with its unit, in short lines."""
     unit = variable.attrs.get("units", "")
-    unit = _UNITS.get(unit, unit)
-    words = _WORDS.get(name) or variable.attrs.get("long_name", name.replace("_", " "))
+    unit = _UNITS.get(unit, plain(unit))
+    words = _WORDS.get(name) or plain(variable.attrs.get("long_name", name.replace("_", " ")))
     text = f"{words} ({unit})" if unit else str(words)
     # a formula has no space at which a line could end
     length = len(re.sub(r"[\\${}_]|dot|theta", "", text))

@@ -14,7 +14,7 @@ from rwmf._risk.level_statistics import demand_percentiles
 from rwmf._risk.normal import exceedance
 from rwmf._risk.table import fallen, quantities_of, read_table
 from rwmf.errors import InputError
-from rwmf.plotting.style import DOTS, legend_above, make_panels, series, tint
+from rwmf.plotting.style import DOTS, legend_above, make_panels, plain, series, tint
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,7 +111,7 @@ def cloud(dataset: xr.Dataset, ax: Axes | None = None, quantity: str | None = No
     for i, design in enumerate(designs):
         own = (rows["design"].values == design) & (x > 0) & np.isfinite(x)
         colour = series(i, len(designs))["color"]
-        label = design or "runs"
+        label = plain(design or "runs")
         ax.loglog(x[own & ~down], y[own & ~down], ".", color=colour, label=label)
         if (own & down).any():
             looks = {"color": colour, "markersize": 4, "label": f"{label}, collapsed"}
@@ -135,7 +135,9 @@ def _label_demand(ax: Axes, rows: xr.Dataset, name: str) -> None:
     """Label the axes of a demand and its intensity."""
     attrs = rows[name].attrs
     unit = attrs.get("units", "1")
-    ax.set_xlabel(attrs.get("long_name", name) + (f" ({unit})" if unit != "1" else ""))
+    ax.set_xlabel(
+        plain(attrs.get("long_name", name)) + (f" ({plain(unit)})" if unit != "1" else "")
+    )
     ax.set_ylabel(intensity_label(rows.attrs))
 
 
@@ -149,7 +151,7 @@ def _draw_percentiles(
         px, py = [0.0, *values[finite]], [0.0, *levels[finite]]
         if np.isposinf(values).any():
             px, py = [*px, edge], [*py, py[-1]]
-        prefix = f"{design}: " if design else ""
+        prefix = f"{plain(design)}: " if design else ""
         if share == 50:
             ax.plot(px, py, label=f"{prefix}median", **line)
         else:
@@ -188,7 +190,7 @@ def fragility(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
         median = float(own["median"])
         line: dict[str, Any] = series(i, n)
         text = f"median {median:.3g}, dispersion {spread[i]:.2g}"
-        name = f"{found['design'].values[i]}: " if n > 1 else "lognormal, "
+        name = f"{plain(found['design'].values[i])}: " if n > 1 else "lognormal, "
         ax.plot(fine, exceedance(fine, median, spread[i]), label=name + text, **line)
         if "median_resampled" in own:
             low, high = _band(own, fine, spread[i])
@@ -285,7 +287,7 @@ def deaggregation(dataset: xr.Dataset, ax: Axes | None = None) -> Axes:
     n, bins = found.sizes["design"], found.sizes["bin"]
     for i in range(n):
         own = found.isel(design=i)
-        name = f"{own['design'].item()}: " if n > 1 else ""
+        name = f"{plain(own['design'].item())}: " if n > 1 else ""
         ax.bar(
             np.arange(bins) + (i + 0.5) * 0.8 / n - 0.4,
             100 * own["contribution"].values,
@@ -307,9 +309,9 @@ def _condition(dataset: xr.Dataset) -> str:
     if quantity == "collapse":
         return "P(collapse)"
     limit = dataset["limit"]
-    unit = str(limit.attrs.get("units", "1"))
+    unit = plain(limit.attrs.get("units", "1"))
     value = f"{float(np.ravel(limit.values)[0]):g}" + ("" if unit == "1" else f" {unit}")
-    return f"P({_SYMBOLS.get(quantity, quantity)} > {value})"
+    return f"P({_SYMBOLS.get(quantity, plain(quantity))} > {value})"
 
 
 def intensity_label(attributes: dict[Any, Any]) -> str:
@@ -331,8 +333,8 @@ def intensity_label(attributes: dict[Any, Any]) -> str:
     if kind == "peak_acceleration":
         return "PGA/g"
     if period is None:
-        unit = str(attributes.get("intensity_unit", "g"))
-        label = str(attributes.get("intensity_label", kind)).replace("_", " ")
+        unit = plain(attributes.get("intensity_unit", "g"))
+        label = plain(attributes.get("intensity_label", kind)).replace("_", " ")
         return label if unit == "g" else f"{label} ({unit})"
     damping = 100 * float(attributes["intensity_damping"])
     return f"$S_a$({float(period):.3g} s, {damping:.3g} %)$/g$"

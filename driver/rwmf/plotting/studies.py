@@ -20,6 +20,7 @@ from rwmf.plotting.style import (
     legend_above,
     make_panels,
     period_label,
+    plain,
     series,
 )
 from rwmf.studies.friction import CABLE, DEMAND
@@ -133,7 +134,7 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
     curves = [_curves(ratio, ("T_s",)) for ratio in values]
     n = len(curves[0])
     for k, (name, found) in enumerate(zip(names, curves, strict=True)):
-        symbol = _SYMBOLS.get(name, name.replace("_", " ")) if len(names) > 1 else ""
+        symbol = _SYMBOLS.get(name, plain(name.replace("_", " "))) if len(names) > 1 else ""
         for i, (label, curve) in enumerate(found):
             # one colour per response, one line style per frame
             line_style = series(k, len(names)) | {"linestyle": _LINES[i % len(_LINES)]}
@@ -143,7 +144,9 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
             ax.plot(curve["T_s"], curve, label=", ".join(parts) or None, **line_style)
     ax.axhline(1.0, **LEVEL)
     _finish(ax, dataset["ratio"])
-    only = _SYMBOLS.get(names[0], names[0].replace("_", " ")) + " " if len(names) == 1 else ""
+    only = (
+        _SYMBOLS.get(names[0], plain(names[0].replace("_", " "))) + " " if len(names) == 1 else ""
+    )
     ax.set_ylabel(f"{only}with / without wall")
     return ax
 
@@ -199,11 +202,11 @@ def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     ax.margins(x=0)
     ax.set_xlabel("pulse period $T_p$ (s)")
     quantity = str(dataset.attrs["quantity"])
-    unit = str(dataset["target"].attrs.get("units", "1"))
+    unit = plain(dataset["target"].attrs.get("units", "1"))
     # the key of an acceleration over g ends with its unit
     if unit == "1":
         unit = "g" if quantity.endswith("acceleration_max_g") else ""
-    symbol = _SYMBOLS.get(quantity, quantity.replace("_", " "))
+    symbol = _SYMBOLS.get(quantity, plain(quantity.replace("_", " ")))
     ax.set_ylabel(r"$a_{\max}/g$ for " + f"{symbol} = {float(dataset['target']):g} {unit}".rstrip())
     return ax
 
@@ -218,7 +221,7 @@ def _split(values: xr.DataArray, kept: tuple[str, ...]) -> Iterator[tuple[str, x
     for place in product(*(range(values.sizes[name]) for name in others)):
         at = dict(zip(others, place, strict=True))
         parts = [
-            f"{_SYMBOLS.get(name, name)} = {_text(values[name].values[i])}"
+            f"{_SYMBOLS.get(name, plain(name))} = {_text(values[name].values[i])}"
             for name, i in at.items()
             if values.sizes[name] > 1
         ]
@@ -226,7 +229,7 @@ def _split(values: xr.DataArray, kept: tuple[str, ...]) -> Iterator[tuple[str, x
 
 
 def _text(value: object) -> str:
-    return value if isinstance(value, str) else f"{value:g}"
+    return plain(value) if isinstance(value, str) else f"{value:g}"
 
 
 def _draw_lines(ax: Axes, values: xr.DataArray) -> None:
@@ -263,7 +266,8 @@ def _draw_bands(
 def _finish(ax: Axes, values: xr.DataArray, from_zero: bool = True) -> None:
     ax.set_xlabel(period_label(values["T_s"]))
     unit = label_in_large_units(ax.yaxis, values.attrs.get("units", "1"))
-    ax.set_ylabel(values.attrs.get("long_name", "") + ("" if unit == "1" else f" ({unit})"))
+    text = values.attrs.get("long_name", "") + ("" if unit == "1" else f" ({unit})")
+    ax.set_ylabel(plain(text))
     if from_zero:
         ax.set_ylim(bottom=0)
     ax.margins(x=0)

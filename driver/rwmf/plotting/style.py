@@ -48,6 +48,7 @@ __all__ = [
     "make_panels",
     "new_figure",
     "period_label",
+    "plain",
     "series",
     "storey",
     "style",
@@ -309,6 +310,22 @@ def label_in_large_units(axis: Axis, unit: str) -> str:
     return shown
 
 
+def plain(text: object) -> str:
+    """Return a text without formulas: matplotlib reads names between dollar signs as mathematics.
+
+    Parameters
+    ----------
+    text : object
+        A name, unit or sentence that a user or a file gives.
+
+    Returns
+    -------
+    str
+        The text as matplotlib shows it literally.
+    """
+    return str(text).replace("$", r"\$")
+
+
 def period_label(period: xr.DataArray) -> str:
     """Return the label of a period axis, with its definition unless it is a single frame's.
 
@@ -322,7 +339,7 @@ def period_label(period: xr.DataArray) -> str:
     str
         The label with its unit.
     """
-    meaning = str(period.attrs.get("long_name", AXES["T_s"].meaning))
+    meaning = plain(period.attrs.get("long_name", AXES["T_s"].meaning))
     if meaning == AXES["T_s"].meaning:
         return "period $T_s$ (s)"
     return meaning.replace("2 pi/p", r"$2\pi/p$") + " (s)"

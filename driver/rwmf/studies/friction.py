@@ -23,6 +23,7 @@ CABLE = "cable_force_max_over_m_w_g"
 _INCREMENT = "cable_force_increment_max_over_m_w_g"
 # groups that a prestress in N depends on
 _RATIO = ("wall", "cable", "model")
+_IMPACT = "friction_demand_impact_max"
 _FOUNDATION = (DEMAND, "pivot_normal_min_over_m_w_g", "base_shear_max_over_weight")
 
 
@@ -50,7 +51,8 @@ def friction_spectra(
     -------
     xarray.Dataset
         ``friction_demand_max`` [-], ``pivot_normal_min_over_m_w_g`` [-],
-        ``base_shear_max_over_weight`` [-] and, with a cable, ``cable_force_max_over_m_w_g`` [-].
+        ``base_shear_max_over_weight`` [-], for a wall that rocks ``friction_demand_impact_max``
+        [-] and, with a cable, ``cable_force_max_over_m_w_g`` [-].
         Demand and cable force are infinite where the wall overturned; the demand is also infinite
         where the pivot loses its compression.
 
@@ -62,7 +64,9 @@ def friction_spectra(
     case = case_of(case)
     if case.wall is None:
         raise InputError("friction: the case has no &wall whose base could slide")
-    wanted = _FOUNDATION if case.cable is None else (*_FOUNDATION, _INCREMENT)
+    wanted = list(_FOUNDATION)
+    wanted += [] if case.impact is None else [_IMPACT]
+    wanted += [] if case.cable is None else [_INCREMENT]
     found = sweep(case, grid, records, quantities=wanted, **sweep_options)
     found = found.assign({DEMAND: with_overturning(found, DEMAND)})
     if case.cable is None:

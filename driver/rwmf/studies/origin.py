@@ -25,5 +25,5 @@ def origin_of(case: Case) -> dict[str, str]:
     return {
         "version": _library.version(),
         "case": readable(case.to_namelist()),
-        "warnings": "\n".join(case.kernel.warnings()),
+        "warnings": "\n".join(case.kernel.motion_warnings()),
     }

@@ -20,10 +20,11 @@ module rwmf_bindings_python_handles
    private
 
    public :: kept_t, keep, find, free, put_text, put_error, add_source, split_names, make_control
-   public :: keep_motion, motion_of, complete_case, sampled_case, samples_of
+   public :: keep_motion, motion_of, complete_case, sampled_case, samples_of, text_of
 
-   !> Object behind a handle: a case, samples of a motion, changed keys, the result, the spectrum or
-   !> the static curve computed from a case, walls or a member of a host, or saved states of walls.
+   !> Object behind a handle: a case, samples of a motion or of a file, changed keys, the result,
+   !> the spectrum or the static curve computed from a case, walls or a member of a host, or saved
+   !> states of walls.
    type :: kept_t
       type(case_t), allocatable :: case
       !! constant once stored, so that any number of threads may use it
@@ -35,6 +36,8 @@ module rwmf_bindings_python_handles
       logical :: is_motion_of_origin = .false.
       !! the ground motion is unchanged
       type(samples_t), allocatable :: samples
+      type(samples_t), allocatable :: channels(:)
+      !! of a record file
       type(changes_t), allocatable :: changes
       type(result_t), allocatable :: result
       type(spectrum_t), allocatable :: spectrum
@@ -121,6 +124,18 @@ contains
          buffer(i) = transfer(text(i:i), buffer(i))
       end do
    end subroutine put_text
+
+   !> Return bytes as a text. As a character argument of f2py it would end at the first null byte.
+   pure function text_of(bytes) result(text)
+      integer(c_int8_t), intent(in) :: bytes(:)
+      character(:), allocatable :: text
+      integer :: i
+
+      allocate (character(size(bytes)) :: text)
+      do i = 1, size(bytes)
+         text(i:i) = char(iand(int(bytes(i)), 255))
+      end do
+   end function text_of
 
    !> Convert an error, or its absence, to a number and a message.
    pure subroutine put_error(error, status, message, length)

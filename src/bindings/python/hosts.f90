@@ -65,7 +65,7 @@ contains
    end subroutine walls_create
 
    !> Advance all walls to the last of the times. `a` is (times, walls) or (times, 1); (times, 0)
-   !> for the motion of the case. `control` is (unused, cancel), read between the walls.
+   !> for the motion of the case. `control` is (unused, cancel).
    subroutine walls_advance(handle, t, a, threads, control, status, message, message_length)
       integer(c_int64_t), intent(in) :: handle
       real(c_double), intent(in) :: t(:)

@@ -23,7 +23,8 @@ module rwmf_bindings_python_kernel
    use rwmf_input_schema, only: write_groups, write_schema
    use rwmf_integrator_factory, only: method_of_spectrum => spectrum_method
    use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
-   use rwmf_model_no_tension_strip, only: base_moment, contact_length, strip_t, toe_stress
+   use rwmf_model_no_tension_strip, only: base_moment, contact_length, settlement_stress, &
+      strip_t, toe_stress
    use rwmf_motion_ground_motion, only: motion_end, motion_t, peak_acceleration
    use rwmf_output_csv, only: case_name, file_names, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
@@ -31,6 +32,7 @@ module rwmf_bindings_python_kernel
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: all_quantities, key_length, quantities_text
    use rwmf_problem_scene_axes, only: axis_t, list_axes
+   use rwmf_problem_usual_ranges, only: text_of_unusual => unusual_record
    use rwmf_simulation_peak_sensitivity, only: count_digits => digits_of
    use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
    use rwmf_simulation_simulate, only: simulate_with_motion
@@ -383,6 +385,17 @@ contains
       digits = int(count_digits(rtol, sensitivity), c_int)
    end subroutine digits_of
 
+   !> Warning about peak over g [-], mean interval and duration [s] of a record; empty for none.
+   subroutine unusual_record(peak, interval, duration, buffer, length)
+      real(c_double), intent(in) :: peak
+      real(c_double), intent(in) :: interval
+      real(c_double), intent(in) :: duration
+      integer(c_int8_t), intent(inout) :: buffer(:)
+      integer(c_int), intent(out) :: length
+
+      call put_text(trim(text_of_unusual(peak, interval, duration)), buffer, length)
+   end subroutine unusual_record
+
    !> Key of the output quantity that a word may mean; empty for none.
    subroutine meant_quantity(word, buffer, length)
       character(*), intent(in) :: word
@@ -420,17 +433,19 @@ contains
       call put_error(error, status, message, message_length)
    end subroutine result_write
 
-   !> Contact length [m], toe stress [Pa] and moment [N m] of a strip under a base at each state.
-   subroutine strip_under(width, thickness, k, normal, phi, found)
-      real(c_double), intent(in) :: width, thickness, k
+   !> Contact length [m], toe stress [Pa], moment [N m] and stress of the toe's settlement [Pa] of a
+   !> strip under a base at each state.
+   subroutine strip_under(width, thickness, k, strength, normal, phi, found)
+      real(c_double), intent(in) :: width, thickness, k, strength
       real(c_double), intent(in) :: normal(:), phi(:)
       real(c_double), intent(inout) :: found(:, :)
       type(strip_t) :: strip
 
-      strip = strip_t(width, thickness, k)
+      strip = strip_t(width, thickness, k, strength)
       found(:, 1) = contact_length(strip, normal, phi)
       found(:, 2) = toe_stress(strip, normal, phi)
       found(:, 3) = base_moment(strip, normal, phi)
+      found(:, 4) = settlement_stress(strip, normal, phi)
    end subroutine strip_under
 
    !> Largest number of threads for a spectrum on this machine.

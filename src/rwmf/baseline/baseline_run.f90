@@ -11,7 +11,7 @@ module rwmf_baseline_baseline_run
    use rwmf_baseline_problem, only: baseline_t, create_problem, finish_problem, problem_t, &
       usual_interval
    use rwmf_core_error, only: err_input, err_numerical, error_t, fail
-   use rwmf_core_kinds, only: i8, wp
+   use rwmf_core_kinds, only: wp
    use rwmf_embedding_ranges, only: positive, require_number
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
@@ -48,15 +48,14 @@ contains
       type(error_t), allocatable, intent(out) :: error
       type(motion_t), target :: motion
       type(problem_t) :: scene
-      integer(i8) :: started
-      integer(i8) :: finished
-      integer(i8) :: rate
+      real(wp) :: started
+      real(wp) :: finished
 
       call check_single_run(case, error)
       call require_number(dt, 'dt', positive, error)
       if (allocated(error)) return
       motion = motion_from_case(case)
-      call system_clock(started, rate)
+      call cpu_time(started)
       call create_problem(case, motion, scene)
       if (scene%equation%n > 2 .or. scene%equation%has_bilinear_springs) then
          call fail(error, err_numerical, 'today''s procedures know theta and its rate only: no ' &
@@ -71,9 +70,9 @@ contains
       case default
          call fail(error, err_input, "practice '"//name//"': 'ode45', 'rk4' or 'newmark'")
       end select
-      call system_clock(finished)
+      call cpu_time(finished)
       call finish_problem(scene, baseline)
-      baseline%seconds = real(finished - started, wp)/real(rate, wp)
+      baseline%seconds = finished - started
    end subroutine run_baseline
 
 end module rwmf_baseline_baseline_run

@@ -42,7 +42,7 @@ module rwmf_baseline_problem
       integer(i8) :: steps
       integer(i8) :: rhs_evaluations
       real(wp) :: seconds
-      !! wall-clock time [s]
+      !! processor time [s]
    end type baseline_t
 
    !> Scene with its current state.

@@ -48,7 +48,7 @@ module rwmf_baseline_timed_run
       integer(i8) :: rhs_evaluations
       logical :: overturned
       real(wp) :: seconds
-      !! wall-clock time of one run without stored results, the fastest of all repeats [s]
+      !! processor time of one run without stored results, the fastest of all repeats [s]
       integer :: repeats
    end type timed_run_t
 
@@ -85,6 +85,8 @@ contains
       type(motion_t), target :: motion
       type(result_t) :: result
       real(wp) :: spent
+      real(wp) :: started
+      real(wp) :: finished
 
       measured = empty_measured()
       call check_measurable(case, rtol, budget, error)
@@ -96,19 +98,24 @@ contains
       ! two rows of history, because events are stored only with a history
       if (.not. allocated(trial%output)) trial%output = output_t(energy=.false.)
       trial%output%dt = trial%solver%t_end
+      call cpu_time(started)
       call run_once(trial, motion, control, result, error)
       if (allocated(error)) return
+      call cpu_time(measured%seconds)
+      measured%seconds = measured%seconds - started
       call take_result(trial, result, measured)
       trial = plain_case(case, method, rtol)
-      spent = result%seconds
+      spent = measured%seconds
       do while (budget > 0 .and. measured%repeats < most_repeats)
          if (spent > budget .and. measured%repeats >= least_repeats) exit
          if (spent > 3*budget .and. measured%repeats >= 1) exit
+         call cpu_time(started)
          call run_once(trial, motion, control, result, error)
          if (allocated(error)) return
+         call cpu_time(finished)
          measured%repeats = measured%repeats + 1
-         measured%seconds = min(measured%seconds, result%seconds)
-         spent = spent + result%seconds
+         measured%seconds = min(measured%seconds, finished - started)
+         spent = spent + finished - started
       end do
    end subroutine measure_method
 
@@ -175,7 +182,6 @@ contains
       measured%steps = result%steps
       measured%rhs_evaluations = result%rhs_evaluations
       measured%overturned = result%overturned
-      measured%seconds = result%seconds
    end subroutine take_result
 
    !> Copy a measurement into a caller's arrays in double precision, up to their sizes.

@@ -155,7 +155,7 @@ contains
       type(case_t), intent(in) :: case
 
       member%restitution = impact_law(case, member%equation%p%alpha)
-      if (allocated(case%impact)) member%balances = case%impact%rule == 'coupled'
+      member%balances = case%impact%rule == 'coupled'
    end subroutine set_impacts
 
    !> Return sizes and committed state.

@@ -28,7 +28,8 @@ module rwmf_embedding_stepping
    use rwmf_model_system_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
       interval_end, motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t
+   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_group_values, only: has_key
    use rwmf_problem_record, only: upward_group
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_state_hybrid_state, only: is_at_rest, mode_collapsed, mode_overturned
@@ -122,15 +123,27 @@ contains
          instance%own_motion = motion_from_case(case)
          if (allocated(instance%case%record)) deallocate (instance%case%record)
          if (allocated(instance%case%upward_record)) deallocate (instance%case%upward_record)
-         if (allocated(instance%case%output)) then
-            if (allocated(instance%case%output%dt)) deallocate (instance%case%output%dt)
-         end if
+         if (allocated(instance%case%output)) call limit_outputs(instance%case%output, &
+            has_key(case%values, 'output', 'reactions'))
          call build_equation(case, instance%own_motion, instance%equation)
          call new_integrator(case%solver%method, instance%integrator)
       end associate
       call start_instance(stepping%instance, t_begin, peak, error)
       if (allocated(error)) call destroy_stepping(stepping)
    end subroutine create_stepping
+
+   !> Remove the history; reactions and demands need a request, as they take time.
+   pure subroutine limit_outputs(output, asks_for_reactions)
+      type(output_t), intent(inout) :: output
+      logical, intent(in) :: asks_for_reactions
+      !! the case gives the key; the default of a run does not apply
+
+      if (allocated(output%dt)) deallocate (output%dt)
+      if (asks_for_reactions .or. allocated(output%limited)) return
+      output%reactions = .false.
+      output%demands = .false.
+      output%envelopes = .false.
+   end subroutine limit_outputs
 
    subroutine check_case(stepping, case, t_begin, peak, error)
       type(stepping_t), intent(in) :: stepping

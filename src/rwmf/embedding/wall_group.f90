@@ -124,11 +124,16 @@ contains
       if (size(group%walls) > 1) then
          call save_state(group%walls(i)%instance, group%before(i), goes_on=.true.)
       end if
-      if (size(a, 2) == 0) then
-         call advance_stepping(group%walls(i), t(size(t)), error)
-      else
-         call advance_stepping(group%walls(i), t, a(:, min(i, size(a, 2))), error)
-      end if
+      associate (wall => group%walls(i))
+         wall%instance%control = control
+         if (size(a, 2) == 0) then
+            call advance_stepping(wall, t(size(t)), error)
+         else
+            call advance_stepping(wall, t, a(:, min(i, size(a, 2))), error)
+         end if
+         ! the flag belongs to the caller
+         wall%instance%control = control_t()
+      end associate
    end subroutine advance_one
 
    subroutine roll_back(group, has_moved)

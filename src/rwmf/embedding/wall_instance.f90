@@ -54,6 +54,8 @@ module rwmf_embedding_wall_instance
       !! mass of the wall, or of a bare frame; 1 if the case gives none [kg]
       integer(i8) :: steps = 0_i8
       !! steps of the integrator in all calls
+      type(control_t) :: control
+      !! stop flag of the current call
    end type wall_instance_t
 
    !> State of a wall between two calls. Assignment copies it; it needs no destruction.
@@ -172,7 +174,6 @@ contains
       real(wp), intent(in) :: t
       !! [s]
       type(error_t), allocatable, intent(out) :: error
-      type(control_t) :: no_control
       type(snapshot_t) :: before
 
       call save_state(instance, before, goes_on=.false.)
@@ -180,7 +181,7 @@ contains
       instance%recorder%n_events = 0
       instance%hybrid%is_stopped = .false.
       call advance(instance%hybrid, instance%equation, instance%integrator, instance%recorder, t, &
-         no_control, instance%batch, error)
+         instance%control, instance%batch, error)
       call check_numbers('the state of the wall', instance%hybrid%y, error)
       if (allocated(error)) then
          call restore_state(instance, before)

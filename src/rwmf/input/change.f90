@@ -16,8 +16,8 @@ module rwmf_input_change
    use rwmf_input_value_check, only: check_number, requirement
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: as_given, group_place, group_values_t, key_values_t, &
-      value_text
+   use rwmf_problem_group_values, only: applies, as_given, group_place, group_values_t, &
+      key_values_t, value_text
    use rwmf_problem_key, only: key_t
    use rwmf_problem_record, only: record_source_t, record_t, set_factor, sets_motion
    use rwmf_problem_rules, only: fail_key
@@ -113,7 +113,7 @@ contains
       else if (keys(place)%is_fixed_by /= '') then
          call fail(error, err_input, name//': must be given where the case is made, because ' &
             //trim(keys(place)%is_fixed_by))
-      else if (.not. (values%groups(at)%is_given .or. is_of_method(group))) then
+      else if (.not. (applies(values, group) .or. is_of_method(group))) then
          call fail(error, err_input, name//': the case has no group &'//group)
       end if
    end subroutine find_place
@@ -122,7 +122,7 @@ contains
    pure logical function is_of_method(group)
       character(*), intent(in) :: group
 
-      is_of_method = any(group == [character(8) :: 'model', 'solver', 'output', 'spectrum'])
+      is_of_method = any(group == [character(8) :: 'output', 'spectrum'])
    end function is_of_method
 
    !> Check the number of values: one, or several for a list; none for keys without numbers.
@@ -293,8 +293,9 @@ contains
       kept%largest = record%largest
       kept%t_peak = record%t_peak
       kept%format = record%format
+      kept%unit = record%unit
       kept%crc32 = record%crc32
-      call set_factor(kept, source%scale, g, error, source%unit)
+      call set_factor(kept, source%scale, g, error)
    end subroutine keep_record
 
 end module rwmf_input_change

@@ -3,7 +3,7 @@ module rwmf_input_describe
    use rwmf_core_kinds, only: wp
    use rwmf_input_schema, only: all_keys
    use rwmf_problem_case, only: case_t
-   use rwmf_problem_group_values, only: as_given, group_values_t, has_group, has_key, &
+   use rwmf_problem_group_values, only: applies, as_given, group_values_t, has_group, has_key, &
       key_values_t, text_of, value_text
    use rwmf_problem_key, only: belongs_to, key_t
    use rwmf_problem_units, only: unit_of
@@ -25,9 +25,9 @@ contains
    !> dimensional value and its unit (kg, N, ...). If the value is derived from the given value of
    !> the same key, as for `n` of `&storeys`, the last column is the given value.
    !>
-   !> Absent groups have no lines, except `&model` and `&solver`. Reals are written with the digits
-   !> that read back as the same double precision number, lists with commas. The table describes the
-   !> case as read; later changes of its components are not included.
+   !> Absent groups have no lines, except `&model`, `&solver` and `&impact` of a rocking wall. Reals
+   !> are written with the digits that read back as the same double precision number, lists with
+   !> commas. The table describes the case as read, without later changes of its components.
    subroutine describe_case(case, text)
       type(case_t), intent(in) :: case
       character(:), allocatable, intent(out) :: text
@@ -74,8 +74,7 @@ contains
       type(key_t), intent(in) :: key
       integer :: dot
 
-      is_in_scene = has_group(values, trim(key%group)) &
-         .or. key%group == 'model' .or. key%group == 'solver'
+      is_in_scene = applies(values, trim(key%group))
       if (.not. is_in_scene) return
       if (key%kinds /= '') is_in_scene = belongs_to(key, text_of(values, 'motion', 'kind'))
       if (key%unless == '') return

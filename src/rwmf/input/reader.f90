@@ -10,7 +10,8 @@ module rwmf_input_reader
    use rwmf_input_unit_conversion, only: check_units, convert_units
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: group_values_t, has_group, has_key, key_line, text_of
+   use rwmf_problem_group_values, only: applies, group_values_t, has_group, has_key, key_line, &
+      text_of
    use rwmf_problem_key, only: key_t
    use rwmf_problem_record, only: record_source_t, record_t, set_factor
    use rwmf_problem_units, only: unit_mass
@@ -154,7 +155,7 @@ contains
       end do
    end function find_group
 
-   !> Fill the case from every group that is given; `&model` and `&solver` always apply.
+   !> Fill the case from every group that applies; `&output` has a meaning without being given.
    subroutine fill_case(case, groups, error)
       type(case_t), intent(inout) :: case
       !! case with its values, otherwise empty
@@ -168,9 +169,7 @@ contains
       case%follows_size = case%values%has_units .and. has_group(case%values, 'wall') &
          .and. case%unit_mass > 0
       do i = 1, size(groups)
-         if (.not. has_group(case%values, groups(i)%name)) then
-            if (.not. any(groups(i)%name == ['model ', 'solver'])) cycle
-         end if
+         if (.not. (applies(case%values, trim(groups(i)%name)) .or. groups(i)%name == 'output')) cycle
          if (.not. associated(groups(i)%fill)) cycle
          call groups(i)%fill(case, error)
          if (allocated(error)) return
@@ -243,13 +242,14 @@ contains
       if (present(known)) call take_record(known, source, record)
       ! an unallocated component is passed as an absent argument
       if (allocated(record)) then
-         call set_factor(record, source%scale, g, error, source%unit)
+         call set_factor(record, source%scale, g, error)
       else
          allocate (record)
          call read_record(source%path, source%dt, source%unit, source%scale, g, record, error)
       end if
       if (.not. allocated(error)) return
-      if (source%path /= source%file) call add_context(error, source%path)
+      ! the path in the key's value may be shortened
+      if (source%path /= shown(source%file)) call add_context(error, source%path)
       call add_file(values, group, error)
    end subroutine add_record
 

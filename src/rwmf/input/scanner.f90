@@ -76,7 +76,7 @@ contains
 
    !> Read the next token.
    !>
-   !> Error: a string that is not closed on its line.
+   !> Error: a string that is not closed on its line, is too long or contains a tab.
    subroutine next_token(text, scanner, token, error)
       character(*), intent(in) :: text
       !! text that was passed to `start_scanner`
@@ -165,7 +165,12 @@ contains
          token%text = token%text//text(scanner%position:scanner%position + length - 2)
          scanner%position = scanner%position + length
          if (is_at(text, scanner%position - 1, quote)) then
-            if (.not. is_at(text, scanner%position, quote)) return
+            if (.not. is_at(text, scanner%position, quote)) then
+               if (index(token%text, tab) > 0) call fail(error, err_input, &
+                  'line '//trim(integer_to_text(token%line))//': the string '//quote &
+                  //shown(token%text)//' contains a tab')
+               return
+            end if
             token%text = token%text//quote
             scanner%position = scanner%position + 1
          end if

@@ -30,8 +30,13 @@ module rwmf_integrator_lane_screens
 
    real(wp), parameter :: rise = 0.25_wp
    !! largest rise of a peak above three samples, over their range [-]
+   real(wp), parameter :: steep = 0.6_wp
+   !! least change over a step by the slope at an end, over the range of three samples [-]
    real(wp), parameter :: slack = 0.01_wp
    !! margin over the range so far [-]
+   real(wp), parameter :: least_range = 0.25_wp
+   !! least range so far over the magnitude of the level: after a start or an event, a vibration has
+   !! not shown its range yet [-]
    real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
    !! bound of the factors of a product
    real(wp), parameter :: same = 1.0e-8_wp
@@ -149,8 +154,8 @@ contains
             c = merge(abs(values(i, q, at_end)), values(i, q, at_end), is_magnitude)
             level = values(i, q, so_far)
             range = level - values(i, q, least_so_far)
-            is_flat(i) = min(is_flat(i), merge(merge(1.0_wp, 0.0_wp, max(a, c) + margin(i)*range &
-               <= level), 0.0_wp, range >= 0))
+            is_flat(i) = min(is_flat(i), merge(merge(1.0_wp, 0.0_wp, max(a, c) &
+               + margin(i)*max(range, least_range*abs(level)) <= level), 0.0_wp, range >= 0))
          end do
       end do
    end subroutine find_low_ends
@@ -237,7 +242,7 @@ contains
          c = -max(-cap, min(values(i, low_normal, at_end), cap))
          level = min(values(i, demand, so_far), cap)
          range = values(i, low_normal, so_far) - values(i, low_normal, least_so_far)
-         low = min(a, c) - margin(i)*range
+         low = min(a, c) - margin(i)*max(range, least_range*abs(values(i, low_normal, so_far)))
          ! |H| departs from its ends by a part of its range, which is less than the largest quotient
          ! times the largest N
          top = max(abs(a*max(-cap, min(values(i, demand, at_begin), cap))), &
@@ -287,11 +292,16 @@ contains
       !! 1 if the step has no extremum, 0 if it may have one; 0.5 if values grow up to the end
       real(wp), parameter :: longest_angle = 1.5_wp
       !! longest phase angle of a step [rad]
+      real(wp), parameter :: longest_slope = 0.75_wp
+      !! longest phase angle of a step whose samples give the slopes at the ends: forces contain
+      !! squares of velocities, which vary at twice the frequency [rad]
+      real(wp) :: has_slopes(lane_count)
       integer :: i, m, q
 
       !$omp simd
       do i = 1, lane_count
          is_flat(i) = merge(1.0_wp, 0.0_wp, angle(i) < longest_angle)
+         has_slopes(i) = merge(1.0_wp, 0.0_wp, angle(i) < longest_slope)
       end do
       do q = first, final
          if (.not. screen%has_search(q)) cycle
@@ -299,10 +309,10 @@ contains
             call check_quotient(screen%columns, values, is_flat)
          else if (q > screen%n - sections .and. first > demand) then
             m = q - (screen%n - sections)
-            call check_section(screen%columns, values, q, screen%n + section_terms*(m - 1) + 1, &
-               is_flat)
+            call check_section(screen%columns, values, has_slopes, q, screen%n &
+               + section_terms*(m - 1) + 1, is_flat)
          else
-            call check_value(screen%columns, values, q, is_flat)
+            call check_value(screen%columns, values, has_slopes, q, is_flat)
          end if
       end do
    end subroutine find_flat_steps
@@ -311,27 +321,30 @@ contains
    !>
    !> A magnitude that falls from the largest so far, by the parabola through the samples, has no
    !> other peak either.
-   pure subroutine check_value(columns, values, q, is_flat)
+   pure subroutine check_value(columns, values, has_slopes, q, is_flat)
       integer, intent(in) :: columns
       !! number of values and coefficients
       real(wp), intent(in) :: values(lane_count, columns, value_count)
+      real(wp), intent(in) :: has_slopes(lane_count)
+      !! 1 if the samples are dense enough for slopes, otherwise 0
       integer, intent(in) :: q
       !! number of the value
       real(wp), intent(inout) :: is_flat(lane_count)
       !! as in `find_flat_steps`
-      real(wp) :: a, b, c, begin, end, top, low, level, range, grows, falls
+      real(wp) :: a, b, c, begin, end, top, spread, low, level, range, grows, falls
       logical :: is_magnitude
       integer :: i
 
       is_magnitude = q /= low_normal
-      !$omp simd private(a, b, c, begin, end, top, low, level, range, grows, falls)
+      !$omp simd private(a, b, c, begin, end, top, spread, low, level, range, grows, falls)
       do i = 1, lane_count
          a = values(i, q, at_begin)
          b = values(i, q, at_middle)
          c = values(i, q, at_end)
          level = values(i, q, so_far)
          range = level - values(i, q, least_so_far)
-         low = rise*(max(a, b, c) - min(a, b, c))
+         spread = max(a, b, c) - min(a, b, c)
+         low = rise*spread
          begin = merge(abs(a), a, is_magnitude)
          end = merge(abs(c), c, is_magnitude)
          top = merge(max(begin, abs(b), end), max(a, b, c), is_magnitude)
@@ -340,9 +353,9 @@ contains
          grows = min(grows*(3*c - 4*b + a), grows*(4*b - 3*a - c))
          falls = merge(sign(1.0_wp, a), 1.0_wp, is_magnitude)
          falls = max(falls*(3*c - 4*b + a), falls*(4*b - 3*a - c))
-         grows = merge(0.5_wp, 0.0_wp, min(grows, low + end - begin) > low)
-         falls = merge(1.0_wp, 0.0_wp, max(falls + low, end - begin, &
-            begin - level - same*abs(level)) < 0)
+         grows = merge(0.5_wp, 0.0_wp, min(grows - steep*spread, end - begin) > 0)*has_slopes(i)
+         falls = merge(1.0_wp, 0.0_wp, max(falls + steep*spread, end - begin, &
+            begin - level - same*abs(level)) < 0)*has_slopes(i)
          top = merge(1.0_wp, max(grows, falls), top + low + slack*max(range, 0.0_wp) <= level)
          is_flat(i) = min(is_flat(i), merge(top, 0.0_wp, range >= 0))
       end do
@@ -353,10 +366,12 @@ contains
    !> Either the maximum stays below the largest so far by the largest range of a coefficient in
    !> Bernstein form, or all coefficients stay below it. The outer coefficients are values at the
    !> ends of the wall, which may also grow up to the end of the step.
-   pure subroutine check_section(columns, values, q, first, is_flat)
+   pure subroutine check_section(columns, values, has_slopes, q, first, is_flat)
       integer, intent(in) :: columns
       !! number of values and coefficients
       real(wp), intent(in) :: values(lane_count, columns, value_count)
+      real(wp), intent(in) :: has_slopes(lane_count)
+      !! as in `check_value`
       integer, intent(in) :: q
       !! number of the value
       integer, intent(in) :: first
@@ -371,7 +386,7 @@ contains
       all_inside = 1
       do m = first, first + section_terms - 1
          inside = 1
-         call check_value(columns, values, m, inside)
+         call check_value(columns, values, has_slopes, m, inside)
          !$omp simd private(a, b, c)
          do i = 1, lane_count
             a = values(i, m, at_begin)

@@ -9,7 +9,7 @@ module rwmf_model_beam
    private
 
    public :: beam_t, linked_floors_t, set_beam, set_floors, set_links, set_vectors
-   public :: tip_deflection, tip_rate, link_deflections
+   public :: tip_deflection, tip_rate, link_deflections, set_damping_ratios
 
    !> Floors that are linked to a bending wall one by one. All values are over m_w.
    type :: linked_floors_t
@@ -49,6 +49,8 @@ module rwmf_model_beam
       !! (modes) natural frequency of the wall on a fixed base [rad/s]
       real(wp), allocatable :: damping(:)
       !! (modes) damping coefficient over modal mass [1/s]
+      real(wp), allocatable :: ratios(:, :)
+      !! (up to 3 modes, 2) damping ratios of the wall with its floors, in contact and rocking [-]
       real(wp), allocatable :: linked_mass(:, :)
       !! (modes, modes) mass matrix of frame or floors at theta = 0 [-]
       real(wp), allocatable :: vectors(:, :)
@@ -77,7 +79,7 @@ contains
       real(wp), intent(in) :: shear_flexibility
       !! flexibility in shear EI/(kappa G A (2h)**2), 0 without shear [-]
       real(wp), intent(in) :: xi
-      !! damping ratio [-]
+      !! damping ratio of this cantilever [-]
       logical, intent(in) :: in_proportion
       !! damping in proportion to the stiffness, with xi in the first mode; otherwise xi in each
       integer :: i
@@ -130,6 +132,41 @@ contains
          beam%vectors(:, i) = beam%vectors(:, i)/root
       end do
    end subroutine set_vectors
+
+   !> Compute the damping ratios of the first modes of the wall with the masses of its links.
+   !>
+   !> In contact the base is fixed; rocking it turns freely about a corner. Stiffness and damping
+   !> are those of the wall. With K = diag(k), K**(-1/2) M K**(-1/2) has the eigenvalues 1/omega**2.
+   pure subroutine set_damping_ratios(beam, mass, xi)
+      type(beam_t), intent(inout) :: beam
+      real(wp), intent(in) :: mass(0:, 0:)
+      !! mass matrix of rotation and modes, with those masses [m2], [m], [-]
+      real(wp), intent(in), optional :: xi
+      !! ratio of the first rocking mode, which scales the damping; absent: the damping is known [-]
+      real(wp) :: matrix(beam%n, beam%n), vectors(beam%n, beam%n)
+      real(wp), dimension(beam%n) :: values, root
+      integer :: i, j, k
+
+      root = sqrt(beam%mass)*beam%omega
+      allocate (beam%ratios(min(3, beam%n), 2))
+      do k = 1, 2
+         matrix = mass(1:, 1:)
+         do j = 1, beam%n
+            ! without a moment at the base, the rotation follows the modes
+            if (k == 2) matrix(:, j) = matrix(:, j) - mass(1:, 0)*(mass(j, 0)/mass(0, 0))
+            matrix(:, j) = matrix(:, j)/(root*root(j))
+         end do
+         call diagonalise(matrix, values, vectors)
+         do i = 1, size(beam%ratios, 1)
+            j = maxloc(values, dim=1)
+            beam%ratios(i, k) = sum(beam%damping*(vectors(:, j)/beam%omega)**2)/(2*sqrt(values(j)))
+            values(j) = 0
+         end do
+      end do
+      if (.not. present(xi) .or. .not. beam%ratios(1, 2) > 0) return
+      beam%damping = xi/beam%ratios(1, 2)*beam%damping
+      beam%ratios = xi/beam%ratios(1, 2)*beam%ratios
+   end subroutine set_damping_ratios
 
    !> Compute the deflections of the modes at link springs.
    pure subroutine set_links(beam, share)

@@ -273,7 +273,7 @@ module rwmf_model_equation
       logical :: has_bilinear_springs = .false.
       !! the scene has springs that yield or break
       logical :: has_fuses = .false.
-      !! the scene has fuses under the corners of a rocking wall
+      !! the scene has fuses at the corners of a rocking wall
       type(sprung_t), allocatable :: springs(:)
       !! springs of the yielding frame, then of the fuses; `cable` holds that of the tendon
       real(wp) :: angle_limit = 0

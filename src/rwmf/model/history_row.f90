@@ -3,6 +3,7 @@
 module rwmf_model_history_row
    use rwmf_core_kinds, only: wp
    use rwmf_problem_quantity_table, only: key_length, key_of
+   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
@@ -100,7 +101,7 @@ contains
 
       key = pattern
       place = index(pattern, '{i}')
-      if (place > 0) write (key, '(a, i0, a)') pattern(:place - 1), number, pattern(place + 3:)
+      if (place > 0) key = pattern(:place - 1)//trim(integer_to_text(number))//pattern(place + 3:)
    end function numbered
 
 end module rwmf_model_history_row

@@ -17,20 +17,17 @@ contains
       !! slenderness [rad]
 
       law%e = restitution(case, alpha)
-      if (.not. allocated(case%impact)) return
       if (case%impact%rule /= 'table') return
       law%speed = case%impact%table_theta_dot
       law%factor = case%impact%table_e
    end function impact_law
 
-   !> Velocity factor of the case's rule, the largest one of a table; 1 without `&impact` [-].
+   !> Velocity factor of the case's rule, the largest one of a table [-].
    pure real(wp) function restitution(case, alpha) result(e)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: alpha
       !! slenderness [rad]
 
-      e = 1
-      if (.not. allocated(case%impact)) return
       select case (case%impact%rule)
       case ('housner')
          e = restitution_housner(alpha)
@@ -38,13 +35,16 @@ contains
          e = balanced_restitution(case, alpha)
       case ('table')
          e = maxval(case%impact%table_e)
-      case default
+      case ('constant')
          e = case%impact%e
+      case default
+         e = 1
       end select
    end function restitution
 
-   !> Velocity factor e_max from the momentum balance of the whole scene, for any rule. For a
-   !> free-standing wall it is Housner's factor [-].
+   !> Velocity factor e_max from the momentum balance of the whole scene, for any rule. The whole
+   !> impulse acts at the new corner, without slip or bounce: the largest loss at a rigid base. For
+   !> a free-standing wall it is Housner's factor [-].
    pure real(wp) function balanced_restitution(case, alpha) result(e)
       type(case_t), intent(in) :: case
       real(wp), intent(in) :: alpha

@@ -7,7 +7,7 @@ module rwmf_output_preview
       summary_item_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t, name_length
-   use rwmf_problem_group_values, only: group_values_t, has_group, has_key, text_of
+   use rwmf_problem_group_values, only: applies, group_values_t, has_group, has_key, text_of
    use rwmf_simulation_simulate, only: simulate_instant
    use rwmf_simulation_state_result, only: result_t
    use rwmf_spectrum_quantities, only: check_request, requested_keys_of
@@ -171,10 +171,10 @@ contains
       is_shared = has_group(values, 'frame') .or. has_group(values, 'cable')
       if (has_group(values, 'wall') .and. is_shared &
           .and. text_of(values, 'wall', 'base') == 'rocking') then
-         call add_note(values, 'model', 'formulation', 'exact', "it was 'published'", notes)
+         call add_note(values, 'model', 'formulation', 'exact', "0.2 it was 'published'", notes)
       end if
-      if (has_group(values, 'impact')) then
-         call add_note(values, 'impact', 'rule', 'coupled', 'that was refused', notes)
+      if (applies(values, 'impact') .and. .not. has_group(values, 'impact')) then
+         call add_note(values, 'impact', 'rule', 'coupled', "0.8 it was 'none' (e = 1)", notes)
       end if
    end subroutine list_notes
 
@@ -186,12 +186,12 @@ contains
       character(*), intent(in) :: choice
       !! default value of the key
       character(*), intent(in) :: before
-      !! behaviour of an earlier version
+      !! an earlier version, and its behaviour
       character(note_length), allocatable, intent(inout) :: notes(:)
 
       if (has_key(values, group, key) .or. text_of(values, group, key) /= choice) return
       notes = [character(note_length) :: notes, '&'//group//' '//key//" = '"//choice &
-         //"', because the case does not give it; before version 0.2 "//before]
+         //"', because the case does not give it; before version "//before]
    end subroutine add_note
 
 end module rwmf_output_preview

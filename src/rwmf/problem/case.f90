@@ -149,13 +149,13 @@ module rwmf_problem_case
       !! total area of the strands [m2]; absent: unknown
    end type cable_t
 
-   !> Energy loss at impact, `&impact`.
+   !> Energy loss at the impacts of a rocking wall, `&impact`.
    type :: impact_t
-      character(:), allocatable :: rule
-      !! 'constant', 'housner', 'coupled' or 'table'
+      character(8) :: rule = 'coupled'
+      !! 'coupled', 'constant', 'housner', 'table' or 'none'
       real(wp), allocatable :: e
       !! velocity factor of rule 'constant' [-], also when the case gives r = e**2
-      logical :: given_as_r
+      logical :: given_as_r = .false.
       !! the case gives r instead of e
       real(wp), allocatable :: table_theta_dot(:)
       !! (n) of rule 'table': angular velocities before impact, increasing [rad/s]
@@ -293,7 +293,7 @@ module rwmf_problem_case
       type(yielding_t), allocatable :: yielding
       type(inerter_t), allocatable :: inerter
       type(cable_t), allocatable :: cable
-      type(impact_t), allocatable :: impact
+      type(impact_t) :: impact
       type(vertical_t), allocatable :: upward
       type(initial_t), allocatable :: initial
       type(model_choice_t) :: model

@@ -9,7 +9,7 @@ module rwmf_problem_group_values
    private
 
    public :: group_values_t, key_values_t, group_place_t
-   public :: has_group, has_key, group_place, key_place, key_code, key_line, value_text
+   public :: has_group, has_key, applies, group_place, key_place, key_code, key_line, value_text
    public :: text_of, real_of, integer_of, logical_of
    public :: get_real, get_text, get_list, get_texts
    public :: derive, as_given
@@ -154,6 +154,23 @@ contains
       has_group = .false.
       if (place > 0) has_group = values%groups(place)%is_given
    end function has_group
+
+   !> True if a group applies to the case: it is given, or its defaults hold without it.
+   pure logical function applies(values, name)
+      type(group_values_t), intent(in) :: values
+      character(*), intent(in) :: name
+      !! name of the group, without &
+
+      select case (name)
+      case ('model', 'solver')
+         applies = .true.
+      case ('impact')
+         applies = has_group(values, name) .or. (has_group(values, 'wall') &
+            .and. text_of(values, 'wall', 'base') == 'rocking')
+      case default
+         applies = has_group(values, name)
+      end select
+   end function applies
 
    !> True if the case gives the key.
    pure logical function has_key(values, group, key)

@@ -113,7 +113,8 @@ module rwmf_problem_quantity_table
       integer :: energy_bending_damping_J_per_kg = 172
       integer :: contact_length_m = 173, toe_stress_Pa = 174, toe_strain = 175
       integer :: contact_length_min_m = 176, toe_stress_max_Pa = 177, toe_strain_max = 178
-      integer :: tendon_strain_max = 179
+      integer :: tendon_strain_max = 179, friction_demand_impact_max = 180
+      integer :: mode_i_damping_contact = 181, mode_i_damping_rocking = 182
    end type ids_t
 
    type(ids_t), parameter :: id = ids_t()
@@ -307,7 +308,13 @@ module rwmf_problem_quantity_table
       quantity_t(id%e, 'e', '1', 'before', 'run ordinate', 'wall', of_displacement, &
       '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
       quantity_t(id%e_max, 'e_max', '1', 'before', 'run ordinate', 'wall', of_displacement, &
-      '`base = ''rocking''`', 'velocity factor that the momentum balance allows'), &
+      '`base = ''rocking''`', 'velocity factor of the momentum balance about the new corner'), &
+      quantity_t(id%mode_i_damping_contact, 'mode_{i}_damping_contact', '1', 'before', 'run', &
+      'bending', of_nothing, 'the first three modes', &
+      'damping ratio of mode {i} of the wall with its floors, in contact'), &
+      quantity_t(id%mode_i_damping_rocking, 'mode_{i}_damping_rocking', '1', 'before', 'run', &
+      'bending', of_nothing, 'the first three modes', &
+      'damping ratio of mode {i} of the wall with its floors, rocking'), &
       quantity_t(id%T_s_s, 'T_s_s', 's', 'before', 'run spectrum', 'frame', of_nothing, &
       'in a run `&storeys`', 'period of the frame'), &
       quantity_t(id%modal_mass_over_m_w, 'modal_mass_over_m_w', '1', 'before', 'run', 'storeys', &
@@ -334,6 +341,9 @@ module rwmf_problem_quantity_table
       quantity_t(id%t_friction_demand_max_s, 't_friction_demand_max_s', 's', 'time', &
       'run ordinate', 'wall', of_reactions, 'no lift of the pivot, no `shear_key`', &
       'time of the largest friction demand'), &
+      quantity_t(id%friction_demand_impact_max, 'friction_demand_impact_max', '1', 'peak', &
+      'run ordinate', 'wall', of_reactions, '`&impact`; no `shear_key`', &
+      'largest horizontal over vertical impulse of the base at an impact'), &
       quantity_t(id%shear_key_force_max_over_m_w_g, 'shear_key_force_max_over_m_w_g', '1', 'peak', &
       'run ordinate', 'wall', of_reactions, '`shear_key`', &
       'largest force of the shear key over weight of wall'), &
@@ -341,10 +351,10 @@ module rwmf_problem_quantity_table
       'run ordinate', 'wall', of_reactions, '`shear_key`', 'time of that force'), &
       quantity_t(id%friction_exceeded, 'friction_exceeded', '1', 'whether', 'run ordinate', &
       'wall', of_reactions, '`friction_limit` of `&output`', &
-      'whether the friction demand exceeded the limit', kind='logical'), &
+      'whether a friction demand, also of impacts, exceeded the limit', kind='logical'), &
       quantity_t(id%t_friction_exceeded_s, 't_friction_exceeded_s', 's', 'time', 'run ordinate', &
       'wall', of_reactions, '`friction_limit` of `&output`, exceeded', &
-      'first time at which the demand exceeds the limit'), &
+      'first time at which a demand exceeds the limit'), &
       quantity_t(id%wall_drift_max, 'wall_drift_max', '1', 'peak', 'run ordinate', 'wall', &
       of_reactions, '', 'largest drift of the wall'), &
       quantity_t(id%frame_drift_max, 'frame_drift_max', '1', 'peak', 'run ordinate', 'frame', &

@@ -25,7 +25,7 @@ module rwmf_problem_record
       real(wp), allocatable :: dt
       !! sampling interval of a one-column record [s]
       character(:), allocatable :: unit
-      !! 'g', 'm/s2' or 'cm/s2'; absent for AT2
+      !! 'g', 'm/s2' or 'cm/s2'; absent if the file states it
       real(wp) :: scale
       !! factor on the record [-]
    end type record_source_t
@@ -36,9 +36,11 @@ module rwmf_problem_record
       real(wp), allocatable :: t(:)
       !! (n) strictly increasing times [s]
       real(wp), allocatable :: a(:)
-      !! (n) ground acceleration as in the file; `factor` times it is the motion [unit of the file]
+      !! (n) ground acceleration [`unit`]; `factor` times it is the motion
+      character(:), allocatable :: unit
+      !! 'g', 'm/s2' or 'cm/s2'
       real(wp) :: factor = 1
-      !! m/s2 per unit of the file, including `scale`
+      !! m/s2 per `unit`, including `scale`
       integer :: n
       !! number of samples, at least 2
       real(wp), allocatable :: dt
@@ -46,13 +48,13 @@ module rwmf_problem_record
       real(wp) :: t_last
       !! time of the last sample [s]
       real(wp) :: largest
-      !! largest magnitude of `a` [unit of the file]
+      !! largest magnitude of `a` [`unit`]
       real(wp) :: peak
       !! largest magnitude of the acceleration [m/s2]
       real(wp) :: t_peak
       !! first time of that acceleration [s]
       character(:), allocatable :: format
-      !! 'one column', 'two columns', 'AT2' or 'array'
+      !! 'one column', 'two columns', 'table', 'AT2' or 'array'
       character(8) :: crc32
       !! checksum of the bytes of the file, or of the samples of an array, hexadecimal
    end type record_t
@@ -81,22 +83,18 @@ contains
    end subroutine fill_source
 
    !> Set the factor of the samples. Fails with `err_input` if the product overflows.
-   pure subroutine set_factor(record, scale, g, error, unit)
+   pure subroutine set_factor(record, scale, g, error)
       type(record_t), intent(inout) :: record
-      !! record with its largest sample
+      !! record with its unit and largest sample
       real(wp), intent(in) :: scale
       !! [-]
       real(wp), intent(in) :: g
       !! acceleration of unit 'g' [m/s2]
       type(error_t), allocatable, intent(out) :: error
-      character(*), intent(in), optional :: unit
-      !! 'g', 'm/s2' or 'cm/s2'; absent for 'g'
 
       record%factor = scale*g
-      if (present(unit)) then
-         if (unit == 'm/s2') record%factor = scale
-         if (unit == 'cm/s2') record%factor = scale/100
-      end if
+      if (record%unit == 'm/s2') record%factor = scale
+      if (record%unit == 'cm/s2') record%factor = scale/100
       record%peak = abs(record%factor)*record%largest
       if (record%largest <= huge(1.0_dp)/max(1.0_wp, abs(record%factor))) return
       call fail(error, err_input, 'the accelerations overflow: check unit and scale')

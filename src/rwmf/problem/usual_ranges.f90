@@ -6,7 +6,7 @@ module rwmf_problem_usual_ranges
    implicit none
    private
 
-   public :: list_unusual, unusual_text
+   public :: list_unusual, unusual_text, unusual_record
 
    !> Unit that the user may have meant instead of that of the key.
    type :: slip_t
@@ -87,6 +87,54 @@ contains
          end do
       end associate
    end function unusual_text
+
+   !> Warning about a record that is no earthquake in these units; '' for a usual one.
+   pure character(256) function unusual_record(peak, interval, duration) result(text)
+      real(wp), intent(in) :: peak
+      !! largest acceleration over g [-]
+      real(wp), intent(in) :: interval
+      !! mean distance of the samples [s]
+      real(wp), intent(in) :: duration
+      !! [s]
+      real(wp), parameter :: usual_peak(2) = [1.0e-5_wp, 5.0_wp]
+      real(wp), parameter :: longest_interval = 0.1_wp
+      real(wp), parameter :: longest_duration = 3600
+      real(wp), parameter :: round_off = 1.0e-9_wp
+
+      text = ''
+      if (peak < usual_peak(1) .or. peak > usual_peak(2)) then
+         text = 'peak of '//trim(rounded(peak))//' g is outside the range of records, ' &
+            //trim(real_to_text(usual_peak(1)))//' to '//trim(real_to_text(usual_peak(2))) &
+            //' g: check the unit'
+      end if
+      if (interval > longest_interval*(1 + round_off)) text = joined(text, 'interval of ' &
+         //trim(rounded(interval))//' s exceeds '//trim(real_to_text(longest_interval)) &
+         //' s: check dt')
+      if (duration > longest_duration*(1 + round_off)) text = joined(text, 'duration of ' &
+         //trim(rounded(duration))//' s exceeds '//trim(real_to_text(longest_duration)) &
+         //' s: check dt')
+   end function unusual_record
+
+   !> Join two texts by a semicolon.
+   pure character(256) function joined(first, second)
+      character(*), intent(in) :: first
+      !! may be empty
+      character(*), intent(in) :: second
+
+      joined = second
+      if (first /= '') joined = trim(first)//'; '//second
+   end function joined
+
+   !> Number >= 0 with four digits.
+   pure character(25) function rounded(x)
+      real(wp), intent(in) :: x
+      real(wp) :: unit
+
+      rounded = '0'
+      if (.not. x > 0) return
+      unit = 10.0_wp**(3 - floor(log10(x)))
+      rounded = real_to_text(anint(x*unit)/unit)
+   end function rounded
 
    !> Number with its unit.
    pure character(48) function with_unit(number, unit) result(text)

@@ -86,7 +86,8 @@ contains
    !>
    !> The peak is uncertain by its sensitivity, at least 1, times the larger of 10 rtol and a change
    !> of the motion by 1e-7, the last digits of a record. Where the probes change it by more than
-   !> 1 %, it is uncertain by that change.
+   !> 1 %, it is uncertain by that change. This bound is wide at a large tolerance: three digits
+   !> hold unless a change of the motion changes the peak as much as in a warning.
    elemental integer function digits_of(rtol, sensitivity) result(digits)
       real(wp), intent(in) :: rtol
       !! relative tolerance of the run [-]
@@ -99,7 +100,7 @@ contains
       if (sensitivity*probe_step(rtol) > 1.0e-2_wp) error = max(error, &
          sensitivity*probe_step(rtol))
       ! round-off of the logarithm must not cost a digit
-      digits = max(1, floor(-log10(error) + 1.0e-6_wp))
+      digits = max(merge(1, 3, sensitivity >= limit), floor(-log10(error) + 1.0e-6_wp))
    end function digits_of
 
    !> Return whether a single run of a case needs a probe.

@@ -38,7 +38,7 @@ module rwmf_simulation_run
    use rwmf_simulation_state_result, only: result_t
    use rwmf_simulation_static_rest, only: come_to_rest
    use rwmf_simulation_warnings, only: list_case_warnings, warn_of_chatter, warn_of_grazing, &
-      warn_of_reactions, warn_of_short_history
+      warn_of_reactions, warn_of_short_history, warn_of_toe
    implicit none
    private
 
@@ -72,6 +72,7 @@ contains
       call repeat_until_scaled(case, equation, integrator, control, result, error)
       call integrator%destroy()
       if (allocated(result%reactions)) call warn_of_reactions(result)
+      call warn_of_toe(case, result)
       call warn_of_grazing(result)
       call warn_of_chatter(result)
       call warn_of_short_history(case%solver%t_end, result)
@@ -504,6 +505,7 @@ contains
          if (.not. allocated(hybrid%restitution%speed)) result%e = hybrid%restitution%e
          result%e_max = balanced_restitution(case, equation%p%alpha)
       end if
+      if (equation%beam%n > 0) result%modal_damping = equation%beam%ratios
       if (equation%has_cable) result%cable_increment_max = largest_increment(equation, recorder)
    end subroutine fill_wall
 

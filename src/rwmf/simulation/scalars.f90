@@ -121,6 +121,10 @@ contains
       call keep(values, id%t_collapse_s, result%t_collapse)
       call keep(values, id%e, result%e)
       call keep(values, id%e_max, result%e_max)
+      if (allocated(result%modal_damping)) then
+         call keep_list(values, id%mode_i_damping_contact, result%modal_damping(:, 1))
+         call keep_list(values, id%mode_i_damping_rocking, result%modal_damping(:, 2))
+      end if
       call keep_count(values, id%steps, result%steps)
       call keep_count(values, id%rhs_evaluations, result%rhs_evaluations)
       call keep(values, id%seconds, result%seconds)
@@ -142,6 +146,7 @@ contains
       call keep_logical(values, id%pivot_lifts, reactions%pivot_lifts)
       call keep(values, id%friction_demand_max, reactions%demand_max)
       call keep(values, id%t_friction_demand_max_s, reactions%t_demand_max)
+      call keep(values, id%friction_demand_impact_max, reactions%impact_demand_max)
       call keep(values, id%shear_key_force_max_over_m_w_g, reactions%shear_key_max)
       call keep(values, id%t_shear_key_force_max_s, reactions%t_shear_key_max)
       call keep_logical(values, id%friction_exceeded, reactions%is_exceeded)

@@ -1,17 +1,20 @@
 !> Warnings about a case or a run: unusual input, and behaviour outside the model.
 module rwmf_simulation_warnings
    use rwmf_core_kinds, only: wp
-   use rwmf_model_impact_rule, only: balanced_restitution, mass_ratio, restitution
+   use rwmf_model_impact_rule, only: balanced_restitution, impact_law, mass_ratio
+   use rwmf_model_restitution, only: restitution_t
    use rwmf_motion_ground_motion, only: lowest_vertical, motion_t
-   use rwmf_problem_case, only: case_t, has_floors, has_numbers
-   use rwmf_problem_usual_ranges, only: list_unusual, unusual_text
+   use rwmf_problem_case, only: case_t, has_floors, has_numbers, numbers_of
+   use rwmf_problem_group_values, only: group_values_t, has_key, real_of
+   use rwmf_problem_record, only: record_source_t, record_t
+   use rwmf_problem_usual_ranges, only: list_unusual, unusual_record, unusual_text
    use rwmf_simulation_state_result, only: add_warning, result_t
-   use rwmf_text_strings, only: real_to_text
+   use rwmf_text_strings, only: real_to_text, shown
    implicit none
    private
 
    public :: list_case_warnings, warn_of_chatter, warn_of_grazing, warn_of_reactions
-   public :: warn_of_short_history
+   public :: warn_of_short_history, warn_of_toe
 
 contains
 
@@ -28,12 +31,33 @@ contains
                //' s: the wall would leave the ground, which the model does not follow')
          end if
          if (allocated(reactions%t_exceeded)) then
-            call add_warning(result, 'the friction demand |H|/N exceeds the friction_limit from ' &
-               //'t = '//trim(real_to_text(reactions%t_exceeded)) &
+            call add_warning(result, 'the friction demand |H|/N, or that of an impact, exceeds ' &
+               //'the friction_limit from t = '//trim(real_to_text(reactions%t_exceeded)) &
                //' s: the wall would slide, which the model does not follow')
          end if
       end associate
    end subroutine warn_of_reactions
+
+   !> Warn of a toe stress beyond the linear range of the concrete.
+   subroutine warn_of_toe(case, result)
+      type(case_t), intent(in) :: case
+      type(result_t), intent(inout) :: result
+      real(wp), parameter :: linear = 0.6_wp
+      !! end of the linear range, over the strength [-]
+
+      if (.not. (has_numbers(case, 'base_section') .and. allocated(result%envelopes))) return
+      associate (numbers => numbers_of(case, 'base_section'), &
+                 stress => result%envelopes%toe_stress_max)
+         if (.not. stress > linear*numbers(3)) return
+         if (stress < numbers(3)) then
+            call add_warning(result, 'the toe stress reaches '//trim(real_to_text(stress)) &
+               //' Pa: above 0.6 f_c concrete strains more than stress/E')
+         else
+            call add_warning(result, 'the toe crushes: its stress is f_c from there on, its ' &
+               //'strain follows the settlement; the motion remains that of rigid corners')
+         end if
+      end associate
+   end subroutine warn_of_toe
 
    !> Warn if numerical errors may decide on contact between wall and base.
    subroutine warn_of_grazing(result)
@@ -80,6 +104,10 @@ contains
       real(wp), allocatable :: gamma(:), b(:)
 
       call list_unusual(case%values, lines)
+      if (allocated(case%record)) call warn_of_record(case%record, &
+         case%motion%record_source_t, case%model%g, lines)
+      if (allocated(case%upward_record)) call warn_of_record(case%upward_record, &
+         case%upward%record_source_t, case%model%g, lines)
       if (has_floors(case) .and. size(lines) == 0) then
          if (allocated(case%frame%T_s)) call add_line(unusual_text(case%values, 'frame', 'T_s', &
             case%frame%T_s), lines)
@@ -104,7 +132,8 @@ contains
       call warn_of_weight(case, motion, lines)
       call warn_of_fuses(case, lines)
       call warn_of_impacts(case, gamma, atan2(b, case%wall%h), lines)
-      call add_line(broken_laws(case, gamma, atan2(b, case%wall%h)), lines)
+      call warn_of_soil(case%values, lines)
+      call add_line(broken_law(case, gamma), lines)
       if (.not. allocated(case%cable)) return
       if (case%model%formulation == 'published' .and. &
          abs(case%cable%eta_alpha - case%cable%eta_0) > 0) then
@@ -112,6 +141,28 @@ contains
             //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|', lines)
       end if
    end subroutine list_case_warnings
+
+   !> Warn of a recorded motion that is no earthquake in its units.
+   subroutine warn_of_record(record, source, g, lines)
+      type(record_t), intent(in) :: record
+      type(record_source_t), intent(in) :: source
+      real(wp), intent(in) :: g
+      !! [m/s2]
+      character(256), allocatable, intent(inout) :: lines(:)
+      real(wp) :: interval
+      !! [s]
+      character(256) :: text
+
+      interval = record%t_last/(record%n - 1)
+      if (allocated(record%dt)) interval = record%dt
+      text = unusual_record(record%peak/g, interval, record%t_last)
+      if (text == '' .or. .not. abs(source%scale) > 0) return
+      if (allocated(source%file)) then
+         call add_line(shown(source%file)//': '//trim(text), lines)
+      else
+         call add_line('record: '//trim(text), lines)
+      end if
+   end subroutine warn_of_record
 
    !> Add a line unless it is empty.
    pure subroutine add_line(line, lines)
@@ -181,9 +232,12 @@ contains
       if (allocated(case%cable)) prestress = case%cable%eta_0
    end function prestress
 
-   !> Warn of velocity factors that are zero or exceed the bound of the momentum balance.
+   !> Warn of velocity factors that are zero, that need an impulse outside the base, or that let the
+   !> base slide.
    !>
-   !> For several mass ratios and slendernesses, report the largest excess.
+   !> An impulse at the distance x from the new corner, inside the base, gives
+   !> e = e_max + b (1 + e) x/I with the inertia I = 2 b**2/(1 - e_max) of wall, frame and inerters.
+   !> Of several mass ratios and slendernesses, report the impulse that is farthest outside.
    subroutine warn_of_impacts(case, gamma, alpha, lines)
       type(case_t), intent(in) :: case
       !! case with a rocking wall
@@ -191,81 +245,95 @@ contains
       real(wp), intent(in) :: alpha(:)
       !! [rad]
       character(256), allocatable, intent(inout) :: lines(:)
+      real(wp), parameter :: steep = 0.5_wp*(1 - 1.0e-12_wp), lossy = 0.8_wp
+      !! tan(alpha) and e at which the impulse of an impact exceeds usual friction [-]
+      real(wp), parameter :: round_off = 1.0e-6_wp
+      !! smallest distance outside the base, over its width [-]
       type(case_t) :: one
-      real(wp) :: e, e_max, most(2)
+      type(restitution_t) :: law
+      real(wp) :: e, e_max, outside
+      real(wp) :: far(3), slides(2)
+      !! e, e_max and the distance outside the base over its width; tan(alpha) and e [-]
       logical :: is_dead
       integer :: i, j
 
       one%structure_t = case%structure_t
-      most = 0
+      far = [0.0_wp, 0.0_wp, round_off]
+      slides = 0
       is_dead = .false.
       do i = 1, size(gamma)
          if (allocated(one%frame)) one%frame%gamma = gamma(i)
          do j = 1, size(alpha)
-            e = restitution(one, alpha(j))
+            law = impact_law(one, alpha(j))
+            e = law%e
+            if (allocated(law%factor)) e = minval(law%factor)
             e_max = balanced_restitution(one, alpha(j))
-            if (e - e_max > most(1) - most(2)) most = [e, e_max]
+            outside = (e_max - e)/(max(1 - e_max, epsilon(e))*(1 + e))
+            if (outside > far(3)) far = [e, e_max, outside]
+            if (tan(alpha(j)) >= steep .and. e < lossy) slides = [tan(alpha(j)), e]
             is_dead = is_dead .or. e <= 0
          end do
       end do
-      if (is_dead .and. allocated(case%impact)) then
-         if (any(case%impact%rule == [character(7) :: 'housner', 'coupled'])) call add_line( &
-            'the momentum balance leaves no velocity at impact for so squat a wall: e = 0', lines)
+      if (is_dead .and. any(case%impact%rule == [character(7) :: 'housner', 'coupled'])) then
+         call add_line('the momentum balance leaves no velocity at impact for so squat a wall: ' &
+            //'e = 0', lines)
       end if
-      if (most(1) > most(2)) call add_line('e = '//trim(real_to_text(most(1))) &
-         //' exceeds e_max = '//trim(real_to_text(most(2))) &
-         //', the most that the momentum balance of wall and frame allows', lines)
+      if (far(3) > round_off) call add_line('e = '//trim(real_to_text(far(1))) &
+         //' is below e_max = '//trim(real_to_text(far(2))) &
+         //': the impulse of an impact would have to act ' &
+         //trim(real_to_text(four_digits(far(3))))//' base widths outside the base', lines)
+      if (slides(1) > 0 .and. .not. case%wall%shear_key) call add_line('tan(alpha) = ' &
+         //trim(real_to_text(four_digits(slides(1))))//' with e = ' &
+         //trim(real_to_text(four_digits(slides(2)))) &
+         //': a base without a shear key slides at such impacts, which the model does not follow ' &
+         //'(friction_demand_impact_max)', lines)
    end subroutine warn_of_impacts
 
-   !> List the conservation laws that the input of a case violates: energy, angular momentum.
-   !>
-   !> This applies to a rocking wall with a frame that has mass. For theta < 0, `published` gives
-   !> the frame's force a lever arm that differs from that of its displacement. A velocity factor
-   !> below the momentum balance removes more velocity than the contact at the new corner can: it
-   !> damps the frame. `warn_of_impacts` reports a larger factor.
-   pure function broken_laws(case, gamma, alpha) result(text)
+   !> Round a number to four significant digits, for a message.
+   pure real(wp) function four_digits(x) result(rounded)
+      real(wp), intent(in) :: x
+      real(wp) :: unit
+
+      rounded = x
+      if (.not. abs(x) > 0) return
+      unit = 10.0_wp**(floor(log10(abs(x))) - 3)
+      ! divide by a power of ten where it is exact
+      rounded = anint(x/unit)*unit
+      if (unit < 1) rounded = anint(x/unit)/anint(1/unit)
+   end function four_digits
+
+   !> Warn of soil on which a wall sinks instead of rocking on its corners.
+   subroutine warn_of_soil(values, lines)
+      type(group_values_t), intent(in) :: values
+      character(256), allocatable, intent(inout) :: lines(:)
+      real(wp), parameter :: softest = 1.0e4_wp
+      !! [1/(m s2)]
+      real(wp) :: stiffness
+
+      if (.not. has_key(values, 'base_section', 'k')) return
+      stiffness = real_of(values, 'base_section', 'k')*real_of(values, 'wall', 'thickness') &
+         /real_of(values, 'wall', 'm_w')
+      if (stiffness >= softest) return
+      call add_line('k of &base_section times thickness/m_w = ' &
+         //trim(real_to_text(four_digits(stiffness)))//' 1/(m s2) is below 1e4: the wall sinks ' &
+         //'into such soil, and the model of a rigid base does not hold', lines)
+   end subroutine warn_of_soil
+
+   !> Report that a case with a rocking wall and a frame with mass does not conserve energy: for
+   !> theta < 0, `published` gives the frame's force a lever arm that differs from that of its
+   !> displacement.
+   pure function broken_law(case, gamma) result(text)
       type(case_t), intent(in) :: case
       !! case with a rocking wall
       real(wp), intent(in) :: gamma(:)
       !! mass ratios [-]
-      real(wp), intent(in) :: alpha(:)
-      !! slendernesses [rad]
       character(256) :: text
-      !! one line; '' if no law is violated
-      type(case_t) :: one
-      logical :: is_broken(2)
-      !! energy, angular momentum
-      integer :: i, j
+      !! one line; '' if energy is conserved
 
       text = ''
       if (.not. allocated(case%frame)) return
-      one%structure_t = case%structure_t
-      is_broken = [case%model%formulation == 'published' .and. any(gamma > 0), .false.]
-      do i = 1, size(gamma)
-         one%frame%gamma = gamma(i)
-         do j = 1, size(alpha)
-            is_broken(2) = is_broken(2) .or. loses_momentum(one, alpha(j))
-         end do
-      end do
-      if (.not. any(is_broken)) return
-      text = 'not conserved:'
-      if (is_broken(1)) text = trim(text)//" energy while theta < 0 (formulation 'published')"
-      if (all(is_broken)) text = trim(text)//','
-      if (is_broken(2)) text = trim(text)//' angular momentum of wall and frame at impact ' &
-         //'(e < e_max)'
-   end function broken_laws
-
-   !> Return whether an impact removes more velocity than the momentum balance of wall and frame.
-   pure logical function loses_momentum(case, alpha)
-      type(case_t), intent(in) :: case
-      real(wp), intent(in) :: alpha
-      !! slenderness [rad]
-
-      loses_momentum = .false.
-      if (.not. allocated(case%impact)) return
-      if (case%impact%rule == 'coupled') return
-      loses_momentum = mass_ratio(case) > 0 &
-         .and. restitution(case, alpha) < balanced_restitution(case, alpha)
-   end function loses_momentum
+      if (case%model%formulation /= 'published' .or. .not. any(gamma > 0)) return
+      text = "not conserved: energy while theta < 0 (formulation 'published')"
+   end function broken_law
 
 end module rwmf_simulation_warnings

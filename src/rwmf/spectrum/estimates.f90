@@ -131,8 +131,8 @@ contains
 
    !> Measure the sensitivities of all ordinates: of their peaks, and of the peak of `verify`.
    !>
-   !> Each ordinate runs again with a stronger motion. A sensitivity is NaN without a motion, and
-   !> where this run fails.
+   !> Each ordinate runs again with a stronger motion. The sensitivity of a peak other than 0 is NaN
+   !> without a motion, and where this run fails.
    subroutine condition_ordinates(queue, threads, control, ordinates)
       type(queue_t), intent(in) :: queue
       integer, intent(in) :: threads
@@ -180,7 +180,8 @@ contains
          0.0_wp)
       if (.not. any(request%is_sensitivity)) return
       if (stronger%failure /= '') then
-         where (request%is_sensitivity) ordinate%values = ieee_value(1.0_wp, ieee_quiet_nan)
+         where (request%is_sensitivity) ordinate%values = merge(0.0_wp, ieee_value(1.0_wp, &
+            ieee_quiet_nan), abs(ordinate%values) <= 0)
       else if (are_alike) then
          where (request%is_sensitivity) ordinate%values = sensitivity_of(ordinate%values, &
             stronger%values, step, ordinate%round_off)

@@ -420,8 +420,9 @@ contains
       if (.not. allocated(row%record)) allocate (row%record)
       if (allocated(case%record%format)) then
          row%record%largest = case%record%largest
+         row%record%unit = case%record%unit
          row%motion%scale = factor*row%motion%scale
-         call set_factor(row%record, row%motion%scale, row%model%g, error, row%motion%unit)
+         call set_factor(row%record, row%motion%scale, row%model%g, error)
       else
          row%record%factor = factor*case%record%factor
       end if

@@ -78,8 +78,10 @@ contains
 
    pure character(8) function digits_of(crc) result(digits)
       integer(int32), intent(in) :: crc
+      integer :: status
 
-      write (digits, '(z8.8)') not(crc)
+      write (digits, '(z8.8)', iostat=status) not(crc)
+      if (status /= 0) digits = repeat('*', len(digits))
       digits = to_lower(digits)
    end function digits_of
 

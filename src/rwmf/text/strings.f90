@@ -33,8 +33,10 @@ contains
    pure function long_integer_to_text(value) result(text)
       integer(i8), intent(in) :: value
       character(20) :: text
+      integer :: status
 
-      write (text, '(i0)') value
+      write (text, '(i0)', iostat=status) value
+      if (status /= 0) text = repeat('*', len(text))
    end function long_integer_to_text
 
    !> Real as the shortest text that reads back as the same double precision number, padded with
@@ -90,9 +92,9 @@ contains
 
       ! Fewer digits than 15 only add trailing zeros, which plain_number drops.
       do count = 15, digit_count
-         write (form, '("(es40.", i0, "e3)")') count - 1
-         write (buffer, form) x
-         read (buffer, *, iostat=stat) read_back
+         form = '(es40.'//trim(integer_to_text(count - 1))//'e3)'
+         write (buffer, form, iostat=stat) x
+         if (stat == 0) read (buffer, *, iostat=stat) read_back
          if (stat == 0 .and. abs(read_back - x) <= 0) exit
       end do
       buffer = adjustl(buffer)

@@ -6,14 +6,18 @@ Keys and their ranges come from the kernel's table, values from the shipped inpu
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import rwmf
 from checkout import ROOT, Runner
 from rwmf import _library
-from scenes import bare_frame, coupled
+from rwmf.cli import main
+from scenes import bare_frame, block, coupled
 
 INPUTS = sorted((ROOT / "inputs").glob("*.nml"))
 RANGES = {
@@ -123,11 +127,57 @@ def test_every_way_in_warns_once(command: Runner, batch: Runner, tmp_path: Path)
     assert rwmf.simulate(case).attrs["warnings"].count(begin) == 1
 
 
+# each function whose result is that of a case with a warning
+_DOORS: dict[str, Callable[[rwmf.Case], object]] = {
+    "simulate": rwmf.simulate,
+    "spectrum": lambda case: rwmf.spectrum(case, T_s=[0.5, 1.0]),
+    "sweep": lambda case: rwmf.sweep(case, {"T_s": [0.5, 1.0]}),
+    "pushover": lambda case: rwmf.pushover(case, 0.01, steps=2),
+    "wall": rwmf.Wall,
+    "walls": lambda case: rwmf.Walls([case, case]),
+    "element": rwmf.Element,
+    "couple": lambda case: rwmf.coupling.couple(
+        case, rwmf.coupling.FunctionHost([5.0], [[0.1]], [[40.0]], float, [0]), float, 0.05, 0.1
+    ),
+    "wall effect": lambda case: rwmf.studies.wall_effect(case, {"T_s": [0.5]}),
+}
+
+
+@pytest.mark.parametrize("door", _DOORS)
+def test_every_function_emits_warnings_at_the_line_of_the_user(door: str) -> None:
+    case = coupled(
+        frame={"xi_s": 3.0}, wall={"m_w": 1000.0, "thickness": None}, solver={"t_end": 0.1}
+    )
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        _DOORS[door](case)
+    texts = [str(one.message) for one in caught]
+    assert sum("&frame xi_s = 3.0 " in text for text in texts) == 1, texts
+    assert len(texts) == len(set(texts))
+    assert {(one.category, one.filename) for one in caught} == {(rwmf.RwmfWarning, __file__)}
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", rwmf.RwmfWarning)
+        _DOORS[door](case)
+    assert not caught
+
+
+def test_commands_emit_no_warnings_of_python(tmp_path: Path) -> None:
+    """They print them, once; see `test_every_way_in_warns_once`."""
+    path = tmp_path / "slip.nml"
+    coupled(frame={"xi_s": 3.0}, spectrum={"T_s": [0.5]}).to_namelist(path)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for words in (["run"], ["spectrum"], ["pushover"]):
+            assert main([*words, str(path)]) == 0
+    assert not caught
+
+
 def test_the_rigid_wall_is_told_where_it_matters() -> None:
-    case = rwmf.Case(**BUILDING)
+    case = rwmf.Case(**BUILDING, output={"reactions": False})
     assert not any(RIGID in line for line in case.kernel.warnings())
     assert RIGID not in rwmf.simulate(case).attrs["warnings"]
-    asking = case.replace(output={"reactions": True})
+    asking = case.replace(output=None)
     assert sum(RIGID in line for line in asking.kernel.warnings()) == 1
     assert rwmf.simulate(asking).attrs["warnings"].count(RIGID) == 1
     for quantity, n in (
@@ -184,3 +234,103 @@ def test_shown_defaults_hold() -> None:
                 except rwmf.InputError:
                     continue  # a default that other keys exclude
                 assert told.groups[group][key] == value, (path.name, group, key)
+
+
+_RECORDS = {
+    "peak of 5.1 g is outside the range of records, 1.0e-5 to 5.0 g: check the unit": (
+        5.1,
+        0.01,
+        120,
+    ),
+    "peak of 9.0e-6 g is outside the range": (9e-6, 0.01, 120),
+    "interval of 0.11 s exceeds 0.1 s: check dt": (0.3, 0.11, 120),
+    "duration of 3610.0 s exceeds 3600.0 s: check dt": (0.3, 0.1, 36101),
+    "": (4.9, 0.1, 36001),
+}
+
+
+@pytest.mark.parametrize("text", _RECORDS)
+def test_a_record_that_is_no_earthquake(text: str, batch: Runner, tmp_path: Path) -> None:
+    """By all ways that read it, horizontal and vertical."""
+    peak, dt, n = _RECORDS[text]
+    a = peak * np.sin(0.3 * np.arange(n)) ** 2
+    a *= peak / abs(a).max()
+    a[0] = a[-1] = 0
+    (tmp_path / "a.txt").write_text("\n".join(map(repr, a.tolist())), encoding="utf-8")
+    written = "unit = 'g', dt = " + repr(dt)
+    case = coupled(motion=None).replace(solver={"t_end": 0.05})
+    path = tmp_path / "case.nml"
+    body = case.text + f"\n&motion kind = 'record', file = 'a.txt', {written} /\n"
+    path.write_text(body, encoding="utf-8")
+    from_file = rwmf.Case.from_namelist(path)
+    from_array = case.replace(motion=rwmf.Motion(a, dt=dt, unit="g"))
+    swept = rwmf.sweep(case, {"xi_s": [0.02]}, records=[tmp_path / "a.txt"], unit="g", dt=dt)
+    found = [
+        from_file.kernel.warnings(),
+        from_array.kernel.warnings(),
+        rwmf.simulate(from_file).attrs["warnings"].splitlines(),
+        rwmf.spectrum(from_file, T_s=[0.5]).attrs["warnings"].splitlines(),
+        swept.attrs["warnings"].splitlines(),
+        batch("case.nml").stderr.splitlines(),
+        rwmf.records.info(tmp_path / "a.txt", unit="g", dt=dt)[0]["warnings"],
+    ]
+    for lines in found:
+        assert any(text and text in line for line in lines) == bool(text), lines
+        unusual = [line for line in lines if "range of records" in line or "check dt" in line]
+        assert bool(unusual) == bool(text)
+    upward = tmp_path / "upward.nml"
+    upward.write_text(
+        coupled().replace(solver={"t_end": 0.05}).text
+        + f"\n&vertical file = 'a.txt', {written} /\n", encoding="utf-8"
+    )  # fmt: skip
+    lines = rwmf.Case.from_namelist(upward).kernel.warnings()
+    assert any(text and text in line for line in lines) == bool(text), lines
+
+
+def test_no_warning_without_a_motion() -> None:
+    """A scale of zero disables a record."""
+    case = coupled(motion=None).replace(motion=rwmf.Motion([0.0, 9.0, 0.0], dt=0.01, unit="g"))
+    assert any("range of records" in line for line in case.kernel.warnings())
+    none = case.replace(motion={"scale": 0.0})
+    assert not any("range of records" in line for line in none.kernel.warnings())
+
+
+SLIDES = "slides at such impacts, which the model does not follow"
+
+
+@pytest.mark.parametrize(
+    ("changes", "slides"),
+    [
+        ({"wall": {"b": 1.0}}, True),
+        ({"wall": {"b": 0.99}}, False),
+        ({"wall": {"b": 1.4}}, True),
+        # the mass of a frame keeps the loss small
+        ({"wall": {"b": 1.0}, "frame": {"T_s": 1.0, "gamma": 5.0, "xi_s": 0.05}}, False),
+        ({"wall": {"b": 1.0}, "impact": {"rule": None, "e": 0.79}}, True),
+        ({"wall": {"b": 1.0}, "impact": {"rule": None, "e": 0.8}}, False),
+        ({"wall": {"b": 1.0, "shear_key": True}}, False),
+        ({"wall": {"b": 1.0, "base": "pinned"}, "impact": None}, False),
+    ],
+)
+def test_squat_walls_slide_at_impacts(changes: dict[str, Any], slides: bool) -> None:
+    case = block(impact={"rule": "coupled", "e": None}, solver={"t_end": 1.0}).replace(**changes)
+    assert (SLIDES in rwmf.simulate(case).attrs["warnings"]) == slides
+
+
+@pytest.mark.parametrize(
+    ("k", "section", "is_soft"),
+    [(9e8, {}, True), (1.1e9, {}, False), (None, {"length": 1e2}, False)],
+)
+def test_soft_soil_is_outside_the_model(
+    k: float | None, section: dict[str, object], is_soft: bool
+) -> None:
+    given = section | ({"E": 3e10} if k is None else {"k": k})
+    case = block(
+        # m_w = 4 h b thickness density = 2e4 kg
+        wall={"density": 2.5e4, "thickness": 0.2},
+        impact={"rule": "coupled", "e": None},
+        solver={"t_end": 1.0},
+        base_section=given,
+    )
+    found = "below 1e4: the wall sinks into such soil" in rwmf.simulate(case).attrs["warnings"]
+    assert found == is_soft

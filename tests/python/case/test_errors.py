@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import re
+import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -222,6 +224,22 @@ def test_earlier_results_survive_a_failure(tmp_path: Path, batch: Runner) -> Non
     assert batch(path).returncode == 1
     assert summary.read_bytes() == first
     assert sorted(tmp_path.iterdir()) == [path, summary]
+
+
+def test_an_uncaught_ctrl_c_ends_python_by_its_signal() -> None:
+    """A shell sees 130, as after Ctrl-C in any program."""
+    script = (
+        "import signal, threading, rwmf\n"
+        "case = rwmf.Case.from_text(\"&frame T_s = 0.1 xi_s = 0.02 / &motion kind = 'one_sine' "
+        'a_max_g = 1 T_p = 1 / &solver t_end = 1e6 rtol = 1e-12 /")\n'
+        "threading.Timer(0.1, signal.raise_signal, [signal.SIGINT]).start()\n"
+        "rwmf.simulate(case)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == -signal.SIGINT, done.stderr
+    assert "KeyboardInterrupt" in done.stderr
 
 
 def test_exceptions_derive_from_the_builtin_ones() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import functools
 import inspect
@@ -17,7 +18,7 @@ import pytest
 import rwmf
 import xarray as xr
 from rwmf._library import schema
-from scenes import coupled
+from scenes import bare_frame, coupled
 
 pytest.importorskip("matplotlib")
 
@@ -55,6 +56,18 @@ WRONG: dict[str, Any] = {
     "empty": [],
     "mapping": {"a": 1},
     "set": {1.0, 2.0},
+    "empty array": np.array([]),
+    "largest": 1e308,
+    "smallest": 1e-308,
+    "path": Path("nowhere"),
+    "long text": "x" * 5000,
+    "nothing in a list": [None],
+    "function": lambda *_, **__: None,
+    "class": rwmf.Response,
+    "empty dataset": xr.Dataset(),
+    "dataset": xr.Dataset({"u": ("x", [1.0])}, {"x": [0.5]}),
+    "data array": xr.DataArray([1.0], dims="record"),
+    "other case": bare_frame(),
 }
 _CLASSES = ("Case", "Cost", "Design", "Motion", "RecordFile", "Response")
 # results of other functions, and functions without arguments
@@ -97,7 +110,6 @@ def _found() -> dict[str, Any]:
     return {
         "run": rwmf.simulate(case),
         "curve": rwmf.pushover(case, 0.01, steps=2),
-        "forces": rwmf.simulate(case.replace(output={"reactions": True})),
         "spectrum": rwmf.spectrum(case, **grid),
         "analysis": analysis,
         "fragility": rwmf.studies.fragility(analysis, limit),
@@ -162,9 +174,10 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "Wall": {"case": case, "t_begin": 0.0, "peak": None},
         "Walls": {"cases": case, "n": 1, "t_begin": 0.0, "peak": None, "threads": 1},
         "base_section": {"N": [1e6], "theta": [0.01], "width": 4.0, "thickness": 0.3, "k": 1e10,
-                         "E": None},
+                         "E": None, "f_c": 4e7},
         "checks": {"case": limited, "result": found["run"]},
         "ufp_force": {"stress": 3e8, "width": 0.1, "thickness": 0.01, "diameter": 0.1},
+        "ufp_stiffness": {"modulus": 2e11, "width": 0.1, "thickness": 0.01, "diameter": 0.1},
         "coupling.FunctionHost": {"mass": [1.0], "damping": [[0.1]], "restoring": [[40.0]],
                                   "ground": _still, "links": [0], "on_commit": None},
         "coupling.couple": {"case": case, "host": _host(), "ground": _still, "dt": 0.05,
@@ -191,13 +204,13 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "plot.draw_overturning": {"dataset": found["map"], "ax": ax},
         "plot.draw_suite": {"dataset": found["suite"], "ax": ax},
         "plot.draw_wall_effect": {"dataset": found["wall"], "ax": ax},
-        "plot.envelope": {"dataset": found["forces"], "case": case, "axes": None},
+        "plot.envelope": {"dataset": found["run"], "case": case, "axes": None},
         "plot.envelope_quantities": {"case": case},
         "plot.ground_motion": {"dataset": found["run"], "axes": both, "T_s": [0.5],
                                "damping": 0.05},
         "plot.history": {"dataset": found["run"], "axes": ax, "variables": ["u_s"], "case": case},
         "plot.make_panels": {"axes": ax, "n": 1, "across": False},
-        "plot.pushover": {"curve": found["curve"], "ax": ax, "history": found["forces"]},
+        "plot.pushover": {"curve": found["curve"], "ax": ax, "history": found["run"]},
         "plot.profile": {"dataset": found["run"], "axes": ax, "case": case},
         "plot.spectrum": {"dataset": found["spectrum"], "ax": ax, "bare": None,
                           "quantities": None, "legend": False},
@@ -269,6 +282,11 @@ def _refused(call: Callable[..., Any], **arguments: Any) -> str:  # noqa: ANN401
     return ""
 
 
+# right values with which the function waits for a browser, or computes for seconds
+_WAITING = {("explore", "case"): ("None", "other case"), ("cost", "case"): ("other case",),
+            ("ida", "levels"): ("smallest",), ("ida", "tolerance"): ("smallest",)}  # fmt: skip
+
+
 @pytest.mark.parametrize("name", sorted(set(_public()) - _NOT_CALLED - {*_CLASSES}))
 def test_functions_refuse_what_they_cannot_use(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -282,13 +300,88 @@ def test_functions_refuse_what_they_cannot_use(
     assert set(known) <= set(right), "a new argument: give it a value that works"
     for argument in right:
         for kind, value in WRONG.items():
-            if name == "explore" and (argument, kind) == ("case", "None"):
-                # the default, which would wait for a browser
+            if kind in _WAITING.get((name, argument), ()):
                 continue
             try:
                 _refused(call, **(right | {argument: value}))
             except Exception as error:
                 pytest.fail(f"{name}({argument}={kind}): {type(error).__name__}: {error}")
+
+
+# objects with methods, and right arguments of each method with arguments
+_OBJECTS: dict[str, Callable[[], Any]] = {
+    "Wall": lambda: rwmf.Wall(_case()),
+    "Walls": lambda: rwmf.Walls(_case(), 2),
+    "Element": lambda: rwmf.Element(_case()),
+    "FunctionHost": lambda: _host(),
+    "Response": lambda: _found()["run"],
+    "Checks": lambda: rwmf.checks(_case().replace(limits={"u_s_max_m": 1.0}), _found()["run"]),
+}
+_STEP = {"t": [0.0, 0.1], "a": [0.0, 1.0]}
+_MOTION = {"u": 0.0, "u_dot": 0.0, "u_ddot": 0.0}
+_METHODS: dict[str, dict[str, Any]] = {
+    "Wall.advance": {"t": 0.1},
+    "Wall.advance_samples": _STEP,
+    "Wall.advance_ground": {"t": 0.1, "function": _still},
+    "Wall.next_event": {"horizon": 0.1, "kinds": ["impact"]},
+    "Wall.restore": {"snapshot": None},
+    "Walls.advance": {"t": 0.1},
+    "Walls.advance_samples": _STEP,
+    "Walls.restore": {"snapshot": None},
+    "Element.respond": _MOTION | {"u_g_ddot": 0.0, "side": None, "v_g_ddot": 0.0},
+    "Element.motion_of_links": _MOTION,
+    "Element.place": {"side": 1},
+    "Element.restore": {"snapshot": None},
+    "Element.next_event": {"dt": 0.1, "begin": [0.0] * 3, "end": [0.1, 0.0, 0.0],
+                           "u_g_ddot": (0.0, 0.0), "push": (0.0, 0.0), "has_branches": False},
+    "Element.land": {"u": 0.0, "u_dot": 0.0, "host_mass": None},
+    "Element.settles": {"dt": 0.1, "motion": [0.0] * 3, "u_g_ddot": 0.0, "push": 0.0,
+                        "host_mass": None},
+    "FunctionHost.attempt": {"forces": [0.0], "h": 0.1},
+    "FunctionHost.commit": {"forces": [0.0], "h": 0.1},
+    "FunctionHost.set_rates": {"velocities": [0.0], "accelerations": [0.0]},
+}  # fmt: skip
+# methods that xarray inherits to a response are its own
+_INHERITED = set(dir(xr.Dataset))
+
+
+def _public_methods() -> list[str]:
+    """Every method with arguments of the objects."""
+    found = []
+    for name, make in _OBJECTS.items():
+        for word, method in inspect.getmembers(make(), callable):
+            own = not word.startswith("_") and not (name == "Response" and word in _INHERITED)
+            if own and inspect.signature(method).parameters:
+                found.append(f"{name}.{word}")
+    return found
+
+
+def test_an_empty_measurement_is_refused() -> None:
+    assert "rwmf.cost" in _refused(rwmf.plot.work_precision, cost=rwmf.Cost({}, [], [], 1e-6, None))
+
+
+def test_methods_with_arguments_refuse_what_they_cannot_use() -> None:
+    """Each argument in turn is each wrong value, in a new object."""
+    missing = set(_public_methods()) - {*_METHODS}
+    assert not missing, "a new method: give its arguments values that work"
+    for name, right in _METHODS.items():
+        kind_of_object, _, method = name.partition(".")
+        for argument in right:
+            for kind, value in WRONG.items():
+                call = getattr(_OBJECTS[kind_of_object](), method)
+                try:
+                    _refused(call, **(right | {argument: value}))
+                except Exception as error:
+                    pytest.fail(f"{name}({argument}={kind}): {type(error).__name__}: {error}")
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_a_response_is_made_as_a_dataset_or_refused(kind: str) -> None:
+    for argument in ("data_vars", "coords", "attrs"):
+        _refused(rwmf.Response, **{argument: WRONG[kind]})
+    with contextlib.suppress(KeyError, ValueError, TypeError):
+        # the answers of a mapping
+        _found()["run"][WRONG[kind]]
 
 
 def _methods() -> Iterator[tuple[str, Callable[[Any], object]]]:
@@ -380,8 +473,7 @@ def test_messages_name_argument_value_and_what_is_allowed() -> None:
 
 
 # datasets that a function draws beside the one that the table of calls gives it
-_DRAWN = {("plot.history", "forces"), ("loops.draw", "forces"), ("loops.find_loops", "forces"),
-          ("plot.ground_motion", "forces"), ("plot.spectrum", "friction")}  # fmt: skip
+_DRAWN = {("plot.spectrum", "friction")}
 
 
 def test_figures_refuse_datasets_of_other_functions(tmp_path: Path) -> None:
@@ -412,3 +504,40 @@ def test_right_values_stay_right() -> None:
     ):
         assert rwmf.spectrum(case, T_s=periods)["u_s_max"].equals(expected["u_s_max"])  # type: ignore[arg-type]
     assert case.replace(wall={"h": np.array(3)}).wall.h == 3.0
+
+
+# dollar signs would begin formulas, and a lone brace would end the drawing of one
+_HOSTILE = r"a$b_{$c\q$"
+
+
+def _hostile(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset whose names of records and designs, meanings and units are no formulas."""
+    found = dataset.copy(deep=True)
+    for name, values in dataset.variables.items():
+        if "long_name" in values.attrs:
+            found[name].attrs["long_name"] = _HOSTILE
+        if name in ("record", "design"):
+            texts = np.array([f"{_HOSTILE}{value}" for value in values.values.flat])
+            change = found.assign_coords if name in dataset.coords else found.assign
+            found = change({name: (values.dims, texts.reshape(values.shape))})
+    return found
+
+
+# the table of calls has no measurement and no storeys for these
+_REFUSED = {"plot.work_precision", "plot.profile"} | _NOT_CALLED
+
+
+@pytest.mark.parametrize("name", sorted(
+    {name for name in _public() if name.startswith(("plot.", "loops.draw"))} - _REFUSED
+))  # fmt: skip
+def test_figures_show_any_name(name: str, tmp_path: Path) -> None:
+    arguments = {
+        word: _hostile(value) if isinstance(value, xr.Dataset) else value
+        for word, value in _calls(tmp_path)[name].items()
+    }
+    try:
+        _public()[name](**arguments)
+        for number in plt.get_fignums():
+            plt.figure(number).canvas.draw()
+    finally:
+        plt.close("all")

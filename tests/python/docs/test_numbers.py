@@ -72,6 +72,36 @@ def test_factors_of_the_momentum_balance() -> None:
         assert _same(float(rwmf.simulate(case)["e"]), shown)
 
 
+def test_place_of_the_impulse_for_a_factor_of_0_9() -> None:
+    """(T25) with the factor of the program: distance outside the base over its width."""
+    table = _rows(THEORY, r"| $\gamma$ | 0 | 5 | 1800 |" + "\n|---|---|---|---|\n| distance")
+    shown = next(values for name, values in table.items() if name.startswith("distance"))
+    sine_2, e = 1 / 17, 0.9
+    for gamma, text in zip((0.0, 5.0, 1800.0), shown, strict=True):
+        inertia = 4 / 3 + 4 * gamma * (1 - sine_2)
+        x = (e - _balanced(0.25, gamma)) * inertia / (1 + e) / (2 * sine_2)
+        assert f"{-x:,.{len(text.partition('.')[2])}f}" == text
+        # an impulse at mid-base, half a width inside, loses nothing
+        assert _balanced(0.25, gamma) + 2 * sine_2 / inertia == pytest.approx(1.0, rel=1e-12)
+
+
+def test_impulsive_friction() -> None:
+    """(T26) with the factor of the program, and with 0.9."""
+    shown = _rows(THEORY, r"| | free block, $\tan\alpha = 0.25$")["ratio"]
+    cases = ((0.25, 0.0, None), (0.5, 0.0, None), (0.25, 5.0, None), (0.25, 5.0, 0.9),
+             (0.25, 1800.0, 0.9))  # fmt: skip
+    for (tangent, gamma, given), text in zip(cases, shown, strict=True):
+        e = given or _balanced(tangent, gamma)
+        assert _same((1 + 2 * gamma) * (1 - e) / (tangent * (1 + e)), text)
+
+
+def _balanced(tangent: float, gamma: float) -> float:
+    """Return the factor of the momentum balance that a run reports."""
+    wall, impact, solver = {"b": 2 * tangent}, {"rule": "coupled", "e": None}, {"t_end": 0.0}
+    case = coupled(wall=wall, frame={"gamma": gamma or 1e-14}, impact=impact, solver=solver)
+    return float(rwmf.simulate(case)["e_max"])
+
+
 @pytest.mark.parametrize("e", [None, 0.9])
 def test_boundaries_of_overturning(e: float | None) -> None:
     text = re.sub(r"\s+", " ", _page("docs/howto/studies.md"))
@@ -98,3 +128,42 @@ def test_table_of_verification() -> None:
     done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True)
     assert len(done.stdout.splitlines()) > 5
     assert done.stdout.strip() in _page("README.md")
+
+
+# statements that are wrong, and why
+WRONG = {
+    # contact on a rigid base gives e_max to 1: the balance about the new corner is the largest loss
+    r"most that the momentum|momentum balance (of wall and frame )?(allows|permits)": "e_max",
+    r"impulse that does not exist|upper bound of e\b": "e_max",
+    # M = N b/3 and M = N b
+    r"lift-?off, decompression|decompression(,| or) (lift-?off|uplift)": "base",
+    # plates connect an edge with a column or a second wall
+    r"(plates?|UFPs?|fuse|steel dampers?) under (each|the|its|both) corner": "plates",
+    r"yields? at the force[^.]*2 ?D": "plates",
+    # holds below f_c
+    r"toe strain (=|is) (the )?(toe )?stress/E|toe strain is\s+\$\\sigma/E": "toe strain",
+}
+FOLDERS = {
+    "docs": "*.md",
+    "driver/rwmf": "*.*",
+    "src": "*.[fF]90",
+    "inputs": "*.nml",
+    "bench": "*.*",
+}
+
+
+def test_no_page_or_message_makes_a_wrong_statement() -> None:
+    paths = [path for folder, name in FOLDERS.items() for path in (ROOT / folder).rglob(name)]
+    texts = [
+        (path, re.sub(r"[\s&!'/\"]*\n[\s&!'/*\"]*", " ", path.read_text(encoding="utf-8")))
+        for path in [*paths, ROOT / "README.md"]
+        if path.suffix in (".md", ".py", ".pyi", ".js", ".html", ".f90", ".F90", ".nml")
+    ]
+    assert len(texts) > 400
+    found = [
+        (str(path.relative_to(ROOT)), match[0])
+        for path, text in texts
+        for pattern in WRONG
+        for match in re.finditer(pattern, text, re.IGNORECASE)
+    ]
+    assert found == []

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import rwmf
 import scenes
+import shipped_spectra
 from checkout import REFERENCE, ROOT, Runner
 from reproduce import claims, claims_histories, claims_spectra, figures, histories, spectra
+from reproduce import command as reproduce_command
 from reproduce.claims import Claim, Measured
 from reproduce.formulations import ETAS, EXACT, PUBLISHED, SHIPPED_ETAS, Formulation
 from reproduce.response_cache import ResponseCache
@@ -137,6 +140,26 @@ def test_command_draws(command: Runner, tmp_path: Path) -> None:
     done = command("reproduce", "7", *places, "--out", tmp_path / "plots")
     assert done.returncode == 0, done.stderr
     assert sorted(p.name for p in (tmp_path / "plots").iterdir()) == ["fig07.png", "fig07.svg"]
+
+
+@pytest.mark.parametrize("script", [False, True])
+def test_pictures_of_the_repository_change_on_request_only(
+    script: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both commands write into a folder that git ignores unless `--out` names another."""
+    folders: list[Path] = []
+    if script:
+        monkeypatch.setattr(shipped_spectra, "_make_folder", folders.append)
+        monkeypatch.setattr(shipped_spectra, "SHIPPED", {})
+        monkeypatch.setattr(shipped_spectra, "HEAD", ("head", ("none",)))
+        assert shipped_spectra.main([]) == 0
+    else:
+        monkeypatch.setattr(
+            reproduce_command, "run", lambda options: folders.append(options.out) or 0
+        )
+        monkeypatch.setattr(sys, "path", [*sys.path])
+        assert cli.main(["reproduce", "7"]) == 0
+    assert [ROOT / folder for folder in folders] == [ROOT / "build" / "plots"]
 
 
 def test_command_refuses(command: Runner, tmp_path: Path) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import http.client
 import json
+import math
 import os
 import signal
 import socket
@@ -11,7 +13,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -322,6 +324,58 @@ def test_many_connections_and_slow_ones(
         client.ask("/api/history", {"groups": state})
         for raw in raws:
             raw.close()
+
+
+def test_idle_connections_do_not_keep_the_page_out(
+    state: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those without the token give way; a page that waits for its answer keeps its connection."""
+    monkeypatch.setattr(server_module, "_MOST_CONNECTIONS", 20)
+    with served(Case.from_namelist(FIG12)) as (server, client), ExitStack() as stack:
+        asked = stack.enter_context(_asked(client, "/api/history", _endless(state)))
+        assert _until(lambda: math.inf in server.arriving.values())
+        kept = http.client.HTTPConnection("127.0.0.1", client.port, timeout=10)
+        headers = {"Host": f"127.0.0.1:{client.port}", "X-Token": client.token}
+
+        def ask() -> int:
+            kept.request("POST", "/api/start", b"{}", headers)
+            answer = kept.getresponse()
+            answer.read()
+            return answer.status
+
+        assert ask() == 200
+        used = kept.sock
+        for _ in range(30):
+            raw = socket.create_connection(("127.0.0.1", client.port), 10)
+            stack.callback(raw.close)
+        begun = time.monotonic()
+        client.ask("/api/start", {})
+        assert time.monotonic() - begun < SOON
+        assert (ask(), kept.sock) == (200, used)
+        assert len(server.arriving) <= 20
+        asked.settimeout(0.1)
+        with pytest.raises(TimeoutError):
+            asked.recv(1)
+
+
+@pytest.mark.parametrize(
+    ("path", "token", "status"),
+    [("/api/record?name=a.csv&unit=g", True, 413), ("/api/start", True, 413),
+     ("/api/record?name=a.csv&unit=g", False, 403), ("/api/nothing", True, 404)],
+)  # fmt: skip
+def test_a_refused_upload_gets_its_answer(
+    client: Client, path: str, token: bool, status: int
+) -> None:
+    """Also a client that sends everything before it reads, as browsers do."""
+    content = b"0" * (server_module._MOST_RECORD + 1)
+    headers = {"X-Token": client.token if token else "another"}
+    line = f"HTTP/1.1 {status}".encode()
+    with socket.create_connection(("127.0.0.1", client.port), 30) as raw:
+        head, _, _ = _text(client, path, {}, **headers).partition(b"Content-Length: 2")
+        raw.sendall(head + b"Content-Length: %d\r\n\r\n" % len(content) + content)
+        answer = _received(raw)
+    assert answer.startswith(line), answer[:200]
+    assert json.loads(answer.partition(b"\r\n\r\n")[2])["error"]
 
 
 def _trickle(raw: socket.socket) -> None:

@@ -61,7 +61,9 @@ def test_the_copy_shows_three_cases_from_files(browser: Browser, copy: Path, wid
     opened.page.select_option("#preset", "")
     opened.settle()
     assert opened.page.evaluate("explorer.stage.ghost !== null")
-    assert opened.page.evaluate("document.getElementById('groups').inert")
+    fields = opened.page.locator("#groups :is(input, select, button)")
+    assert fields.count() > 20
+    assert all(field.is_disabled() for field in fields.all())
     assert not opened.page.locator("#upload").is_visible()
     assert not opened.page.locator("#measure").is_visible()
     assert opened.console == []

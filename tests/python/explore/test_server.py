@@ -253,6 +253,30 @@ def test_spectrum_is_that_of_the_package(client: Client, start: dict[str, Any]) 
     assert other["alone"] != found["alone"]
 
 
+def test_axis_and_gaps_of_a_block() -> None:
+    """The axis is that of the kernel; the peak of a run that ended early is a gap."""
+    case = case_of_preset("block")
+    with served(case) as (_, client):
+        state = client.ask("/api/start", {})["state"]
+        found = client.ask("/api/spectrum", {"groups": state, "points": 41})
+        headline = dict(client.ask("/api/history", {"groups": state})["headline"])
+    assert found["axis"] == ["2π/p of the block", "its size follows, its slenderness stays"]
+    assert headline["residual drift"] == "none: the wall returns"
+    T, values, down = (_floats(found[name]) for name in ("T", "values", "overturned"))
+    own = case.kernel.axes()["T_s"].value
+    assert T[0] == pytest.approx(0.5 * own, rel=1e-6)
+    assert T[-1] == pytest.approx(3 * own, rel=1e-6)
+    assert 0 < down.size < 20
+    assert np.array_equal(np.isnan(values), np.isin(T, down))
+    assert np.nanmax(values) < 1.5
+
+
+def test_a_frame_alone_is_what_returns() -> None:
+    text = "&frame T_s = 1.0, xi_s = 0.05 / &motion kind = 'one_sine', a_max_g = 0.1, T_p = 1.0 /"
+    found = rwmf.simulate(Case.from_text(f"{text} &solver t_end = 2.0 /"))
+    assert "none: the frame returns" in found.headline()
+
+
 def test_periods_without_an_end_are_left_out(record_folder: Path) -> None:
     """An elastic wall on a stiff frame chatters through a record for ever."""
     del record_folder

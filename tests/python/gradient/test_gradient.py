@@ -1,8 +1,9 @@
-"""Derivatives of results: closed forms, held keys, bounds, lists, kinks, points and suites."""
+"""Derivatives of results: closed forms, keys that follow, bounds, lists, kinks and suites."""
 
 from __future__ import annotations
 
 import cmath
+import contextlib
 import math
 from pathlib import Path
 
@@ -10,7 +11,9 @@ import numpy as np
 import pytest
 import rwmf
 from random_cases import random_cases
+from rwmf._gradient import held_keys
 from rwmf._gradient.differences import derivative_at, offsets_of, resolution, valid_range
+from rwmf._gradient.held_keys import find_parameters
 from rwmf.studies import annual_frequency, fragility_median
 from scenes import bare_frame, coupled
 
@@ -140,13 +143,77 @@ def test_a_period_and_its_frequency() -> None:
     assert np.allclose(one, -other, rtol=1e-7)
 
 
-def test_a_default_that_follows_is_held() -> None:
+_WALL = """&wall h = 6, b = 1.8 /
+&impact rule = 'coupled' /
+&motion kind = 'one_sine', a_max_g = 0.6, omega_p = 6 /
+&solver t_end = 1.4 /
+"""
+_OF_KEYS = {
+    "defaults": """&frame T_s = 0.7, gamma = 3, xi_s = 0.02 /
+&cable eta_0 = 0.8 /
+&p_delta /
+&damper c_over_m_w = 0.1 /
+&inerter inertance_over_m_w = 0.4 /
+&vertical ratio = 0.3 /
+""",
+    "link": """&frame T_s = 0.7, gamma = 3, xi_s = 0.02 /
+&link L = 20 /
+&p_delta /
+&fuse eta_y = 0.05, stroke_y = 0.01 /
+&yielding u_y = 0.05 /
+&model formulation = 'exact', overturning_angle = 1.0 /
+""",
+    "storeys": """&frame xi_s = 0.03 /
+&storeys m_over_m_w = 1, k_over_m_w = 900, height = 4, n = 3, coupling = 'full' /
+&cable eta_0 = 0.5, law = 'linear' /
+&p_delta /
+""",
+}
+
+
+def _real_keys(case: rwmf.Case) -> list[str]:
+    """Keys of a case with one real number that a gradient accepts."""
+    found = []
+    for group, keys in case.groups.items():
+        for key in keys:
+            with contextlib.suppress(rwmf.InputError):
+                item = find_parameters(case, [f"{group}.{key}"])[0]
+                if not item.is_list and group not in ("solver", "model"):
+                    value = float(held_keys.value_of(case, item)[0])
+                    held_keys.allowed_changes(case, item, value, held_keys.scale_of(item, value))
+                    found.append(item.name)
+    return found
+
+
+@pytest.mark.parametrize("text", _OF_KEYS.values(), ids=_OF_KEYS)
+def test_every_key_has_the_derivative_of_the_case_as_written(text: str) -> None:
+    """Defaults that follow from a parameter follow it, whatever else is requested."""
+    case = rwmf.Case.from_text(_WALL + text).replace(solver={"rtol": 1e-9})
+    names = _real_keys(case)
+    assert len(names) >= 8
+    name = "u_s_max"
+    found = rwmf.gradient(case, names, name)
+    for i, (key, scale) in enumerate(zip(names, found["parameter_scale"].values, strict=True)):
+        item = find_parameters(case, [key])[0]
+        value, step = float(found["parameter_value"][i]), 2e-4 * scale
+        changes = [value + step, value - step] if value else [step, 2 * step]
+        cases = [case.replace(**held_keys.changed_entries(case, item, x)) for x in changes]
+        peaks = [float(rwmf.simulate(other)[name]) for other in cases]
+        slope = (peaks[0] - peaks[1]) / (changes[0] - changes[1])
+        if not value:
+            slope = (4 * peaks[0] - peaks[1] - 3 * float(found["value"][0])) / (2 * step)
+        least = 1e-4 * float(found["value"][0]) / scale
+        assert found["derivative"].values[0, i] == pytest.approx(slope, rel=1e-3, abs=least), key
+
+
+def test_a_default_follows_beside_its_own_derivative() -> None:
     case = coupled(cable={"eta_0": 1.0, "eta_alpha": None})
-    held = coupled(cable={"eta_0": 1.0, "eta_alpha": 1.0})
-    found = rwmf.gradient(case, ("eta_0", "eta_alpha"))
-    truth = rwmf.gradient(held, ("eta_0", "eta_alpha"))
-    assert (found["derivative"].values == truth["derivative"].values).all()
-    assert found["parameter_value"].values.tolist() == [1.0, 1.0]
+    both = rwmf.gradient(case, ("eta_0", "eta_alpha"))["derivative"].values[0]
+    stated = coupled(cable={"eta_0": 1.0, "eta_alpha": 1.0})
+    parts = rwmf.gradient(stated, ("eta_0", "eta_alpha"))["derivative"].values[0]
+    assert both[0] == pytest.approx(rwmf.gradient(case, "eta_0")["derivative"].values.item())
+    assert both[0] == pytest.approx(parts.sum(), rel=1e-6)
+    assert both[1] == pytest.approx(parts[1], rel=1e-6)
 
 
 def test_numbers_of_lists() -> None:

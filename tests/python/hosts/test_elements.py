@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import ctypes
+from pathlib import Path
 from typing import Any
 
 import c_host
@@ -252,3 +253,17 @@ def test_cycles_leave_no_memory() -> None:
             heap, blocks = growth(work, n)
             assert heap < n
             assert blocks < n
+
+
+@pytest.mark.parametrize("form", ["file", "groups"])
+def test_an_element_needs_no_keys_of_a_run(form: str, tmp_path: Path) -> None:
+    """Neither period and damping of the frame nor the end of a simulation."""
+    path = tmp_path / "wall.nml"
+    path.write_text(WALL + " &frame gamma = 5.0 /", encoding="utf-8")
+    groups = {"wall": {"h": 4.0, "b": 0.8, "m_w": 2e4}, "frame": {"gamma": 5.0}, "impact": {}}
+    short = rwmf.Element(path if form == "file" else groups)
+    long = element()
+    found, expected = (one.respond(0.1, 0.2, 0.3, 0.4, 1)[:8] for one in (short, long))
+    assert found == pytest.approx(expected)
+    with pytest.raises(rwmf.InputError, match=r"&frame.*\bgamme\b.*gamma"):
+        rwmf.Element({"wall": {"h": 4.0, "b": 0.8}, "frame": {"gamme": 5.0}})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import functools
 import itertools
 import math
 import pickle
@@ -249,7 +250,7 @@ def test_bad_calls_are_named_and_change_nothing() -> None:
             "not a finite",
             lambda: wall.advance_samples(np.array([0.3, 1]), np.array([0, nan])),
         )
-        _fails(bad, "not a finite", lambda: wall.advance_samples([0.3, 1], [0, nan]))
+        _fails(bad, "a = nan: must be finite", lambda: wall.advance_samples([0.3, 1], [0, nan]))
         _fails(bad, "function = 3", lambda: wall.advance_ground(1.0, 3))  # type: ignore[arg-type]
         _fails(
             rwmf.NumericalError,
@@ -353,6 +354,41 @@ def test_ctrl_c_stops_many_walls() -> None:
         timer.join()
         assert walls.t == 0.0
         assert not walls.state.steps.any()
+
+
+_LONG = np.arange(0.0, 1e4, 0.02)
+_CALLS: dict[str, Callable[[rwmf.Wall], object]] = {
+    "advance": lambda wall: wall.advance(1e4),
+    "samples": lambda wall: wall.advance_samples(_LONG + wall.t, np.sin(3 * _LONG)),
+    "ground": lambda wall: wall.advance_ground(1e4, lambda t: math.sin(3 * t)),
+    "next event": lambda wall: wall.next_event(1e4, ("collapsed",)),
+}
+
+
+@functools.cache
+def _long_case() -> rwmf.Case:
+    motion = rwmf.Motion(np.sin(3 * _LONG), dt=0.02, unit="m/s2", name="long")
+    return case_of().replace(motion=motion, solver={"rtol": 1e-12})
+
+
+@pytest.mark.parametrize("is_stepped", [False, True])
+@pytest.mark.parametrize("name", _CALLS)
+def test_ctrl_c_stops_one_wall(name: str, is_stepped: bool) -> None:
+    """Also in a function that the kernel calls; a call that was short before is no exception."""
+    with rwmf.Wall(_long_case()) as wall:
+        if is_stepped:
+            wall.advance(0.01)
+            wall.advance(0.02)
+        before = wall.state
+        timer = threading.Timer(0.1, signal.raise_signal, [signal.SIGINT])
+        timer.start()
+        begun = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            _CALLS[name](wall)
+        assert time.monotonic() - begun < 5.0
+        timer.join()
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        assert name == "next event" or wall.state == before
 
 
 @pytest.mark.parametrize("size", [1, 500])

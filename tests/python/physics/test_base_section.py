@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -33,35 +34,64 @@ def test_printed_moments() -> None:
     assert [f"{value:.6f}" for value in found] == ["4.784601", "5.533847", "5.711385"]
 
 
-def test_force_of_a_u_shaped_plate() -> None:
-    assert f"{rwmf.ufp_force(350e6, 0.12, 0.01, 0.1) / 1e3:.3f}" == "21.000"
+def test_force_and_stiffness_of_a_u_shaped_plate() -> None:
+    """Plastic moments at both tangent points; bending energy of the semicircle."""
+    E, stress, width, thickness, diameter = 200e9, 350e6, 0.12, 0.01, 0.1
+    force = rwmf.ufp_force(stress, width, thickness, diameter)
+    assert f"{force / 1e3:.3f}" == "21.000"
+    assert force * diameter == pytest.approx(2 * stress * width * thickness**2 / 4, rel=1e-14)
+    inertia, radius = width * thickness**3 / 12, diameter / 2
+    # displacement under 1 N: the moment is radius cos(angle)
+    moved = quad(lambda x: (radius * math.cos(x)) ** 2 * radius / (E * inertia), 0, math.pi)[0]
+    stiffness = rwmf.ufp_stiffness(E, width, thickness, diameter)
+    assert stiffness == pytest.approx(1 / moved, rel=1e-12)
     with pytest.raises(rwmf.InputError, match=r"^thickness = 0: must be a finite number > 0"):
         rwmf.ufp_force(350e6, 0.12, 0, 0.1)
 
 
+@pytest.mark.parametrize("f_c", [None, 2.3e6, 3e6, 4e6, 2e7])
 @pytest.mark.parametrize("theta", [0.0, 1e-6, 1e-4, 2.5e-4, 2.8e-4, 1e-3, 0.02, -0.02])
-def test_stresses_balance_the_force(theta: float) -> None:
-    """Springs that only press, integrated over the base, in full and in partial contact."""
-    force = 3.07e6
+def test_stresses_balance_the_force(theta: float, f_c: float | None) -> None:
+    """Springs that only press, up to f_c, integrated over the base in full and partial contact."""
+    force, strength = 3.07e6, f_c or math.inf
 
     def stress(x: float, settlement: float) -> float:
-        return max(0.0, K * (settlement + abs(theta) * x))
+        return min(strength, max(0.0, K * (settlement + abs(theta) * x)))
 
     def resultant(settlement: float, power: int) -> float:
         knee = -settlement / abs(theta) if theta else -WIDTH
         start = min(max(knee, -WIDTH / 2), WIDTH / 2)
-        return float(
-            quad(lambda x: THICKNESS * x**power * stress(x, settlement), start, 2.0, epsabs=1e-3)[0]
+        crushed = (strength / K - settlement) / abs(theta) if theta else WIDTH
+        parts = sorted({start, min(max(crushed, start), WIDTH / 2), WIDTH / 2})
+        return sum(
+            quad(lambda x: THICKNESS * x**power * stress(x, settlement), *span, epsabs=1e-3)[0]
+            for span in pairwise(parts)
         )
 
     reach = abs(theta) * WIDTH + 2 * force / (K * THICKNESS * WIDTH)
     settled = brentq(lambda s: resultant(s, 0) - force, -reach, reach, xtol=1e-18, rtol=1e-15)
-    found = _section(force, theta, E=3e10)
-    assert float(found.moment) == pytest.approx(resultant(settled, 1), rel=1e-9, abs=1e-3)
-    assert float(found.toe_stress) == pytest.approx(stress(2.0, settled), rel=1e-9)
-    assert float(found.toe_strain) == float(found.toe_stress) / 3e10
+    found = _section(force, theta, E=3e10, f_c=f_c)
+    assert float(found.moment) == pytest.approx(resultant(settled, 1), rel=1e-8, abs=1e-3)
+    assert float(found.toe_stress) == pytest.approx(stress(2.0, settled), rel=1e-8)
+    strain = K * (settled + abs(theta) * WIDTH / 2) / 3e10
+    assert float(found.toe_strain) == pytest.approx(strain, rel=1e-8)
+    if float(found.toe_stress) < strength:
+        assert float(found.toe_strain) == float(found.toe_stress) / 3e10
     contact = min(WIDTH, 2.0 + settled / abs(theta)) if theta else WIDTH
-    assert float(found.contact_length) == pytest.approx(contact, rel=1e-9)
+    assert float(found.contact_length) == pytest.approx(contact, rel=1e-8)
+
+
+def test_a_force_above_the_strength_of_the_base() -> None:
+    """No equilibrium: the stress is f_c everywhere, and the settlement goes on continuously."""
+    most = 3e6 * WIDTH * THICKNESS
+    for theta in (0.0, 1e-3):
+        found = _section(np.array([1 - 1e-9, 1 + 1e-9, 2.0]) * most, theta, E=3e10, f_c=3e6)
+        assert found.toe_stress.values.tolist()[1:] == [3e6, 3e6]
+        assert found.moment.values.tolist()[1:] == [0.0, 0.0]
+        assert found.contact_length.values.tolist()[1:] == [WIDTH, WIDTH]
+        below, above, twice = found.toe_strain.values
+        assert above == pytest.approx(below, rel=1e-4)
+        assert twice - above == pytest.approx(3e6 / 3e10, rel=1e-8)
 
 
 def test_full_contact_joins_partial_contact() -> None:
@@ -94,6 +124,7 @@ def test_no_force_no_contact() -> None:
         (1e6, 0.1, {"width": 0.0}, "width = 0.0: must be a finite number > 0"),
         (1e6, 0.1, {"thickness": None}, "thickness = "),
         (1e6, 0.1, {"E": 0.0}, "E = 0.0: must be a finite number > 0"),
+        (1e6, 0.1, {"f_c": 0.0}, "f_c = 0.0: must be a finite number > 0"),
     ],
 )
 def test_wrong_arguments(
@@ -131,15 +162,15 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_maxima_are_those_of_the_formulas(name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "f_c"), [*((name, None) for name in SCENES), ("single mass", 5e6), ("bending", 1e7)]
+)
+def test_maxima_are_those_of_the_formulas(name: str, f_c: float | None) -> None:
     """Columns are the formula at the pivot's force; peaks bound them; the motion is the same."""
-    case = SCENES[name]()
-    with_strip = case.replace(base_section=SECTION, output={"reactions": True, "dt": 2e-3})
+    case, section = SCENES[name](), SECTION | {"f_c": f_c}
+    with_strip = case.replace(base_section=section, output={"reactions": True, "dt": 2e-3})
     run = rwmf.simulate(with_strip)
-    theirs = rwmf.base_section(
-        run.pivot_normal.values, run.theta.values, width=WIDTH, thickness=THICKNESS, k=K, E=3e10
-    )
+    theirs = _section(run.pivot_normal.values, run.theta.values, E=3e10, f_c=f_c)
     for column in ("contact_length", "toe_stress", "toe_strain"):
         np.testing.assert_allclose(run[column].values, theirs[column].values, rtol=1e-13)
     assert float(run.toe_stress_max) >= run.toe_stress.values.max() * (1 - 1e-9)
@@ -147,12 +178,27 @@ def test_maxima_are_those_of_the_formulas(name: str) -> None:
     # a bending wall is struck at its landings: columns miss the shortest peaks
     if "bending" not in name:
         assert float(run.toe_stress_max) == pytest.approx(run.toe_stress.values.max(), rel=2e-3)
-    assert float(run.toe_strain_max) == float(run.toe_stress_max) / 3e10
+    crushes = f_c is not None and float(run.toe_stress_max) == f_c
+    assert ("the toe crushes" in run.attrs["warnings"]) == crushes
+    assert (float(run.toe_strain_max) == float(run.toe_stress_max) / 3e10) != crushes
     without = rwmf.simulate(case.replace(output={"reactions": True, "dt": 2e-3})).flat()
     found = run.flat()
     for key, value in without.items():
         if key not in ("seconds", "rhs_evaluations", "warnings"):
             assert found[key] == value or math.isnan(value), key
+
+
+@pytest.mark.parametrize(("share", "word"), [(0.59, ""), (0.61, "0.6 f_c"), (1.01, "crushes")])
+def test_warnings_of_the_toe(share: float, word: str) -> None:
+    """At a stress above 0.6 f_c, and at f_c; none below, and none without f_c."""
+    case = coupled(wall=WALL, base_section=SECTION, solver={"t_end": 3.0})
+    free = rwmf.simulate(case.replace(output={"reactions": True}))
+    stress = float(free.toe_stress_max)
+    output = {"reactions": True}
+    run = rwmf.simulate(case.replace(base_section={"f_c": stress / share}, output=output))
+    toe = [line for line in run.attrs["warnings"].splitlines() if "toe" in line]
+    assert [word in line for line in toe] == ([True] if word else [])
+    assert "toe" not in free.attrs["warnings"]
 
 
 def test_two_keys_give_the_third() -> None:

@@ -117,6 +117,37 @@ def test_housners_restitution_is_that_of_the_block(tangent: float) -> None:
     assert float(result["e_max"]) == pytest.approx(1 - 1.5 * sin_2, rel=1e-15)
 
 
+@pytest.mark.parametrize("tangent", [0.1, 0.25, 1.0])
+@pytest.mark.parametrize("gamma", [0.0, 5.0, 1800.0])
+@pytest.mark.parametrize("x_over_b", [-0.5, 0.0, 0.3, 1.0])
+def test_impulse_inside_the_base(tangent: float, gamma: float, x_over_b: float) -> None:
+    """(T25) and (T26): momenta of wall and frame with an impulse at a distance from the corner."""
+    h, b = 2.0, 2.0 * tangent
+    x, inertia = x_over_b * b, (h**2 + b**2) / 3
+    # velocity before: 1 about the left corner; unknown: velocity after about the right corner,
+    # horizontal and vertical impulse of the base, impulse of the link on the wall
+    equations = np.array(
+        [
+            [h, -1.0, 0.0, -1.0],
+            [2 * gamma * h, 0.0, 0.0, 1.0],
+            [b, 0.0, -1.0, 0.0],
+            [inertia, h, b - x, -h],
+        ]
+    )
+    e, horizontal, vertical, _ = np.linalg.solve(equations, [h, 2 * gamma * h, -b, inertia])
+    case = coupled(
+        wall={"b": b}, frame={"gamma": gamma or 1e-14}, impact={"rule": "coupled", "e": None},
+        solver={"t_end": 0.0},
+    )  # fmt: skip
+    e_max = float(rwmf.simulate(case)["e_max"])
+    whole = 4 / 3 * (h**2 + b**2) + gamma * (2 * h) ** 2
+    assert e == pytest.approx(e_max + b * (1 + e) * x / whole, rel=1e-12)
+    ratio = (1 + 2 * gamma) * (1 - e) / (tangent * (1 + e))
+    assert abs(horizontal / vertical) == pytest.approx(ratio, rel=1e-8, abs=1e-9)
+    assert (e < e_max - 1e-12) == (x < 0)
+    assert x_over_b < 1 or e == pytest.approx(1.0, rel=1e-12)
+
+
 @pytest.mark.parametrize("formulation", ["published", "symmetric", "exact"])
 @pytest.mark.parametrize("gamma", [0.0, 5.0, 1800.0])
 def test_lift_off_threshold(gamma: float, formulation: str) -> None:

@@ -131,7 +131,7 @@ def test_both_forms_lie_inside_of_the_same_axes(
         shipped_spectra, "legend_below",
         lambda figure, *rest, **words: (drawn.extend(figure.axes), keep(figure, *rest, **words)),
     )  # fmt: skip
-    status = shipped_spectra.main([name, "--inputs", str(tmp_path), "--plots", str(tmp_path)])
+    status = shipped_spectra.main([name, "--inputs", str(tmp_path), "--out", str(tmp_path)])
     assert status == 0
     files = {path.name for path in tmp_path.iterdir()} - {f"{name}.nml"}
     assert files == {f"{name}{end}" for end in (".csv", "_exact.csv", ".png", ".svg")}

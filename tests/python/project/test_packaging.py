@@ -134,6 +134,81 @@ def test_a_browser_is_installed_where_nothing_may_be_skipped(must_run: str, expe
     assert len(re.findall("chromium", done.stdout)) == 1
 
 
+_BUILD = """
+root="$PWD"
+for part in common build; do . "$1/tools/lib/$part.sh"; done
+cache="$PWD" venv="$1/.venv" sundials_prefix="$PWD/one"
+sundials_key() { echo "${recipe:-1}"; }
+venv_key() { echo 1; }
+build_in "$PWD/build" -Dpython=true
+"""
+_CHANGES_OF_A_BUILD = {
+    "": True,
+    "touch build/results": True,
+    "meson setup build -Dpython=true": True,
+    "meson setup build -Dpython=false --prefix=/opt/x": False,
+    "meson configure build --buildtype=debug": False,
+    "meson setup --wipe build": False,
+    "rm build/build.ninja": False,
+    ": >build/meson-private/coredata.dat": False,
+    "rm -r build/meson-private": False,
+    "rm -r build; mkdir build": False,
+    "rm -r build; touch build": False,
+    "recipe=2": False,
+    "export CC=other-cc": False,
+    "export RWMF_SUNDIALS_PREFIX=$PWD/one": False,
+}
+
+
+@pytest.fixture(scope="module")
+def small_build(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Set up a project without sources by the shell code of the tools."""
+    folder = tmp_path_factory.mktemp("project")
+    (folder / "meson.build").write_text("project('small')\n", encoding="utf-8")
+    (folder / "meson.options").write_text(
+        "option('python', type: 'boolean')\noption('sundials_prefix', type: 'string')\n",
+        encoding="utf-8",
+    )
+    (folder / "one/include/sundials").mkdir(parents=True)
+    (folder / "one/include/sundials/sundials_config.h").write_text("1", encoding="utf-8")
+    _bash(_BUILD, folder)
+    return folder
+
+
+def _bash(script: str, folder: Path) -> str:
+    path = f"{ROOT / '.venv/bin'}:{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", script, "-", ROOT],
+        cwd=folder,
+        env=os.environ | {"PATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stderr
+
+
+@pytest.mark.skipif(not (ROOT / ".venv/bin/meson").exists(), reason="needs tools/bootstrap")
+@pytest.mark.parametrize(("change", "is_kept"), _CHANGES_OF_A_BUILD.items())
+def test_a_changed_build_is_repaired(change: str, is_kept: bool, small_build: Path) -> None:
+    said = _bash(f"{{ {change or 'true'}; }} >/dev/null\n{_BUILD}", small_build)
+    assert said.count("configuring build") == (not is_kept)
+    # the repair is complete, and a return to the former environment is another change
+    assert "configuring" not in _bash(f"{_BUILD}{_BUILD}", small_build).partition("\n")[2]
+    options = (small_build / "build/meson-private/cmd_line.txt").read_text(encoding="utf-8")
+    assert set(options.split("\n")[1:3]) == {
+        "python = true",
+        f"sundials_prefix = {small_build}/one",
+    }
+
+
+@pytest.mark.parametrize("page", ["howto/embedding.md", "tutorials/host-program.md"])
+def test_link_lines_leave_the_build_of_the_tools_alone(page: str) -> None:
+    folder = _found(r"meson setup (\S+) -Dpython=false", f"docs/{page}")
+    assert folder not in ("build", "build-debug", "build-sanitize", "build-races")
+    assert f"meson install -C {folder}\n" in _text(f"docs/{page}")
+
+
 def test_the_install_section_gives_two_lines() -> None:
     """tools/wheel runs these on the source archive."""
     section = _found(r"^## Install\n((?:.*\n)*?)## ", "README.md")

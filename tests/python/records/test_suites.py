@@ -30,6 +30,14 @@ def _at2(path: Path, seed: int = 0, n: int = 300) -> Path:
 
 
 _STATIONS = [
+    ("ABBAR--L.AT2", "ABBAR--T.AT2", "ABBAR--V.AT2"),
+    ("TCU068-N.at2", "TCU068-W.at2", "TCU068-V.at2"),
+    ("LYON_HNE.AT2", "LYON_HNN.AT2", "LYON_HNZ.AT2"),
+    ("NICE.BNE.at2", "NICE.BNN.at2", "NICE.BNZ.at2"),
+    ("ROMA.E.AT2", "ROMA.N.AT2", "ROMA.Z.AT2"),
+    ("OSLO-long.at2", "OSLO-tran.at2", "OSLO-vert.at2"),
+    ("BONN000.at2", "BONN090.at2", "BONN_UP.at2"),
+    ("BERN-1.at2", "BERN-2.at2", "BERN-3.at2"),
     ("RSN6_IMPVALL.I_I-ELC180.AT2", "RSN6_IMPVALL.I_I-ELC270.AT2", "RSN6_IMPVALL.I_I-ELC-UP.AT2"),
     ("RSN77_SFERN_PUL164.AT2", "RSN77_SFERN_PUL254.AT2", "RSN77_SFERN_PULDWN.AT2"),
     ("RSN4040_BAM_BAM-L.AT2", "RSN4040_BAM_BAM-T.AT2", "RSN4040_BAM_BAM-V.AT2"),
@@ -47,12 +55,44 @@ def test_components_by_name(names: tuple[str, str, str], tmp_path: Path) -> None
     assert pair.vertical is not None
     found = [Path(item.path).name for item in (pair.first, pair.second, pair.vertical)]
     assert found == list(names)
-    # in a folder the vertical component is no ground motion of the suite
+    # in a folder and a pattern the vertical component is no ground motion of the suite
+    pattern = rwmf.find_records([str(tmp_path / "*.[aA][tT]2")])
+    assert [Path(item.path).name for item in pattern] == list(names[:2])
+    with pytest.warns(rwmf.RwmfWarning, match=f"{names[2]}: is a vertical component, and acts"):
+        assert len(rwmf.find_records([tmp_path / name for name in names])) == 3
     assert [Path(item.path).name for item in rwmf.find_records([tmp_path])] == list(names[:2])
     assert rwmf.find_records([tmp_path / names[2]])[0].name == Path(names[2]).stem
     (tmp_path / names[1]).unlink()
     with pytest.raises(InputError, match=r"1 horizontal and 1 vertical components .* must be 2"):
         records.pairs([tmp_path])
+
+
+@pytest.mark.parametrize(
+    ("names", "left"),
+    [
+        (["S_00", "S_90", "S_UP"], 2),
+        (["SL", "ST", "SVERT"], 2),
+        (["090", "180", "DWN"], 2),
+        (["q_1", "q_2", "q_3", "q_4"], 4),
+        (["EQ1", "EQ2", "EQ3", "EQ4"], 4),
+        (["made_up"], 1),
+        (["A-UP", "B-UP"], 2),
+        (["A_x", "__MACOSX/._A_x", "__MACOSX/A_x", "._A_x", ".ipynb_checkpoints/A_x"], 1),
+    ],
+)
+def test_horizontal_components_of_a_folder(names: list[str], left: int, tmp_path: Path) -> None:
+    """Vertical ones beside them and what archives leave behind are no motions of the suite."""
+    for i, name in enumerate(names):
+        path = _at2(tmp_path / f"{name}.AT2", i)
+        if "._" in name or "__MACOSX" in name:
+            path.write_bytes(b"\0\5\26\7")
+    (tmp_path / "Thumbs.db").write_bytes(b"\0")
+    found = rwmf.find_records([tmp_path])
+    assert [item.name for item in found] == [Path(name).name for name in names[:left]]
+    if "__MACOSX" in names[-1] or len(names) == 5:
+        # as the shell expands a pattern
+        assert rwmf.find_records(sorted(tmp_path.glob("[!.]*"))) == found
+        assert rwmf.find_records([str(tmp_path / "*.AT2")]) == found
 
 
 def test_stations_of_a_folder_stay_apart(tmp_path: Path) -> None:
@@ -109,6 +149,65 @@ def test_lists(text: str, folder: Path) -> None:
     assert "times 1.25" in str(swept["record_format"].values[0])
 
 
+_BLANK = "," * 8
+_REORDERED = "set;factor ; file\n6;1,25;RSN6_A180.AT2\n;;\n6;1.25;RSN6_A270.AT2\n"
+_VARIANTS = {
+    "blank rows of PEER": (_PEER.replace("\n2,SRSS", f"\n\n{_BLANK}\n2,SRSS"), 4),
+    "title behind PEER's rows": (_PEER + '"-- Spectra --",,,,,,,,\n0.01,1,2\n0.02,1,2\n', 4),
+    "blank rows of CS_Selection": (_CS.replace("2 \t 77", " \t \t\n\n2 \t 77"), 4),
+    "two factors": (_CS.replace("Scale Factor", "Scale Factor (H) \t Scale Factor (V)")
+                    .replace("1.25 \t", "1.25 \t 9 \t").replace("0.50 \t", "0.50 \t 9 \t"), 4),
+    "PEER with semicolons": (_PEER.replace(",", ";").replace("1.2500", "1,25"), 4),
+    "byte order mark": ("\ufeff" + _LIST, 3),
+    "blank rows": (_LIST.replace("\nsub", "\n\n,,\n , ,\nsub"), 3),
+    "semicolons, decimal commas, order": (_REORDERED + "77;0,5;sub/RSN77_B164.AT2", 3),
+    "tabs": (_LIST.replace(",", "\t"), 3),
+    "quotes and blanks": ('"File" , Factor,"set"\n"RSN6_A180.AT2" ,"1.25",6 \nRSN6_A270.AT2, 1.25,'
+                          "6\n sub/RSN77_B164.AT2,0.5,77,\n", 3),
+    "comments": ("# my suite\n" + _LIST.replace("\nsub", "\n# another station\nsub"), 3),
+    "two columns": ("factor,file\n1.25,RSN6_A180.AT2\n1.25,RSN6_A270.AT2\n.5,RSN77_B164.AT2\n", 3),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", _VARIANTS)
+def test_variants_of_lists(kind: str, folder: Path) -> None:
+    """Every row counts, whatever the separator and the order of the columns."""
+    text, count = _VARIANTS[kind]
+    path = folder / "list.csv"
+    path.write_text(text, encoding="utf-8")
+    wanted = [("RSN6_A180", 1.25), ("RSN6_A270", 1.25), ("RSN77_B164", 0.5), ("RSN77_B254", 0.5)]
+    assert [(item.name, item.scale) for item in rwmf.find_records([path])] == wanted[:count]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (_LIST.replace("1.25,6", "1,25,6", 1), "line 2: 4 columns where the header has 3"),
+        (_LIST.replace("1.25,6", '"1,25",6', 1), "line 2: .*factor = '1,25'"),
+        (_LIST.replace("1.25,6", "125 %,6", 1), "line 2: .*factor = '125 %'"),
+        (_LIST.replace("factor", "factor (%)"), "line 1: the list has no column factor"),
+        (_LIST.replace("file", "path"), "line 1: the list has no column file"),
+        (_LIST.replace("set", "factor"), "line 1: the column factor is given twice"),
+        (_LIST.replace("set", "weight"), "line 1: the list has the column weight"),
+        (_LIST.replace("set", "unit"), "line 1: the list has the column unit"),
+        (_LIST + "list.csv,1,8\n", "is a list in a list"),
+        ("file;factor\nRSN6_A180.AT2;1.234,5\n", "line 2: .*'1.234,5'"),
+        (_CS.replace("Scale Factor", "Scale Factor (V)"), "no column Scale Factor"),
+        (_PEER.replace("\nThese", "\nThese\n3,SRSS,8,0,1,Kobe,RSN6_A180.AT2,-,-\nX"),
+         "line 10: names a record below the end of the list, line 9"),
+        (_LIST.replace("sub/RSN77_B164", "twice"), "twice.AT2: .* differ: name one"),
+    ],
+)  # fmt: skip
+def test_lists_that_are_refused(text: str, message: str, folder: Path) -> None:
+    for i in range(2):
+        _at2(folder / f"f{i}" / "twice.AT2", i)
+    path = folder / "list.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=message) as caught:
+        rwmf.find_records([path])
+    assert str(path) in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -133,6 +232,83 @@ def _target(tmp_path: Path) -> Path:
     path = tmp_path / "target.csv"
     path.write_text("T (s),Sa (g)\n0.1,1.5\n0.5,1.5\n2.0,0.4\n")
     return path
+
+
+# rows of the target above in other quantities and units
+_G = 9.81
+_TARGETS: dict[str, tuple[float, float, float]] = {
+    # header: period or frequency of 1 s or 1 Hz, its power; acceleration of 1 g
+    "": (1.0, 1, 1.0),
+    "Period (s),Sa (m/s2)": (1.0, 1, _G),
+    "T [s],PSA [cm/s^2]": (1.0, 1, 100 * _G),
+    "T;Sa (M/SEC/SEC)": (1.0, 1, _G),
+    "T_s,Sa_m_s2": (1.0, 1, _G),
+    "Period (s) Spectral acceleration (gal)": (1.0, 1, 100 * _G),
+    "# T (s), Sa (%g)": (1.0, 1, 100.0),
+    "Period (ms),Sa (g)": (1000.0, 1, 1.0),
+    "f (Hz),Sa (g)": (1.0, -1, 1.0),
+    "frequency,PSA": (1.0, -1, 1.0),
+    "omega (rad/s),Sa": (2 * math.pi, -1, 1.0),
+    "T,Sa(5%)\ns,m/s2": (1.0, 1, _G),
+    "# 5 % damping\nT,UHS": (1.0, 1, 1.0),
+}
+
+
+@pytest.mark.parametrize(
+    ("head", "is_swapped"),
+    [
+        *((head, False) for head in _TARGETS),
+        *((head, True) for head in _TARGETS if "," in head and "#" not in head),
+    ],
+)
+def test_targets_are_read_by_their_units(head: str, is_swapped: bool, tmp_path: Path) -> None:
+    mark = ";" if ";" in head else ","
+    time, power, unit = _TARGETS[head]
+    rows = [(time * t**power, unit * sa) for t, sa in ((0.1, 1.5), (0.5, 1.2), (2.0, 0.4))]
+    if is_swapped:
+        head = "\n".join(",".join(reversed(line.split(","))) for line in head.split("\n"))
+        rows = [row[::-1] for row in rows]
+    path = tmp_path / "target.csv"
+    lines = [mark.join(f"{value!r}" for value in row) for row in rows]
+    text = "\n".join([*([head] if head else []), *lines])
+    path.write_text(text.replace(".", ",") if mark == ";" else text)
+    given = [[0.1, 0.5, 2.0], [1.5, 1.2, 0.4]]
+    wanted, found = (records.select([_motion(1)], target, (0.2, 1.5), limits=(1e-3, 1e3))
+                     for target in (given, path))  # fmt: skip
+    np.testing.assert_allclose(found.target, wanted.target, rtol=1e-12)
+    assert found.records[0].scale == pytest.approx(wanted.records[0].scale, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        *((f"{head}\n1,1\n2,1", "line 1: the columns are ") for head in (
+            "T,log10(Sa)", "log10(T),Sa", "T,ln Sa", "T,PSV (cm/s)", "T,Sd", "T,Sa [furlong]",
+            "T (m),Sa (g)", "# Vibration period (weeks), Sa (g)", "T,Sa furlongs", "T,sigma lnSa",
+        )),
+        ("# period in ms\nT,Sa (g)\n1,1\n2,1", "line 1: states ms"),
+        ("# all in m/s2\n1,1\n2,1", "line 1: states m/s2"),
+        ("T,Sa (2% damped)\n1,1\n2,1", "line 1: states 2 % damping, where damping = 0.05"),
+        ("x,y\n1,1\n2,1", "line 1: the columns are x,y"),
+        ("T,Sa,Sa84\n1,1,1\n2,1,1", "line 2: has 3 columns|line 1: the columns"),
+        ("T,Sa\n1,1\nnan,2\n2,1", "line 3: nan,2"),
+        ("T,Sa\n1,1\nT,PSV\n2,1", "line 3: T,PSV"),
+        ("T,Sa\n1,1\n1,2\n2,1", "the period 1 s is given twice, again in line 3"),
+        ("1,5,0,3\n", "line 1: has 4 columns"),
+        ("T,Sa\n0,1\n1,1", "line 2: 0,1: must be two finite numbers > 0"),
+    ],
+)  # fmt: skip
+def test_targets_that_are_refused(text: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "target.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message) as caught:
+        records.select([_motion(1)], path, (1.1, 1.5))
+    assert str(path) in str(caught.value)
+
+
+def test_a_target_of_many_g_warns() -> None:
+    with pytest.warns(rwmf.RwmfWarning, match="largest pseudo-acceleration is 9 g: is it in g"):
+        records.select([_motion(1)], [[0.1, 2.0], [9.0, 8.0]], (0.2, 1.5), limits=(1e-3, 1e3))
 
 
 @pytest.mark.parametrize("is_paired", [False, True])
@@ -175,6 +351,10 @@ def test_the_choice_is_greedy(tmp_path: Path) -> None:
     [
         ({"band": (0.01, 1.0)}, r"band = \(0.01, 1\): must be within the periods of the target"),
         ({"band": (1.0, 0.5)}, "band = .*the smaller first"),
+        ({"limits": (0.5, 1.0, 2.0)}, "limits = .*must be two numbers"),
+        ({"damping": 1.5}, "damping = 1.5: must be a finite number < 1"),
+        ({"damping": -0.1}, "damping = -0.1: must be a finite number >= 0"),
+        ({"target_spectrum": [[0.1, np.float64(0.0)], [1, 1]]}, "target = 0.0 at position 1"),
         ({"limits": (100.0, 200.0)}, "0 of 3 records need factors within"),
         ({"n": 4, "limits": (1e-3, 1e3)}, "3 of 3 records"),
         ({"target_spectrum": [[0.1, 2.0], [1.0, -1.0]]}, "target"),

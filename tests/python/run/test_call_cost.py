@@ -123,6 +123,7 @@ def test_idle_threads_end() -> None:
         time.sleep(0.1)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.simplefilter("ignore", rwmf.RwmfWarning)
         rwmf.simulate(_case())
 
 

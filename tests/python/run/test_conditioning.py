@@ -207,7 +207,16 @@ def test_others_than_peaks_have_none(word: str) -> None:
 
 @pytest.mark.parametrize(
     ("rtol", "sensitivity", "digits"),
-    [(1e-9, 1.0, 7), (1e-9, 0.0, 7), (1e-9, 12.0, 5), (1e-6, 1.0, 5), (1e-9, 1e4, 1), (0.1, 1, 1)],
+    [
+        (1e-9, 1.0, 7),
+        (1e-9, 0.0, 7),
+        (1e-9, 12.0, 5),
+        (1e-6, 1.0, 5),
+        (1e-9, 1e4, 1),
+        (0.1, 1, 3),
+        (1e-2, 99, 3),
+        (1e-2, 100, 1),
+    ],
 )
 def test_digits_that_hold(rtol: float, sensitivity: float, digits: int) -> None:
     assert _library.digits_of(rtol, sensitivity) == digits

@@ -9,7 +9,7 @@ import pytest
 import rwmf
 from alone import differences
 from rwmf.errors import InputError
-from rwmf.quantities import QUANTITIES
+from rwmf.quantities import QUANTITIES, find
 
 # 2 by method fast, 9 without a wall, 12 by all programs, 19 and 22 with storeys that yield
 _QUICK = (2, 9, 12, 19, 22)
@@ -103,3 +103,57 @@ def test_a_hinged_wall_says_that_it_overturned(method: str) -> None:
     assert "overturned" in case.kernel.applicable()
     found = rwmf.sweep(case, {"motion.a_max_g": [0.1, 1e-300]}, quantities=("overturned",))
     assert list(found.overturned.values.ravel()) == [1.0, 0.0]
+
+
+def _let_go(seed: int) -> rwmf.Case:
+    """Give a wall that is let go: the largest forces may lie in the first step."""
+    dice = np.random.default_rng(seed)
+    h = float(dice.uniform(1.5, 8.0))
+    n = int(dice.integers(1, 6))
+    groups: dict[str, dict[str, object]] = {
+        "wall": {"h": h, "b": h * float(dice.uniform(0.15, 0.5))},
+        "impact": {"rule": "coupled"},
+        "motion": {"kind": "none"},
+        "initial": {
+            "theta_over_alpha": float(dice.uniform(0.01, 0.5)),
+            "theta_dot": float(dice.uniform(-0.3, 0.3)),
+        },
+        "frame": {"xi_s": 0.05},
+        "storeys": {
+            "m_over_m_w": dice.uniform(0.3, 6.0, n).tolist(),
+            "k_over_m_w": dice.uniform(500.0, 4000.0, n).tolist(),
+            "height": [2 * h / n] * n,
+            "coupling": ("full", "every_floor", "reduced", "springs")[seed % 4],
+        },
+        "model": {"formulation": "exact"},
+        "solver": {"t_end": float(dice.uniform(0.02, 0.8)), "rtol": 1e-7},
+        "output": {"reactions": True, "conditioning": False},
+    }
+    if seed % 4 == 3:
+        groups["storeys"]["k_link_over_m_w"] = 5e3
+    if seed % 3:
+        groups["cable"] = {"eta_0": 1.0, "eta_alpha": 1.0 + float(dice.uniform(0, 5))}
+    if seed % 5 == 0:
+        groups["fuse"] = {"eta_y": 0.1, "stroke_y": 0.06}
+    return rwmf.Case(**groups)
+
+
+def _is_peak(key: str) -> bool:
+    return find(key).found == "peak" and "_height" not in key
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_peak_in_the_first_step(seed: int) -> None:
+    """Alone, among all and in a run whose every step is searched."""
+    case = _let_go(seed)
+    peaks = [key for key in case.kernel.applicable() if _is_peak(key)]
+    every = rwmf.simulate(case.replace(solver={"method": "adams", "rtol": 1e-10})).flat()
+    run = rwmf.simulate(case).flat()
+    among = rwmf.sweep(case, {"xi_s": [0.05]}, quantities=peaks)
+    for key in peaks:
+        assert run[key] == pytest.approx(every[key], rel=2e-6, abs=1e-9), key
+    for key in peaks[seed::12]:
+        alone = rwmf.sweep(case, {"xi_s": [0.05]}, quantities=[key])
+        name = next(name for name in alone.data_vars if name != "status")
+        assert float(alone[name].squeeze()) == pytest.approx(run[key], rel=2e-6, abs=1e-9), key
+        assert float(alone[name].squeeze()) == pytest.approx(float(among[name].squeeze()), rel=1e-6)

@@ -150,7 +150,9 @@ def test_headline_of_a_building() -> None:
     case = _storeys("full", cable={"eta_y": 3.0})
     run = rwmf.simulate(case)
     lines = run.headline().splitlines()
-    assert len(lines) == 6
+    warned = run.attrs["warnings"].splitlines()
+    assert warned
+    assert [line.removeprefix("warning").strip() for line in lines[6:]] == warned
     storey = int(run["storeys_drift_max"].values.argmax()) + 1
     floor = int(run["floors_acceleration_max_g"].values.argmax()) + 1
     assert f"{1e3 * float(run['u_s_max']):.4g} mm" in lines[0]
@@ -161,7 +163,7 @@ def test_headline_of_a_building() -> None:
     assert f"{force / (3.0 * 3.0e4 * case.model.g):.3g} of yield" in lines[3]
     assert f"{100 * float(run['storey_residual_drift_max']):.3g} %" in lines[4]
     assert f"{int(run['impacts'])} impacts" in lines[5]
-    assert repr(run).splitlines()[1:7] == lines
+    assert repr(run).splitlines()[1 : 1 + len(lines)] == lines
     assert lines[0] in run._repr_html_()
 
 
@@ -172,7 +174,8 @@ def test_headline_of_a_building() -> None:
         ("p_delta_collapse.nml", 5, "collapsed at "),
         ("fig05_stiff_frame_alone_one_sine.nml", 3, "no tendon"),
         ("study_block.nml", 1, "no frame"),
-        ("fig12_one_cosine.nml", 2, "&output reactions"),
+        ("fig12_one_cosine.nml", 2, " g (floor 1) at "),
+        ("fig05_stiff_frame_alone_one_sine.nml", 4, "none: the frame returns"),
     ],
 )
 def test_headline_of_a_file(
@@ -182,23 +185,53 @@ def test_headline_of_a_file(
     assert main(["run", path]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert text in lines[place]
-    run = rwmf.simulate(path)
-    assert text in run.headline().splitlines()[place]
+    assert rwmf.simulate(path).headline().splitlines()[:6] == lines[:6]
     assert not [line for line in lines if len(line) > 120]
 
 
-@pytest.mark.parametrize("is_asked", [True, False])
-def test_force_and_drift_need_no_request(
-    is_asked: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("is_asked", [None, True, False])
+def test_a_headline_is_that_of_the_command(
+    is_asked: bool | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The command adds prestress and increment, and divides by the height."""
+    """Forces and drifts are in the result unless the case declines them."""
     case = SCENES["one storey"]().replace(wall={"m_w": 5.0e3}, output={"reactions": is_asked})
     case.to_namelist(tmp_path / "case.nml")
     assert main(["run", str(tmp_path / "case.nml")]) == 0
     lines = capsys.readouterr().out.splitlines()
-    run = rwmf.simulate(case.replace(output={"reactions": True}))
-    assert f" {float(run['tendon_force_max']) / 1e3:.4g} kN" in lines[3]
-    assert f" {100 * float(run['roof_drift_max']):.3g} % (one storey)" in lines[1]
+    run = rwmf.simulate(case)
+    assert run.headline().splitlines()[:6] == lines[:6]
+    if is_asked is False:
+        assert "reactions = .false." in lines[1]
+    else:
+        assert f" {float(run['tendon_force_max']) / 1e3:.4g} kN" in lines[3]
+        assert f" {100 * float(run['roof_drift_max']):.3g} % (one storey)" in lines[1]
+
+
+_SELECTED = {
+    "variables": lambda run: run[["theta", "u_s"]],
+    "concat": lambda run: xr.concat([run, run], "record"),
+    "expand_dims": lambda run: run.expand_dims("record"),
+    "dropped": lambda run: run.drop_vars("u_s_max"),
+    "scalars": lambda run: run[["u_s_max", "storey_2_drift_max"]],
+    "one storey": lambda run: run.isel(storey=0, floor=0),
+    "empty": lambda run: run[[]],
+    "other warnings": lambda run: run[["theta"]].assign_attrs(warnings=3),
+    "curve": lambda run: rwmf.pushover(_storeys("full"), 0.01, steps=2),
+    "none": lambda run: rwmf.Response(),
+}
+
+
+@pytest.mark.parametrize("name", _SELECTED)
+def test_a_selection_shows_the_table_of_xarray(name: str) -> None:
+    selected = _SELECTED[name](rwmf.simulate(_storeys("full")))
+    text, page = repr(selected), selected._repr_html_()
+    if name == "one storey":
+        assert selected.headline() in text
+        return
+    assert "Dimensions" in text
+    assert "xr-wrap" in page
+    with pytest.raises(rwmf.InputError, match=r"scalars of rwmf\.simulate"):
+        selected.headline()
 
 
 def test_groups_and_all_keys(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
+import warnings
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -15,6 +17,7 @@ import rwmf
 import xarray as xr
 from rwmf import cli, studies
 from rwmf.errors import InputError
+from scenes import coupled
 
 BAKER: dict[str, Any] = {
     "levels": [0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0],
@@ -274,6 +277,224 @@ def test_degenerate_data_say_why(arguments: dict[str, Any], message: str) -> Non
         rwmf.fragility(**arguments)
 
 
+@pytest.mark.parametrize(
+    ("exceeded", "message"),
+    [
+        ((0, 0, 1), "no finite fit .*0 of 10, 1 of 10.*above the highest intensity 0.3"),
+        ((0, 0, 9), "at the highest intensity 0.3"),
+        ((9, 10, 10), "below the lowest intensity 0.1"),
+        ((1, 10, 10), "at the lowest intensity 0.1"),
+        ((5, 5, 5), "does not grow"),
+    ],
+)
+@pytest.mark.parametrize("form", ["counts", "rows", "file"])
+def test_one_fraction_at_an_end_has_no_fit(
+    exceeded: tuple[int, ...], message: str, form: str, tmp_path: Path
+) -> None:
+    given: dict[str, Any] = {"levels": [0.1, 0.2, 0.3], "exceeded": exceeded, "runs": 10}
+    if form != "counts":
+        pairs = list(zip(given["levels"], exceeded, strict=True))
+        rows = [(x, i, "collapsed" if i < k else "ok") for x, k in pairs for i in range(10)]
+        columns = dict(zip(("intensity", "record", "status"), zip(*rows, strict=True), strict=True))
+        given = {"table": columns}
+    if form == "file":
+        lines = [",".join(columns), *(",".join(map(str, row)) for row in rows)]
+        given = {"table": tmp_path / "t.csv"}
+        given["table"].write_text("\n".join(lines))
+    with pytest.raises(InputError, match=message):
+        rwmf.fragility(**given)
+
+
+@pytest.mark.parametrize(
+    ("levels", "exceeded", "side"),
+    [
+        ([0.1, 0.2, 0.3], [3, 3, 4], "1.252 is extrapolated far above the highest intensity 0.3"),
+        ([0.1, 0.2, 0.3], [6, 7, 7], "below the lowest intensity 0.1"),
+        ([0.1, 0.2, 0.3], [500, 500, 501], "is large: the probability hardly grows"),
+        ([0.1, 0.2, 0.3], [1, 3, 5], ""),
+    ],
+)
+def test_a_median_far_outside_the_levels_warns(
+    levels: list[float], exceeded: list[int], side: str
+) -> None:
+    """The warning is that of the result, of the frequency, and of Python."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        runs = 10 if exceeded[0] < 10 else 1000
+        found = rwmf.fragility(levels=levels, exceeded=exceeded, runs=runs, resamples=0)
+        told = rwmf.risk(found, (1e-4, 1e-3)).attrs["warnings"]
+    texts = [str(item.message) for item in caught if item.category is rwmf.RwmfWarning]
+    lines = found.attrs["warnings"].splitlines()
+    assert told.splitlines()[: len(lines)] == lines
+    assert texts == [*lines, *told.splitlines()]
+    assert side in found.attrs["warnings"]
+    assert bool(found.attrs["warnings"]) == bool(side)
+
+
+_ROWS: dict[str, Any] = {"intensity": [0.1, 0.1, 0.2, 0.2], "d": [1.0, 2.0, 2.5, 3.0]}
+
+
+@pytest.mark.parametrize("word", ["Collapse", "collapsed", " OVERTURNED ", "overturning"])
+def test_words_of_collapse(word: str) -> None:
+    rows = _ROWS | {"d": [1.0, 2.0, 2.5, 1.0], "status": ["ok", "survived", "ok", word]}
+    found = rwmf.fragility(rows, 2.2, resamples=0)
+    assert found["exceeded"].values.tolist() == [0, 2]
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"status": ["ok", "failed", "ok", "ok"]}, "row 2: status = 'failed': must be one of ok"),
+        ({"status": ["ok", "ok", "", "ok"]}, "row 3: status = ''"),
+        ({"status": [0, 0, 1, 1]}, "row 1: status = '0'"),
+        ({"status": [False, False, True, True]}, "row 1: status = 'False'"),
+        ({"weight": [1.0] * 4}, "weight: rows have no weights"),
+        ({"collapsed": [0, 0, 1, 1]}, "collapsed: state the ends of runs in the column status"),
+        ({"intensity": np.array([0.1, 0.0, 1, 1])}, "row 2: intensity = 0: must be finite"),
+        *(
+            ({name: np.ma.array(values, mask=[0, 0, 1, 0])}, "the value at position 2 is masked")
+            for name, values in {**_ROWS, "status": ["ok"] * 4, "design": ["a"] * 4}.items()
+        ),
+    ],
+)
+def test_tables_that_are_refused(columns: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        rwmf.fragility(_ROWS | columns, 2.2)
+    assert "np." not in str(caught.value)
+
+
+def test_a_file_names_the_line_of_an_unknown_status(tmp_path: Path) -> None:
+    path = tmp_path / "t.csv"
+    path.write_text("# of another program\nintensity;status\n0,1;ok\n\n0,2;fell\n")
+    with pytest.raises(InputError, match=r"t.csv.* line 5: status = 'fell'"):
+        rwmf.fragility(path)
+
+
+@pytest.mark.parametrize("names", [("#1", "b"), ("# a,b", ' "x";y'), ("a", "#"), ("#", "#r")])
+def test_names_with_marks_keep_their_rows(names: tuple[str, str], tmp_path: Path) -> None:
+    """As written by the program, and unquoted where the columns tell it from a comment."""
+    from rwmf._risk import read_table, write_table
+
+    rows = {"design": np.repeat(names, 2), "record": ["#1", "#2"] * 2, "intensity": [0.1] * 4,
+            "status": ["ok"] * 4}  # fmt: skip
+    path = tmp_path / "t.csv"
+    write_table(read_table(rows), path)
+    found = read_table(path)
+    assert found["record"].values.tolist() == rows["record"]
+    assert [name.strip() for name in found["design"].values] == [
+        name.strip() for name in rows["design"]
+    ]
+    if not set(",;") & set("".join(names)):
+        lines = [",".join(map(str, row)) for row in zip(*rows.values(), strict=True)]
+        path.write_text("\n".join(["# a comment", ",".join(rows), "# another, too", *lines]))
+        assert read_table(path)["design"].values.tolist() == rows["design"].tolist()
+
+
+_X = np.geomspace(0.02, 5.0, 25)
+_RATE = 1e-4 * _X**-2.3
+_HAZARDS = {
+    "intensity,frequency": (_X, _RATE),
+    "annual rate,Sa(1.0s) [g]": (_RATE, _X),
+    "frequency [1/year],iml": (_RATE, _X),
+    "PGA (m/s2),annual_frequency": (9.81 * _X, _RATE),
+    "pga [cm/s2];MAFE": (981 * _X, _RATE),
+    "PGA_gal,mean annual frequency of exceedance": (981 * _X, _RATE),
+    "PGA (%g),lambda": (100 * _X, _RATE),
+    "intensity,return_period": (_X, 1 / _RATE),
+    "Return period (years);Sa (g)": (1 / _RATE, _X),
+    "intensity,poe_50": (_X, -np.expm1(-50 * _RATE)),
+    "intensity,poe_10 [%]": (_X, -100 * np.expm1(-10 * _RATE)),
+    "im,probability of exceedance in 50 years": (_X, -np.expm1(-50 * _RATE)),
+    "im,annual probability of exceedance": (_X, -np.expm1(-_RATE)),
+}
+
+
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("head", _HAZARDS)
+def test_hazards_are_read_by_their_names(head: str, order: int, tmp_path: Path) -> None:
+    """In any unit, quantity and order; a file with semicolons has decimal commas."""
+    mark = ";" if ";" in head else ","
+    columns = [values[::order] for values in _HAZARDS[head]]
+    path = tmp_path / "hazard.csv"
+    lines = [mark.join(map(repr, row)) for row in zip(*(x.tolist() for x in columns), strict=True)]
+    text = "\n".join([head, *(line.replace(".", ",") if mark == ";" else line for line in lines)])
+    path.write_text(text)
+    exact = float(rwmf.risk((0.5, 0.4), (1e-4, 2.3))["annual_frequency"])
+    for hazard in (path, dict(zip(head.split(mark), columns, strict=True))):
+        found = rwmf.risk((0.5, 0.4), hazard)
+        assert float(found["annual_frequency"]) == pytest.approx(exact, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a,b\n0.1,1\n1,0.1", "line 1: the columns are a, b"),
+        ("intensity,poe\n0.1,1\n1,0.1", "line 1: the column poe states no years"),
+        ("intensity,poe_50\n0.1,10\n1,2", "line 2: probability = 10: must be in"),
+        ("intensity,frequency [%]\n0.1,1\n1,0.1", "line 1: the columns are"),
+        ("intensity,frequency [Hz]\n0.1,1\n1,0.1", "line 1: the columns are"),
+        ("log10(PGA),frequency\n0.1,1\n1,0.1", "line 1: the columns are"),
+        ("PGV (cm/s),frequency\n0.1,1\n1,0.1", "line 1: .* in cm/s, that of the fragility in g"),
+        ("PGA [furlong/s2],frequency\n0.1,1\n1,0.1", "line 1: the columns are"),
+        ("PGA furlongs,frequency\n0.1,1\n1,0.1", "line 1: the columns are"),
+        ("intensity,annual poe_50\n0.1,1\n1,0.1", "line 1: .* states no years"),
+        ("# probability in 50 years\nintensity,frequency\n0.1,1\n1,0.1", "line 1: states prob"),
+        ("0.1,1\n1,0.1", "line 1: has numbers instead of the names"),
+        ("intensity,frequency\n0.1,1\n0.1,0.5", "line 3: intensity = 0.1: is given twice"),
+        ("intensity,frequency\n0.1,1\n0.2,2", "line 3: frequency = 2: must not grow"),
+        ("intensity,return_period\n0.1,475\n0.2,100", "line 3: frequency = 0.01: must not grow"),
+        ("intensity,return_period\n0.1,0\n0.2,100", "line 2: return_period = 0"),
+        ("intensity,poe_50\n0.1,1\n0.2,1", "has 0 point"),
+    ],
+)
+def test_hazards_that_are_refused(text: str, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "hazard.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message) as caught:
+        rwmf.risk((0.5, 0.4), path)
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("fragility", "hazard", "message"),
+    [
+        ("0.5,0.4", "1e-4,1e300", "k = 1e[+]300: must be a finite number > 0 and < 100"),
+        ("0.5,0.4", "1e-300,300", "k = 300.0: must be a finite number"),
+        ("1e300,0.4", "1e-4,3", "annual frequency is 0 for median = 1e[+]300"),
+        ("1e-300,0.4", "1e-4,3", "annual frequency is inf for median = 1e-300"),
+        ("0.5,1e300", "1e-4,3", "annual frequency is inf for .*dispersion = 1e[+]300"),
+    ],
+)
+def test_numbers_beyond_the_range(
+    fragility: str, hazard: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["risk", fragility, "--hazard", hazard]) == 2
+    assert re.search(message, capsys.readouterr().err)
+    with pytest.raises(InputError, match=r"no finite fit|does not grow"):
+        rwmf.fragility(levels=[1e-300, 1e300], exceeded=[3, 4], runs=10)
+
+
+def test_warnings_of_runs_reach_the_frequency() -> None:
+    """One line for each design, through analysis, fit and integral, and as warnings of Python."""
+    designs = {name: coupled(impact={"e": e}) for name, e in (("w1", 0.9), ("w2", 0.8))}
+    with pytest.warns(rwmf.RwmfWarning, match="w1: not conserved"):
+        table = rwmf.ida(designs, suite(2), [0.05, 0.2], tolerance=0.5, limits={"u_s_max": 0.05})
+    lines = table.attrs["warnings"].splitlines()
+    assert [line.partition(":")[0] for line in lines] == ["w1", "w2"]
+    with pytest.warns(rwmf.RwmfWarning, match="w2: not conserved"):
+        curves = rwmf.fragility(table, 0.05, "u_s_max", resamples=0)
+    with pytest.warns(rwmf.RwmfWarning, match="w2: not conserved"):
+        found = rwmf.risk(curves, (1e-4, 2.3))
+    for result in (curves, found):
+        assert result.attrs["warnings"].splitlines()[:2] == lines
+
+
+def test_frequencies_above_one_warn() -> None:
+    found = rwmf.risk((0.5, 0.4), {"intensity": [0.1, 1.0], "frequency": [20.0, 2.0]})
+    assert "hazard: annual frequencies above 1 (up to 20 in 2 of 2 points)" in found.warnings
+    assert "the annual frequency" in found.warnings
+
+
 def test_a_step_at_an_edge_of_the_bins() -> None:
     """Shares of the bins are those of the hazard above the step, and none is negative."""
     found = rwmf.risk((0.6, 0.0), (2e-4, 2.5), levels=[0.3, 0.6, 0.9])
@@ -312,9 +533,12 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) 
         out = capsys.readouterr().out
         assert "weak" in out
         assert "strong" in out
+        is_result = words.startswith(("fragility", "risk"))
+        assert ("recentres by construction" in out) == is_result
     assert cli.main(["risk", "0.9,0.4", "--hazard", "2e-4,2.5", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["annual_frequency"] == pytest.approx(4.291122997679e-4, rel=1e-10)
+    assert "sliding" in found["not_in_model"]
     model = ElementTree.parse("f.xml").getroot()[0]
     (params, *_) = [item for item in model.iter() if item.tag.endswith("params")]
     mean, deviation = float(params.attrib["mean"]), float(params.attrib["stddev"])

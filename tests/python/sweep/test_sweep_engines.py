@@ -34,6 +34,29 @@ def test_processes() -> None:
         xr.testing.assert_identical(_sweep(executor=executor), _sweep())
 
 
+@pytest.mark.parametrize("end", ["without guard", "shut down"])
+def test_an_executor_without_workers_says_what_to_do(end: str, tmp_path: Path) -> None:
+    """Processes that are spawned read the script again."""
+    coupled(solver=CASE_SOLVER).to_namelist(tmp_path / "case.nml")
+    shut = "engine.shutdown()\n" if end == "shut down" else ""
+    (tmp_path / "script.py").write_text(
+        "import multiprocessing, rwmf\n"
+        "from concurrent.futures import ProcessPoolExecutor\n"
+        "context = multiprocessing.get_context('spawn')\n"
+        f"engine = ProcessPoolExecutor(1, mp_context=context)\n{shut}"
+        "rwmf.sweep('case.nml', {'e': [0.8, 0.9]}, executor=engine)\n",
+        encoding="utf-8",
+    )
+    done = subprocess.run(
+        [sys.executable, "script.py"],
+        cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("rwmf.errors.InputError: executor: has no workers")
+    assert "`if __name__ == '__main__':`" in last
+
+
 def test_unknown_engines() -> None:
     with pytest.raises(InputError, match="allowed are threads"), open_executor("steam"):
         pass

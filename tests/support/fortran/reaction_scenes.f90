@@ -44,7 +44,7 @@ contains
       type(case_t) :: case
 
       case = scene('exact', 'linear')
-      deallocate (case%cable, case%impact)
+      deallocate (case%cable)
       case%wall%base = 'pinned'
    end function pinned
 

@@ -20,7 +20,7 @@ contains
       type(case_t) :: case
 
       case = block_scene(method)
-      allocate (case%frame, case%cable, case%impact)
+      allocate (case%frame, case%cable)
       case%frame%T_s = T_s
       case%frame%gamma = gamma
       case%frame%xi_s = 0.05_wp
@@ -40,6 +40,7 @@ contains
       allocate (case%wall, case%motion)
       case%wall%h = 2
       case%wall%b = 0.5_wp
+      case%impact%rule = 'none'
       case%motion%kind = 'one_sine'
       case%motion%a_max_g = 0.4_wp
       case%motion%omega_p = 2*pi

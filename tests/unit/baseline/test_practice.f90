@@ -169,7 +169,7 @@ contains
       weak%motion%a_max_g = 0.2_wp
       free = block_scene('dop853')
       free%motion%kind = 'none'
-      allocate (free%initial, free%impact)
+      allocate (free%initial)
       free%initial%theta_over_alpha = 0.3_wp
       free%initial%theta_dot = 0
       free%impact%rule = 'housner'

@@ -282,7 +282,7 @@ contains
 
       do k = 1, 2
          case = record_scene(method)
-         if (k == 2) deallocate (case%wall, case%cable, case%impact)
+         if (k == 2) deallocate (case%wall, case%cable)
          call create_stepping(wall, case, error)
          call advance_stepping(wall, 2.0_wp, gap_t(amplitude, 2*pi, 0.7_wp, 1.3_wp), error)
          call checks%has_error(error, err_numerical, 'not finite', method//', motion with a gap')

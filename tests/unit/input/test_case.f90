@@ -54,7 +54,8 @@ contains
       call checks%that(case%solver%max_steps == 50000000, 'max_steps')
       call checks%that(.not. (case%solver%verify .or. allocated(case%solver%atol) &
          .or. allocated(case%solver%accuracy)), 'no atol, no accuracy')
-      call checks%that(.not. (allocated(case%impact) .or. allocated(case%motion) &
+      call checks%that(case%impact%rule == 'coupled', 'rule of impacts')
+      call checks%that(.not. (allocated(case%motion) &
          .or. allocated(case%initial) .or. allocated(case%output) .or. allocated(case%spectrum) &
          .or. allocated(case%record) .or. allocated(case%wall%m_w)), 'what is absent is absent')
    end subroutine test_defaults

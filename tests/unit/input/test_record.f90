@@ -143,7 +143,8 @@ contains
       call refuse(title//'4 0.01 NPTS, DT'//nl//'1 2 nan 4', "'nan' is not a finite number")
       call refuse(title//'NPTS= four, DT= .01'//nl//numbers, 'does not give NPTS > 0 and DT > 0')
       call refuse(title//'NPTS= 4, DT= 0'//nl//numbers, 'does not give NPTS > 0 and DT > 0')
-      call refuse('VELOCITY IN UNITS OF CM/S'//nl//'4 0.01 NPTS, DT'//nl//numbers, 'units of cm')
+      call refuse('VELOCITY IN UNITS OF CM/S'//nl//'4 0.01 NPTS, DT'//nl//numbers, &
+         'names another quantity')
    end subroutine test_bad_at2
 
    subroutine test_files()

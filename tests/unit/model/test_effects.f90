@@ -59,7 +59,7 @@ contains
       type(case_t) :: case
 
       case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-      deallocate (case%cable, case%impact)
+      deallocate (case%cable)
       case%wall%base = 'pinned'
    end function pinned
 

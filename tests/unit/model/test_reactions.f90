@@ -232,7 +232,6 @@ contains
       case%wall%b = b
       case%motion%kind = 'none'
       case%solver%rtol = 1.0e-12_wp
-      allocate (case%impact)
       case%impact%rule = 'constant'
       case%impact%e = 0
       case%initial = initial_t(theta_over_alpha, 0.0_wp)

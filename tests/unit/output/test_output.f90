@@ -311,6 +311,7 @@ contains
       type(case_t), intent(out) :: case
 
       allocate (case%wall, case%frame, case%motion)
+      case%impact%rule = 'none'
       case%text = '&wall h = 2.0 /'//achar(13)//new_line('a')//'! second line'//new_line('a')
       case%motion%kind = 'none'
       case%solver%method = 'adams'

@@ -262,7 +262,7 @@ contains
       case%cable%eta_0 = 200
       case%cable%eta_alpha = 200
       case%wall%h = 3
-      if (.not. rests) deallocate (case%wall, case%cable, case%impact)
+      if (.not. rests) deallocate (case%wall, case%cable)
       case%motion%omega_p = 2*pi/0.3_wp
       case%motion%a_max_g = 0.5_wp
       case%solver%t_end = 4

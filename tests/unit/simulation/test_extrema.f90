@@ -150,7 +150,7 @@ contains
       call checks%that(maxval(abs(residual)) <= 1.0e-8_wp*result%energy%input_max, &
          'the ledger closes at all times')
       call checks%that(size(result%energy%names) == size(out) + 1, 'no part that does not apply')
-      deallocate (case%damper, case%cable, case%impact, case%frame)
+      deallocate (case%damper, case%cable, case%frame)
       call simulate(case, result, error)
       call checks%that(size(result%energy%names) == 4, 'a block: input, kinetic, gravity, impact')
    end subroutine check_energy_rows

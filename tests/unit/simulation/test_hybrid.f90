@@ -147,7 +147,7 @@ contains
 
       case = block_scene(method)
       deallocate (case%motion)
-      allocate (case%initial, case%impact)
+      allocate (case%initial)
       case%initial%theta_over_alpha = 0.5_wp
       case%initial%theta_dot = 0
       case%impact%rule = 'constant'

@@ -39,6 +39,10 @@ export class Controls {
     byId("groups").replaceChildren(
       ...scene.description.groups.filter((group) => scene.has(group.name))
         .map((group) => this.group(group)));
+    if (scene.description.read_only) {
+      const fields = byId("groups").querySelectorAll("input, select, button");
+      for (const field of fields) field.disabled = true;
+    }
     byId("absent").replaceChildren(
       ...scene.description.groups.filter((group) => group.can_be_added && !scene.has(group.name)).map((group) =>
         element("button", { type: "button", id: `add-${group.name}`, title: `&${group.name}`,

@@ -69,7 +69,8 @@ export class CostPanel {
       + (recommended
         ? `. Cheapest for 1e-6: ${recommended.method}, rtol = ${recommended.rtol.toExponential(
           0)}, ${short(1e3 * recommended.seconds, 3)} ms`
-        : ". No setting has an error of 1e-6.");
+        : ". No setting has an error of 1e-6.")
+      + (found.note && ` Caution: ${found.note}.`);
     const cell = (text) => element("td", {}, text);
     const rows = [...found.practices, ...good]
       .sort((a, b) => (a.relative_error ?? 9) - (b.relative_error ?? 9));
@@ -77,11 +78,11 @@ export class CostPanel {
       && row.rtol === recommended.rtol;
     byId("cost").replaceChildren(
       panel(curves, { width: 560, height: 340, logX: true, logY: true,
-        xLabel: "time of one run [s]", yLabel: "relative error of the peak" }),
+        xLabel: "processor time of one run [s]", yLabel: "relative error of the peak" }),
       element("div", { class: "scroll", tabindex: 0, role: "region",
         "aria-label": "Table of methods" },
         element("table", {}, element("thead", {},
-          element("tr", {}, ...["method", "rtol", "error", "ms", "steps"]
+          element("tr", {}, ...["method", "rtol", "error", "ms", "evaluations"]
             .map((word) => element("th", { scope: "col" }, word)))),
           element("tbody", {}, ...rows.map((row) =>
             element("tr", { class: same(row) ? "best" : "" },
@@ -89,6 +90,6 @@ export class CostPanel {
               cell(row.rtol === null ? "–" : row.rtol.toExponential(0)),
             cell(row.status === "ok" ? short(row.relative_error, 2) : row.status.slice(0, 40)),
               cell(short(1e3 * (row.seconds ?? NaN), 3)),
-            cell(String(row.steps))))))));
+            cell(String(row.rhs_evaluations))))))));
   }
 }

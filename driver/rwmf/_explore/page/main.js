@@ -93,8 +93,9 @@ class Explorer {
   // A copy with stored answers shows its examples only.
   forbidChanges() {
     document.body.classList.add("read-only");
-    byId("groups").inert = true;
-    this.report = () => { byId("status").textContent = "read-only copy with stored answers"; };
+    this.report = () => {
+      byId("status").textContent = "copy with stored answers: its sliders move in rwmf explore";
+    };
   }
 
   offerPresets({ presets, name }) {
@@ -280,13 +281,16 @@ class Explorer {
     byId("spectrum").parentElement.classList.remove("stale");
     this.perPeriod = answer.kernel_seconds / points;
     this.coarse = version;
-    const own = this.answer.numbers.find((row) => row[0] === key);
-    this.pictures.drawSpectrum(answer, other,
-      { T: this.answer.scene.T, value: own ? Number(own[1]) : NaN });
+    // the peak of a run that ended early is none
+    const numbers = new Map(this.answer.numbers);
+    const isDown = numbers.get("overturned") === "yes" || numbers.get("collapsed") === "yes";
+    const value = isDown ? NaN : Number(numbers.get(key) ?? NaN);
+    this.pictures.drawSpectrum(answer, other, { T: this.answer.scene.T, value });
     this.offer(answer);
     const failed = Object.entries(answer.failed)
       .map(([status, n]) => `${n} ${status.replaceAll("_", " ")}`).join(", ");
-    byId("failed").textContent = `${points} periods${failed && `, of these ${failed}`}.`
+    byId("failed").textContent = `${points} periods${answer.axis[1] ? ` (${answer.axis[1]})` : ""}`
+      + `${failed && `, of these ${failed}`}.`
       + (this.canPickPeriod ? " A click sets the period." : "");
     byId("comparison").textContent = answer.caption;
     if (isComplete || this.version !== version) this.shown.spectrum = version;

@@ -205,7 +205,7 @@ export class Pictures {
     }
     this.marker = { T: marker.T, value: fromSi(marker.value, of) };
     this.overturned = unpack(answer.overturned);
-    this.spectrum.labels = ["period T_s [s]", `${bare(key)} [${unit(of) || "-"}]`];
+    this.spectrum.labels = [`${answer.axis[0]} [s]`, `${bare(key)} [${unit(of) || "-"}]`];
     this.spectrum.draw(series, data);
   }
 

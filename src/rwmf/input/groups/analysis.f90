@@ -163,8 +163,8 @@ contains
             'interval of the history; absent: no history'), &
          optional_key('output', 'energy', 'logical', '', '.false.', '', &
             'energy ledger: its parts at the end, with dt in every row'), &
-         optional_key('output', 'reactions', 'logical', '', '.false.', '', &
-            'reactions of the base, demands and member forces: extrema, with dt rows'), &
+         optional_key('output', 'reactions', 'logical', '', '.true.', '', &
+            'reactions of the base, demands and member forces of a run: extrema, with dt rows'), &
          usually('[0.05, 3]', optional_key('output', 'friction_limit', 'real', '-', '', positive, &
             'coefficient of friction: whether and when the friction demand exceeds it')), &
          optional_key('output', 'conditioning', 'logical', '', '', '', &

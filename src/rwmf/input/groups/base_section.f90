@@ -28,9 +28,11 @@ contains
          usually('[1e7, 1e13]', optional_key(name, 'k', 'real', 'N/m3', '', positive, &
             'subgrade modulus: stress per settlement of the strip, which takes no tension')), &
          usually('[1e8, 1e12]', optional_key(name, 'E', 'real', 'Pa', '', positive, &
-            'modulus of elasticity: toe strain = stress/E; beside length: k = E/length')), &
+            'modulus of elasticity: toe strain = k settlement/E; beside length: k = E/length')), &
          usually('[0.01, 20]', optional_key(name, 'length', 'real', 'm', '', positive, &
-            'height of the strip over which it is strained; beside k: E = k length'))]
+            'height of the strip over which it is strained; beside k: E = k length')), &
+         usually('[5e6, 2e8]', optional_key(name, 'f_c', 'real', 'Pa', '', positive, &
+            'compressive strength: largest stress; a toe stress above 0.6 f_c gives a warning'))]
       group%check => check_base_section
       group%fill => fill_base_section
    end function base_section_group
@@ -59,11 +61,11 @@ contains
       end if
    end subroutine check_base_section
 
-   !> Keep stiffness [N/m3], thickness [m] and modulus [Pa], the last only if it is known.
+   !> Keep stiffness [N/m3], thickness [m] and strength [Pa], and the modulus [Pa] if it is known.
    subroutine fill_base_section(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
-      real(wp) :: k, modulus
+      real(wp) :: k, modulus, strength
 
       k = real_of(case%values, name, 'k')
       modulus = real_of(case%values, name, 'E')
@@ -73,7 +75,9 @@ contains
             if (.not. has_key(case%values, name, 'k')) k = modulus/length
          end associate
       end if
-      call keep_numbers(case, name, [k, real_of(case%values, 'wall', 'thickness')])
+      strength = huge(1.0_wp)
+      if (has_key(case%values, name, 'f_c')) strength = real_of(case%values, name, 'f_c')
+      call keep_numbers(case, name, [k, real_of(case%values, 'wall', 'thickness'), strength])
       if (modulus > 0) call keep_numbers(case, 'toe_strain', [modulus])
    end subroutine fill_base_section
 

@@ -55,9 +55,10 @@ contains
          of_kind('record', 'file', 'text', '', '', '', &
             'path, relative to the case file; required for a record'), &
          fixed_by(read_once, of_kind('record', 'dt', 'real', 's', '', positive, &
-            'sampling interval; required for one column, refused for two columns and AT2')), &
+            'sampling interval; required for one column unless the file states it, refused ' &
+               //'for two columns and AT2')), &
          of_kind('record', 'unit', 'choice', '', '', 'g m/s2 cm/s2', &
-            'of the accelerations; required but for AT2, where it is refused'), &
+            'of the accelerations; required unless the file states it; refused for AT2'), &
          of_kind('record', 'scale', 'real', '-', '1.0', any_real, 'factor on the accelerations')]
    end function motion_keys
 

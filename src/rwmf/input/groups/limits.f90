@@ -7,9 +7,10 @@ module rwmf_input_groups_limits
    use rwmf_core_kinds, only: wp
    use rwmf_model_history_row, only: numbered
    use rwmf_model_system_demands, only: floor_count, lowest_link
-   use rwmf_problem_case, only: case_t, output_t
+   use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
-   use rwmf_problem_group_values, only: get_list, group_values_t, has_group, has_key, logical_of
+   use rwmf_problem_group_values, only: applies, get_list, group_values_t, has_group, has_key, &
+      logical_of
    use rwmf_problem_key, only: optional_key, positive
    use rwmf_problem_quantity_table, only: all_quantities, is_limited, key_length, limit_key, &
       of_demands, of_envelopes, of_reactions, quantity_t
@@ -164,7 +165,7 @@ contains
       !! group with '&', or key
 
       if (word(:1) == '&') then
-         is_given = has_group(values, word(2:))
+         is_given = applies(values, word(2:))
       else if (word == 'h_f') then
          is_given = has_key(values, 'p_delta', word)
       else
@@ -187,7 +188,6 @@ contains
             all_quantities(i)]
       end do
       if (size(given) == 0) return
-      if (.not. allocated(case%output)) case%output = output_t(energy=.false.)
       associate (output => case%output)
          do i = 1, size(given)
             output%reactions = output%reactions .or. given(i)%observed == of_reactions

@@ -178,8 +178,9 @@ contains
       group%reasons(1) = 'only a wall has impacts'
       group%keys = [ &
          optional_key('impact', 'rule', 'choice', '', 'coupled', &
-            'constant housner coupled table', &
-            'coupled: momentum balance of wall and frame; e, r imply constant, table_e table'), &
+            'constant housner coupled table none', &
+            'coupled: momentum balance of wall and frame; e, r imply constant, table_e table; ' &
+            //'none: e = 1'), &
          optional_key('impact', 'e', 'real', '-', '', '[0, 1]', &
             'factor on the angular velocity at impact; constant: exactly one of e and r', &
             'rule=constant'), &
@@ -215,7 +216,6 @@ contains
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      allocate (case%impact)
       case%impact%rule = text_of(case%values, 'impact', 'rule')
       case%impact%given_as_r = has_key(case%values, 'impact', 'r')
       if (case%impact%given_as_r) then
@@ -225,10 +225,12 @@ contains
       end if
    end subroutine fill_impact
 
+   !> True if impacts take energy: the wall rocks, and the rule is not 'none'.
    pure logical function has_impact(case)
       type(case_t), intent(in) :: case
 
-      has_impact = allocated(case%impact)
+      has_impact = allocated(case%wall) .and. case%impact%rule /= 'none'
+      if (has_impact) has_impact = case%wall%base == 'rocking'
    end function has_impact
 
    !> Group `&initial` with its keys and hooks.

@@ -1,22 +1,27 @@
-!> Records in PEER's AT2 format: accelerations in g, several per line, after a header with their
-!> number and interval.
+!> Records in PEER's AT2 format: accelerations, several per line, after a header with their number
+!> and interval. Without another unit in the header they are in g.
 !>
-!> The header line with number and interval has one of four forms:
+!> Number and interval come in either order, on one line or two, as
 !>
 !>     NPTS=   5372, DT=   .0100 SEC,
-!>     NPTS=  4000, DT= .01000 SEC, 0 POLE @ ...
+!>     DT= .01000 SEC, NPTS=  4000, 0 POLE @ ...
 !>     4096    0.0100    NPTS, DT
-!>     NPTS =   7500 , DT =   .020 SEC ,
+!>     NPTS =   7500 , DT =   20 MSEC ,
 module rwmf_input_record_at2
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
-   use rwmf_input_record_columns, only: fail_at_word
-   use rwmf_text_strings, only: integer_to_text, is_separator, next_line, next_word, &
-      parse_integer, parse_real, shown, to_lower
+   use rwmf_input_record_lines, only: fail_at_word, is_comment, is_number_line, without_mark
+   use rwmf_input_record_samples, only: samples_t, set_unit
+   use rwmf_input_record_statements, only: fail_at_line, read_statements, stated_t
+   use rwmf_input_record_unit_names, only: unit_t
+   use rwmf_text_strings, only: integer_to_text, next_line, next_word, parse_real, shown, to_lower
    implicit none
    private
 
-   public :: has_at2_header, read_at2
+   public :: has_at2_header, read_at2, read_at2_header
+
+   integer, parameter :: most_lines = 20
+   !! lines that may come before NPTS
 
 contains
 
@@ -25,51 +30,83 @@ contains
       character(*), intent(in) :: bytes
       !! text of the file
       integer :: line
-      integer :: position
 
-      call find_header(bytes, line, position)
+      call find_header(bytes, line)
       has_at2_header = line > 0
    end function has_at2_header
 
-   !> Read interval and accelerations.
+   !> Read interval, unit and accelerations.
    !>
    !> Text after the last number is allowed. Errors: an invalid header, a quantity other than an
-   !> acceleration in g, fewer or more numbers than the header states.
-   subroutine read_at2(bytes, dt, a, error)
+   !> acceleration, fewer or more numbers than the header states.
+   subroutine read_at2(bytes, samples, error)
       character(*), intent(in) :: bytes
       !! text of the file
-      real(dp), intent(out) :: dt
-      !! [s]
-      real(dp), allocatable, intent(out) :: a(:)
-      !! (n) [g]
+      type(samples_t), intent(out) :: samples
       type(error_t), allocatable, intent(out) :: error
+      type(stated_t) :: stated
+      integer :: last_line
+      integer :: position
+
+      call read_at2_header(bytes, stated, position, last_line, error)
+      if (.not. allocated(error)) then
+         call read_numbers(bytes, position, last_line, stated%n, samples%a, error)
+      end if
+      if (allocated(error)) return
+      samples%format = 'AT2'
+      samples%name = ''
+      samples%dt = stated%dt
+      samples%dt_line = stated%dt_line
+      call set_unit(samples, stated%unit, stated%unit_text, stated%unit_line)
+   end subroutine read_at2
+
+   !> Read the lines before the first number.
+   subroutine read_at2_header(bytes, stated, position, last_line, error)
+      character(*), intent(in) :: bytes
+      type(stated_t), intent(out) :: stated
+      !! number and interval, both positive, and unit
+      integer, intent(out) :: position
+      !! of the first line of numbers
+      integer, intent(out) :: last_line
+      !! line number of the line before it
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: title
       integer :: first
       integer :: last
       integer :: line
-      integer :: n
-      integer :: position
+      integer :: next
+      logical :: is_complete
 
-      dt = 0
-      call find_header(bytes, line, position)
-      if (index(to_lower(bytes(:min(position - 1, 2000))), 'units of cm') > 0) then
-         call fail(error, err_input, 'the header says units of cm: an AT2 file has accelerations ' &
-            //'in g')
-         return
-      end if
-      call next_line(bytes, position, first, last)
-      call read_header(bytes(first:last), line, n, dt, error)
-      if (.not. allocated(error)) call read_numbers(bytes, position, line, n, a, error)
-   end subroutine read_at2
+      call find_header(bytes, line)
+      title = ''
+      position = 1
+      last_line = 0
+      do while (position <= len(bytes))
+         next = position
+         call next_line(bytes, next, first, last)
+         if (last_line >= line .and. is_number_line(bytes(first:last))) exit
+         position = next
+         last_line = last_line + 1
+         associate (text => bytes(first:last))
+            if (last_line == line) title = text
+            call read_statements(without_mark(text), last_line, is_comment(text), stated, error)
+         end associate
+         if (allocated(error)) return
+      end do
+      is_complete = allocated(stated%n) .and. allocated(stated%dt)
+      if (is_complete) is_complete = stated%n > 0 .and. stated%dt > 0
+      if (.not. is_complete) call fail_at_line(error, line, "'"//shown(title) &
+         //"' does not give NPTS > 0 and DT > 0")
+      if (allocated(stated%unit)) return
+      stated%unit = unit_t('acceleration', 'g')
+      stated%unit_text = 'g'
+   end subroutine read_at2_header
 
-   !> Find the line with NPTS and DT among the first lines.
-   pure subroutine find_header(bytes, line, start)
+   !> Find the number of the line with NPTS among the first lines, 0 if there is none.
+   pure subroutine find_header(bytes, line)
       character(*), intent(in) :: bytes
       integer, intent(out) :: line
-      !! its line number, 0 if there is none
-      integer, intent(out) :: start
-      !! position of its beginning
-      integer, parameter :: most_lines = 10, longest = 200
-      character(:), allocatable :: text
+      integer, parameter :: longest = 200
       integer :: first
       integer :: last
       integer :: position
@@ -78,67 +115,11 @@ contains
       do line = 1, most_lines
          if (position > len(bytes)) exit
          call next_line(bytes, position, first, last)
-         text = to_lower(bytes(first:min(last, first + longest - 1)))
-         if (index(adjustl(text), '#') == 1) cycle
-         start = first
-         if (index(text, 'npts') > 0 .and. index(text, 'dt') > 0) return
+         if (is_comment(bytes(first:last))) cycle
+         if (index(to_lower(bytes(first:min(last, first + longest - 1))), 'npts') > 0) return
       end do
       line = 0
-      start = 1
    end subroutine find_header
-
-   !> Read number of samples and interval.
-   subroutine read_header(text, line, n, dt, error)
-      character(*), intent(in) :: text
-      !! line with NPTS and DT
-      integer, intent(in) :: line
-      !! its line number
-      integer, intent(out) :: n
-      real(dp), intent(out) :: dt
-      !! [s]
-      type(error_t), allocatable, intent(out) :: error
-      logical :: ok
-      logical :: ok_dt
-      integer :: first
-      integer :: last
-      integer :: position
-
-      position = index(to_lower(text), 'npts')
-      if (index(adjustl(text(position + len('npts'):)), '=') == 1) then
-         call find_value(text, position, first, last)
-         call parse_integer(text(first:last), n, ok)
-         position = position + index(to_lower(text(position + 1:)), 'dt')
-         call find_value(text, position, first, last)
-         call parse_real(text(first:last), dt, ok_dt)
-      else
-         position = 1
-         call next_word(text, position, first, last)
-         call parse_integer(text(first:last), n, ok)
-         call next_word(text, position, first, last)
-         call parse_real(text(first:last), dt, ok_dt)
-      end if
-      if (.not. (ok .and. ok_dt .and. n > 0 .and. dt > 0)) then
-         call fail(error, err_input, 'line '//trim(integer_to_text(line))//": '"//shown(text) &
-            //"' does not give NPTS > 0 and DT > 0")
-      end if
-   end subroutine read_header
-
-   !> Find the characters of the number after the next equals sign.
-   pure subroutine find_value(text, position, first, last)
-      character(*), intent(in) :: text
-      integer, intent(in) :: position
-      integer, intent(out) :: first
-      integer, intent(out) :: last
-      !! the number is text(first:last), empty if there is no equals sign
-      integer :: equals
-
-      equals = index(text(position:), '=')
-      do first = position + equals, len(text)
-         if (.not. is_separator(text(first:first))) exit
-      end do
-      last = first - 1
-      if (equals > 0) last = last + verify(text(first:)//'?', '0123456789.+-EeDd') - 1
-   end subroutine find_value
 
    !> Read the number of values that the header states.
    subroutine read_numbers(bytes, start, header_line, n, a, error)

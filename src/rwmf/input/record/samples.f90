@@ -4,12 +4,13 @@ module rwmf_input_record_samples
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
+   use rwmf_input_record_unit_names, only: unit_t
    use rwmf_text_crc32, only: crc32
    use rwmf_text_strings, only: integer_to_text, real_to_text
    implicit none
    private
 
-   public :: samples_t, samples_from_array
+   public :: samples_t, samples_from_array, set_unit
 
    !> Samples after a check of each number.
    type :: samples_t
@@ -19,8 +20,20 @@ module rwmf_input_record_samples
       !! (n) strictly increasing times [s]; absent if an interval gives them
       real(dp), allocatable :: dt
       !! interval given by the source of the samples [s]
+      integer :: dt_line = 0
+      !! line of the file with the interval, 0 for none
+      character(:), allocatable :: unit
+      !! 'g', 'm/s2' or 'cm/s2'; absent if the source gives none
+      character(:), allocatable :: unit_text
+      !! unit as in the source
+      logical :: is_converted = .false.
+      !! the source has another unit than 'g', 'm/s2' and 'cm/s2'
+      integer :: unit_line = 0
+      !! line of the file with the unit, 0 for none
+      character(:), allocatable :: name
+      !! of the column in a table; '' without a name
       character(:), allocatable :: format
-      !! 'one column', 'two columns', 'AT2' or 'array'
+      !! 'one column', 'two columns', 'table', 'AT2' or 'array'
       character(8) :: crc32
       !! checksum of the bytes of the file, or of the numbers, hexadecimal
    end type samples_t
@@ -65,6 +78,24 @@ contains
          samples%crc32 = crc32(a)
       end if
    end subroutine samples_from_array
+
+   !> Set the unit that a file states, and convert the samples to one of the case's three units.
+   subroutine set_unit(samples, unit, text, line)
+      type(samples_t), intent(inout) :: samples
+      !! with accelerations in the unit of the file
+      type(unit_t), intent(in) :: unit
+      !! unit of an acceleration
+      character(*), intent(in) :: text
+      !! as in the file
+      integer, intent(in) :: line
+      !! its line
+
+      samples%unit = trim(unit%base)
+      samples%unit_text = text
+      samples%unit_line = line
+      samples%is_converted = abs(unit%times - 1) > 0 .or. abs(unit%over - 1) > 0
+      if (samples%is_converted) samples%a = samples%a*unit%times/unit%over
+   end subroutine set_unit
 
    !> Check that every number is finite.
    subroutine check_finite(what, numbers, error)

@@ -14,6 +14,7 @@ module rwmf_integrator_sundials_common
    use rwmf_integrator_interface_integrator, only: fail_step, integrator_t, step_too_small, &
       tolerance_t
    use rwmf_model_system_assembly, only: equation_t, rhs
+   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
@@ -104,7 +105,6 @@ contains
       !! name of the call
       type(error_t), allocatable, intent(out) :: error
       character(:), allocatable :: cause
-      character(12) :: digits
 
       has_failed = flag < 0
       if (.not. has_failed) return
@@ -123,8 +123,7 @@ contains
       case (no_memory, -21, -28)
          cause = 'out of memory'
       case default
-         write (digits, '(i0)') flag
-         cause = 'flag '//trim(digits)
+         cause = 'flag '//trim(integer_to_text(int(flag)))
       end select
       call fail_step(self, 'SUNDIALS '//what, self%rtol, cause, error)
    end function has_failed

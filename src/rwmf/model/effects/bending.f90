@@ -3,8 +3,9 @@
 module rwmf_model_effects_bending
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_beam, only: linked_floors_t, set_beam, set_floors, set_links, set_vectors
-   use rwmf_model_bent_wall, only: landing
+   use rwmf_model_beam, only: linked_floors_t, set_beam, set_damping_ratios, set_floors, &
+      set_links, set_vectors
+   use rwmf_model_bent_wall, only: bent_mass_matrix, landing
    use rwmf_model_effects_bending_loop, only: bending_coefficients, fixed_columns, mode_columns, &
       shape_columns
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_travel, &
@@ -30,10 +31,13 @@ contains
 
    !> Define the group `&bending` with its keys and checks.
    type(case_group_t) function bending_group() result(group)
-      type(key_t) :: damping
+      type(key_t) :: damping, reference
 
       damping = optional_key('bending', 'damping', 'choice', '', 'modal', 'modal stiffness', &
-         'xi in each mode, or in the first and in proportion to the stiffness above')
+         'equal ratios in all modes of the cantilever, or in proportion to the stiffness')
+      reference = optional_key('bending', 'xi_of', 'choice', '', 'cantilever', &
+         'cantilever rocking', &
+         'wall whose modes have xi: bare on a fixed base, or rocking with its floors (first mode)')
       group%name = 'bending'
       group%needs(1) = 'wall'
       group%reasons(1) = 'it describes the stiffness of the wall'
@@ -48,7 +52,8 @@ contains
             'factor on the moment of inertia of the gross section; only with E'), &
          optional_key('bending', 'modes', 'integer', '', '3', '[1, 12]', 'number of modes'), &
          usually('[0.001, 0.2]', optional_key('bending', 'xi', 'real', '-', '0.02', not_negative, &
-            'damping ratio of the modes')), &
+            'damping ratio, in the first mode of damping stiffness')), &
+         reference, &
          damping, &
          optional_key('bending', 'nu', 'real', '-', '', '[0, 0.5]', &
             'Poisson''s ratio; if given, the wall also deforms in shear')]
@@ -99,8 +104,7 @@ contains
       else if (has_group(values, 'link')) then
          call fail_group(values, 'bending', 'must not be given with &link: the equations of ' &
             //'a bending wall have no tilted link', error)
-      else if (.not. has_group(values, 'impact') .or. text_of(values, 'impact', 'rule') &
-               /= 'coupled') then
+      else if (text_of(values, 'impact', 'rule') /= 'coupled') then
          call fail_group(values, 'bending', "needs &impact rule = 'coupled': the momentum " &
             //'balance of the modes gives the velocities after an impact', error)
       end if
@@ -120,7 +124,8 @@ contains
       call keep_numbers(case, 'bending', [real_of(case%values, 'bending', 'EI_over_m_w'), &
          real(integer_of(case%values, 'bending', 'modes'), wp), real_of(case%values, 'bending', &
          'xi'), merge(1.0_wp, 0.0_wp, text_of(case%values, 'bending', 'damping') == 'stiffness'), &
-         nu, cracking])
+         nu, cracking, merge(1.0_wp, 0.0_wp, text_of(case%values, 'bending', 'xi_of') &
+         == 'rocking')])
    end subroutine fill_bending
 
    !> True if the wall bends.
@@ -135,7 +140,7 @@ contains
    pure subroutine add_mode_states(case, names)
       type(case_t), intent(in) :: case
       character(name_length), allocatable, intent(inout) :: names(:)
-      real(wp) :: numbers(6)
+      real(wp) :: numbers(7)
       character(name_length), allocatable :: states(:, :), smooth(:)
       integer :: i
 
@@ -159,7 +164,7 @@ contains
       type(case_t), intent(in) :: case
       type(equation_t), intent(inout) :: equation
       type(contribution_t), intent(out) :: bending
-      real(wp) :: numbers(6)
+      real(wp) :: numbers(7)
       real(wp) :: flexibility
       integer :: i
 
@@ -189,6 +194,7 @@ contains
          maxval(equation%beam%omega), equation%p%omega_s)
       bending%constants = [0.0_wp]
       if (allocated(case%inerter)) bending%constants = [case%inerter%inertance_over_m_w]
+      call damp(equation, bending%constants(1), numbers(3), numbers(7) > 0)
       bending%law = equation%beam%n
       bending%states = 2*equation%beam%n
       if (allocated(equation%beam%floors)) then
@@ -207,6 +213,36 @@ contains
       bending%sizes => mode_sizes
       bending%land => land
    end subroutine prepare_bending
+
+   !> Set damping and damping ratios of the modes.
+   pure subroutine damp(equation, inertance, xi, is_of_rocking)
+      type(equation_t), intent(inout) :: equation
+      real(wp), intent(in) :: inertance
+      !! inertance of the inerter under a corner over m_w [-]
+      real(wp), intent(in) :: xi
+      !! damping ratio [-]
+      logical, intent(in) :: is_of_rocking
+      !! it is that of the first mode of the rocking wall; otherwise of the cantilever
+      real(wp), dimension(0:equation%beam%n, 0:equation%beam%n) :: mass
+      integer :: i
+
+      mass = bent_mass_matrix(equation)
+      mass(0, 0) = mass(0, 0) + inertance*(2*equation%beam%half_width)**2
+      if (allocated(equation%beam%link_phi)) then
+         do i = 1, size(equation%beam%link_phi, 1)
+            associate (shape => [equation%beam%length*equation%floors%share(i), &
+                       equation%beam%link_phi(i, :)])
+               mass = mass + equation%floors%m(i)*spread(shape, 2, size(shape)) &
+                  *spread(shape, 1, size(shape))
+            end associate
+         end do
+      end if
+      if (is_of_rocking) then
+         call set_damping_ratios(equation%beam, mass, xi)
+      else
+         call set_damping_ratios(equation%beam, mass)
+      end if
+   end subroutine damp
 
    !> Fill in the coefficients of the loops.
    pure subroutine coefficients_of_bending(effect, model, state, coef)

@@ -1,4 +1,4 @@
-!> Hysteretic fuses under the corners of the base, `&fuse`.
+!> Hysteretic fuses at the edges of the base, `&fuse`.
 module rwmf_model_effects_fuse
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
@@ -25,10 +25,10 @@ contains
    type(case_group_t) function fuse_group() result(group)
       group%name = 'fuse'
       group%needs(1) = 'wall'
-      group%reasons(1) = 'fuses work under its corners'
+      group%reasons(1) = 'fuses work at its edges'
       group%keys = [ &
          with_si('N', usually('[1e-4, 10]', required('fuse', 'eta_y', 'real', '-', positive, &
-            'yield force of the fuse under each corner of the base over m_w g'))), &
+            'yield force of the fuse at each edge of the base over m_w g'))), &
          usually('[1e-5, 0.2]', &
             required('fuse', 'stroke_y', 'real', 'm', positive, &
             'stroke at which it yields first')), &

@@ -76,8 +76,7 @@ contains
    pure logical function has_impact_table(case)
       type(case_t), intent(in) :: case
 
-      has_impact_table = .false.
-      if (allocated(case%impact)) has_impact_table = case%impact%rule == 'table'
+      has_impact_table = case%impact%rule == 'table'
    end function has_impact_table
 
 end module rwmf_model_effects_impact_table

@@ -33,9 +33,10 @@ contains
          optional_key('vertical', 'file', 'text', '', '', '', &
             'record of the vertical acceleration (positive upward), relative to the case file'), &
          fixed_by(read_once, optional_key('vertical', 'dt', 'real', 's', '', positive, &
-            'sampling interval; required for one column, refused for two columns and AT2')), &
+            'sampling interval; required for one column unless the file states it, refused ' &
+               //'for two columns and AT2')), &
          optional_key('vertical', 'unit', 'choice', '', '', 'g m/s2 cm/s2', &
-            'of the accelerations; required but for AT2, where it is refused'), &
+            'of the accelerations; required unless the file states it; refused for AT2'), &
          unless('vertical.ratio', &
             optional_key('vertical', 'scale', 'real', '-', '1.0', any_real, &
             'factor on the record'))]

@@ -1,4 +1,4 @@
-!> Springs with memory in a scene: a tendon that yields or breaks, fuses under the corners, a
+!> Springs with memory in a scene: a tendon that yields or breaks, fuses at the corners, a
 !> yielding frame. This module places them, adds their forces to the equation and updates their
 !> branches.
 !>

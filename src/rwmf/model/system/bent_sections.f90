@@ -169,7 +169,8 @@ contains
       call integrate(sections, equation, t, y, y_dot, links, loads, extremes)
    end subroutine find_bent_extremes
 
-   !> Go down the wall from piece to piece, and inspect each for extrema if they are wanted.
+   !> Go down the wall from piece to piece. If extrema are wanted, inspect the pieces that may hold
+   !> more than all nodes.
    subroutine integrate(sections, equation, t, y, y_dot, links, loads, extremes)
       type(bent_sections_t), intent(inout) :: sections
       type(equation_t), intent(in) :: equation
@@ -178,8 +179,8 @@ contains
       type(links_t), intent(in) :: links
       type(bent_loads_t), intent(out) :: loads
       type(section_extremes_t), intent(inout), optional :: extremes
-      type(section_extremes_t) :: found
-      real(wp) :: moment
+      real(wp) :: moment, force(2, ubound(sections%z, 1))
+      !! moment; force of cable and links above each piece
       integer :: i, link
 
       call find_loads(sections%beam, equation, t, y, y_dot, loads)
@@ -194,13 +195,16 @@ contains
             end if
          end if
          sections%below_node(:, i) = [shear_at_node(sections, loads, i), moment]
-         if (i > 0) moment = moment - moment_gain(sections, loads, i)
-         if (.not. present(extremes)) cycle
-         call inspect_node(i)
-         if (i == 0) cycle
-         sections%above_node(:, i - 1) = [shear_at_node(sections, loads, i - 1), moment]
-         call inspect_piece(sections, loads, i, found)
-         call keep(found)
+         if (i > 0) then
+            moment = moment - moment_gain(sections, loads, i)
+            force(:, i) = loads%force
+         end if
+         if (present(extremes)) call inspect_node(i)
+      end do
+      if (.not. present(extremes)) return
+      do i = ubound(sections%z, 1), 1, -1
+         loads%force = force(:, i)
+         call inspect_piece(sections, loads, i, extremes)
       end do
 
    contains
@@ -210,23 +214,16 @@ contains
          integer, intent(in) :: i
 
          associate (force => max(abs(sections%below_node(:, i)), abs(sections%above_node(:, i))))
-            call keep(section_extremes_t(force(1), force(2), sections%z(i), sections%z(i)))
+            if (force(1) > extremes%shear) then
+               extremes%shear = force(1)
+               extremes%z_shear = sections%z(i)
+            end if
+            if (force(2) > extremes%moment) then
+               extremes%moment = force(2)
+               extremes%z_moment = sections%z(i)
+            end if
          end associate
       end subroutine inspect_node
-
-      !> Update the extrema.
-      subroutine keep(other)
-         type(section_extremes_t), intent(in) :: other
-
-         if (other%shear > extremes%shear) then
-            extremes%shear = other%shear
-            extremes%z_shear = other%z_shear
-         end if
-         if (other%moment > extremes%moment) then
-            extremes%moment = other%moment
-            extremes%z_moment = other%z_moment
-         end if
-      end subroutine keep
    end subroutine integrate
 
    !> Collect the loads at the top.
@@ -356,23 +353,32 @@ contains
          - loads%force(2))
    end function slope_from
 
-   !> Find extrema of shear and moment inside a piece between two nodes.
+   !> Find extrema of shear and moment inside a piece between two nodes that exceed those so far.
+   !>
+   !> A force rises inside a piece by less than 1.5 times its largest slope at three places over
+   !> half the length.
    subroutine inspect_piece(sections, loads, i, found)
       type(bent_sections_t), intent(in) :: sections
       type(bent_loads_t), intent(in) :: loads
       integer, intent(in) :: i
       !! number of the piece, that of its upper node
-      type(section_extremes_t), intent(out) :: found
-      real(wp) :: z(3), slopes(3), height, moment
+      type(section_extremes_t), intent(inout) :: found
+      real(wp), parameter :: rise = 0.75_wp
+      !! largest rise over length and slope [-]
+      real(wp) :: z(3), slopes(3), height, moment, ends(2)
       integer :: j
 
+      ends = max(abs(sections%below_node(:, i)), abs(sections%above_node(:, i - 1)))
       associate (n => sections%beam%n, low => sections%z(i - 1), high => sections%z(i))
          z = [low, (low + high)/2, high]
          slopes = loads%push + loads%turn*z + [dot_product(loads%across(:n), sections%phi(:, &
             i - 1)), dot_product(loads%across(:n), sections%phi_centre(:, i)), &
             dot_product(loads%across(:n), sections%phi(:, i))]
-         call find_changes(sections%beam, loads, z, slopes, of_shear=.true.)
+         ends(1) = ends(1) + rise*(high - low)*maxval(abs(slopes))/sections%beam%length
+         if (ends(1) > found%shear) call find_changes(sections%beam, loads, z, slopes, &
+            of_shear=.true.)
          do j = 1, 2
+            if (.not. ends(1) > found%shear) exit
             if (.not. slopes(j)*slopes(j + 1) < 0) cycle
             height = turning_height(sections%beam, loads, z(j:j + 1), slopes(j:j + 1), &
                of_shear=.true.)
@@ -384,6 +390,8 @@ contains
          slopes = [slope_with(z(1), sections%tilt(:, i - 1), sections%above(:, i - 1)), &
             slope_with(z(2), sections%slope(:, centre, i), sections%above_inside(:, centre, i)), &
             slope_with(z(3), sections%tilt(:, i), sections%above(:, i))]
+         ends(2) = ends(2) + rise*(high - low)*maxval(abs(slopes))
+         if (.not. ends(2) > found%moment) return
          call find_changes(sections%beam, loads, z, slopes, of_shear=.false.)
          do j = 1, 2
             if (.not. slopes(j)*slopes(j + 1) < 0) cycle

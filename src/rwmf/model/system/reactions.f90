@@ -18,7 +18,7 @@ module rwmf_model_system_reactions
    private
 
    public :: reactions_t, reactions_at, friction_demand, link_force, cable_force, wall_drift
-   public :: corner_force, plastic_part, roof_acceleration, link_tilt
+   public :: corner_force, plastic_part, roof_acceleration, link_tilt, impulse_from_rest
 
    !> Forces of the foundation on the structure at one instant.
    type :: reactions_t
@@ -78,6 +78,36 @@ contains
       reactions%base_shear = reactions%base_shear + equation%p%gamma*(u_ddot &
          + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot) - on_frame(2)
    end function reactions_at
+
+   !> Impulse of the foundation that sets a wall on its base, with all masses linked to it, from
+   !> rest into motion on the present side: horizontal and vertical, over m_w [m/s].
+   !>
+   !> The reactions are linear in the accelerations. An impulse is to velocities as a force is to
+   !> accelerations. Springs, dampers and ground motion give none. The difference of this impulse
+   !> over an impact is that of the impact.
+   function impulse_from_rest(equation, t, y) result(impulse)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states) at theta = 0
+      real(wp) :: impulse(2)
+      type(reactions_t) :: still, moving
+      real(wp) :: y_dot(size(y)), scale
+
+      y_dot = 0
+      still = reactions_at(equation, t, y, y_dot)
+      y_dot(2) = y(2)
+      associate (n => equation%beam%n, first => equation%beam%first)
+         if (n > 0) y_dot(first + n:first + 2*n - 1) = y(first + n:first + 2*n - 1)
+      end associate
+      ! forces of the size of the inertia, so that the difference has full precision
+      scale = maxval(abs(y_dot))
+      impulse = 0
+      if (.not. scale > 0) return
+      moving = reactions_at(equation, t, y, y_dot/scale)
+      impulse = scale*[moving%horizontal - still%horizontal, moving%normal - still%normal]
+   end function impulse_from_rest
 
    !> Friction demand |H|/N, the coefficient of friction that prevents sliding of the pivot [-].
    !> Without a compressive force on the pivot, it is the largest number.

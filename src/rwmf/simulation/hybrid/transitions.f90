@@ -8,19 +8,21 @@ module rwmf_simulation_hybrid_transitions
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, tendon_is_broken, &
       turn_back
    use rwmf_model_restitution, only: factor_at, largest_factor
-   use rwmf_model_system_assembly, only: enter_side, equation_t, interval_of, rates_at, &
-      second_derivative
+   use rwmf_model_system_assembly, only: enter_interval, enter_side, equation_t, interval_of, &
+      rates_at, second_derivative
    use rwmf_model_system_energy, only: mechanical_energy
    use rwmf_model_system_lift_off, only: find_lift_off, find_uplift_acceleration, jumps, &
       pull_duration
+   use rwmf_model_system_reactions, only: impulse_from_rest
    use rwmf_model_system_rest_after_chatter, only: decelerations, elastic_loss, hold_wall, &
       may_rest, release_wall, will_settle
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_storey_events, only: end_branch, settle_storeys
    use rwmf_simulation_hybrid_elastic_chatter, only: drop_chatter
+   use rwmf_simulation_recorder_reaction_extremes, only: observe_impulse
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_grazing, observe_impact, &
-      observe_state, observe_still, recorder_t, sees_forces
+      observe_state, observe_still, recorder_t, sees_forces, sees_impulses
    use rwmf_simulation_state_hybrid_state, only: hybrid_t, is_at_rest, mode_collapsed, mode_held, &
       mode_overturned, mode_rest, mode_rocking
    use rwmf_simulation_state_result, only: event_branch, event_collapsed, event_impact, &
@@ -100,6 +102,7 @@ contains
       hybrid%mode = mode_rocking
       hybrid%must_restart = .true.
       hybrid%t_turn = -huge(hybrid%t)
+      recorder%t_settled = -huge(hybrid%t)
       recorder%lift_offs = recorder%lift_offs + 1_i8
       call observe_event(recorder, event_lift_off, hybrid%t, hybrid%y)
    end subroutine lift_off
@@ -266,7 +269,7 @@ contains
       type(recorder_t), intent(inout) :: recorder
       real(wp), parameter :: slow = 1000
       !! ratio to the largest velocity, over sqrt(rtol), above which impacts do not graze [-]
-      real(wp) :: after, energy
+      real(wp) :: after, energy, impulse(2)
       logical :: stays
 
       ! spectrum ordinates of peaks alone have no such warning
@@ -279,6 +282,8 @@ contains
       energy = 0
       if (recorder%keeps_energy .and. equation%beam%n > 0) energy = mechanical_energy(equation, &
          hybrid%y)
+      impulse = 0
+      if (sees_impulses(recorder)) impulse = impulse_from_rest(equation, hybrid%t, hybrid%y)
       stays = .false.
       call land_effects(equation, hybrid%y, after, stays)
       if (stays) after = 0
@@ -291,6 +296,8 @@ contains
          recorder%energy%impact = recorder%energy%impact + energy - mechanical_energy(equation, &
             hybrid%y)
       end if
+      if (sees_impulses(recorder)) call observe_impulse(recorder%forces, hybrid%t, &
+         impulse_from_rest(equation, hybrid%t, hybrid%y) - impulse)
       call find_uplift_acceleration(equation%model_t, equation%state, hybrid%y)
       if (.not. stays) stays = settles(hybrid, equation, recorder)
       if (stays) then
@@ -381,46 +388,134 @@ contains
 
    !> Record the reactions at the end of the chatter that the rest omits.
    !>
-   !> The wall leaves its base on either side without velocity. The time is the end of the omitted
-   !> flights, of duration 2 v/a each.
+   !> The first omitted flight begins with the velocity after the impact. At the end of the flights
+   !> the wall leaves its base on either side without velocity; the forces of rest follow. In
+   !> between, forces vary with velocity and ground motion along straight lines, broken at the
+   !> knots.
    subroutine observe_end_of_chatter(hybrid, equation, recorder)
       type(hybrid_t), intent(in) :: hybrid
       !! hybrid system after the impact
       type(equation_t), intent(inout) :: equation
       !! equation, unchanged on return
       type(recorder_t), intent(inout) :: recorder
-      real(wp), dimension(equation%n) :: y, rates
-      real(wp) :: pull(2)
-      !! acceleration towards the base on the next side, and on the other side [rad/s2]
-      real(wp) :: t, e(2)
-      !! time; velocity factors of the impacts that end flights on both sides
-      integer :: i
+      real(wp), dimension(equation%n) :: y, held
+      real(wp), dimension(2) :: pull, later, e
+      !! accelerations towards the base on the next side and on the other side, now and later
+      !! [rad/s2]; velocity factors of the impacts that end flights on both sides
+      real(wp) :: t, knot
+      !! end of the flights, end of an interval [s]
+      integer :: interval
 
       if (abs(hybrid%y(2)) <= 0) return
-      y = hybrid%y
-      y(:2) = 0
+      if (equation%beam%n == 0) call observe_still(recorder, equation, hybrid%t, hybrid%y)
+      y = [0.0_wp, 0.0_wp, hybrid%y(3:)]
+      call find_pulls(hybrid, equation, hybrid%t, y, pull, e, held)
+      if (minval(pull) <= 0) return
+      t = hybrid%t
+      interval = interval_of(equation)
+      if (e(1)*e(2) < 1) then
+         t = t + end_of_flights(abs(hybrid%y(2)), pull, e)
+         ! the pressure changes in the meantime
+         t = min(t, interval_end(equation%motion, interval))
+         if (t > hybrid%t) then
+            y(3:) = hybrid%y(3:) + (t - hybrid%t)*held(3:)
+            call find_pulls(hybrid, equation, t, y, later, e)
+            t = hybrid%t + end_of_flights(abs(hybrid%y(2)), pull, e, (later - pull)/(t - hybrid%t))
+         end if
+      end if
+      do
+         knot = interval_end(equation%motion, interval_of(equation))
+         call observe_both_sides(min(t, knot))
+         if (t <= knot) exit
+         call enter_interval(equation%model_t, equation%state, interval_of(equation) + 1)
+         call observe_both_sides(knot)
+      end do
+      call enter_interval(equation%model_t, equation%state, interval)
+      recorder%t_settled = t
+
+   contains
+
+      !> Record the forces on both sides; the floors move in the meantime.
+      subroutine observe_both_sides(at)
+         real(wp), intent(in) :: at
+         !! [s]
+         integer :: k
+
+         y(3:) = hybrid%y(3:) + (at - hybrid%t)*held(3:)
+         do k = 1, 2
+            call observe_still(recorder, equation, at, y)
+            call enter_side(equation%model_t, equation%state, -equation%state%side)
+         end do
+      end subroutine observe_both_sides
+   end subroutine observe_end_of_chatter
+
+   !> Compute the accelerations towards the base of a wall that leaves it without velocity.
+   subroutine find_pulls(hybrid, equation, t, y, pull, e, held)
+      type(hybrid_t), intent(in) :: hybrid
+      type(equation_t), intent(inout) :: equation
+      !! unchanged on return
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: y(:)
+      !! (states) with the wall on its base
+      real(wp), intent(out) :: pull(2)
+      !! on the present side and on the other side [rad/s2]
+      real(wp), intent(out) :: e(2)
+      !! velocity factors of the impacts that end flights on these sides [-]
+      real(wp), intent(out), optional :: held(:)
+      !! (states) rates of the other states
+      real(wp) :: rates(size(y))
+      integer :: i
+
       do i = 1, 2
-         call rates_at(equation, hybrid%t, y, rates)
+         call rates_at(equation, t, y, rates)
          pull(i) = -equation%state%side*rates(2)
          e(i) = landing_factor(hybrid, equation)
          call enter_side(equation%model_t, equation%state, -equation%state%side)
       end do
-      if (minval(pull) <= 0) return
-      t = hybrid%t + 2*abs(hybrid%y(2))*(1/pull(1) + e(1)/pull(2))/(1 - e(1)*e(2))
-      t = min(t, interval_end(equation%motion, interval_of(equation)))
-      if (equation%beam%n > 0) then
-         ! the impacts take back the energy that the flights give to the modes
-         call hold_wall(equation%state)
-         call rates_at(equation, hybrid%t, y, rates)
-         call release_wall(equation%state)
+      if (.not. present(held)) return
+      held = rates
+      if (equation%beam%n == 0) return
+      ! the impacts take back the energy that the flights give to the modes
+      call hold_wall(equation%state)
+      call rates_at(equation, t, y, held)
+      call release_wall(equation%state)
+   end subroutine find_pulls
+
+   !> Duration of the flights from a velocity to rest, alternately on both sides [s].
+   !>
+   !> Under a constant deceleration p a flight takes 2 v/p. A deceleration that grows at the rate r
+   !> shortens it by the share r t/(3 p), and increases the velocity of the return by r t**2/6.
+   pure real(wp) function end_of_flights(v, pull, e, growth) result(t)
+      real(wp), intent(in) :: v
+      !! velocity at the beginning [rad/s]
+      real(wp), intent(in) :: pull(2)
+      !! decelerations of the first and the second flight [rad/s2]
+      real(wp), intent(in) :: e(2)
+      !! velocity factors of the impacts behind them [-]
+      real(wp), intent(in), optional :: growth(2)
+      !! rates of the decelerations [rad/s3]; 0 if absent
+      integer, parameter :: most = 200
+      real(wp) :: left, p(2), span
+      integer :: i, k
+
+      t = 0
+      left = v
+      p = pull
+      if (present(growth)) then
+         do k = 1, most
+            i = 2 - mod(k, 2)
+            p = pull + growth*t
+            if (minval(p) <= minval(pull)/2) exit
+            span = 2*left/p(i)
+            span = span*(1 - growth(i)*span/(3*p(i)))
+            left = e(i)*(left + growth(i)*span**2/6)
+            t = t + span
+         end do
       end if
-      ! the floors move in the meantime
-      y(3:) = y(3:) + (t - hybrid%t)*rates(3:)
-      do i = 1, 2
-         call observe_still(recorder, equation, t, y)
-         call enter_side(equation%model_t, equation%state, -equation%state%side)
-      end do
-   end subroutine observe_end_of_chatter
+      ! the last flight was on the second side
+      t = t + 2*left*(1/p(1) + e(1)/p(2))/(1 - e(1)*e(2))
+   end function end_of_flights
 
    !> Velocity factor of the impact that ends a flight on the present side. The modes of a bending
    !> wall take momentum.

@@ -20,9 +20,10 @@ module rwmf_simulation_pushover_curve_path
       at_overturning, at_smooth_yield, at_storey, at_uplift, at_window, find_first_event, &
       no_event, path_event_t
    use rwmf_simulation_pushover_static_scene, only: prescribed_t, control_value, find_equilibrium, &
-      find_tangent, follow_positions, loaded_displacements, of_load, of_roof, of_uplift, &
-      roof_can_move, static_forces, static_scene_t
+      find_tangent, follow_positions, loaded_displacements, loaded_slopes, of_load, of_roof, &
+      of_uplift, roof_can_move, static_forces, static_scene_t
    use rwmf_simulation_static_rest, only: directions, turn_springs
+   use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
@@ -189,8 +190,7 @@ contains
       integer :: i
 
       kept = path%scene%equation%state
-      control = prescribed_t(of_roof, target_value=real(path%sense, wp))
-      if (.not. roof_can_move(path%scene)) control%kind = of_load
+      control = sense_of(path)
       associate (scene => path%scene, model => path%scene%equation%model_t, &
                  state => path%scene%equation%state)
          do i = 1, 2*(size(scene%q) + size(scene%z) + 2)
@@ -419,8 +419,7 @@ contains
       associate (scene => path%scene, model => path%scene%equation%model_t)
          before = directions(model, scene%equation%state)
          if (all(before == 0)) return
-         control = prescribed_t(of_roof, target_value=real(path%sense, wp))
-         if (.not. roof_can_move(scene)) control%kind = of_load
+         control = sense_of(path)
          here = scene%y
          load_here = scene%load
          scene%y = y
@@ -449,17 +448,14 @@ contains
       !! [m/s2]
       real(wp), intent(in), optional :: held
       !! for a jump between two equilibria: energy stored and dissipated before it [J/kg]
-      real(wp), dimension(size(path%scene%pattern)) :: before, after
       real(wp) :: spent, work
       real(wp), allocatable :: moved(:)
 
+      moved = y
+      call follow_positions(path%scene, moved, spent)
+      work = work_of_step(path, moved, load, follows_rates=.not. present(held))
       associate (scene => path%scene)
-         before = loaded_displacements(scene, scene%y)
-         after = loaded_displacements(scene, y)
-         work = (scene%load + load)/2*dot_product(scene%pattern, after - before)
          path%work = path%work + work
-         moved = y
-         call follow_positions(scene, moved, spent)
          scene%spent = scene%spent + spent
          scene%y = moved
          scene%load = load
@@ -468,6 +464,57 @@ contains
          call record_row(scene, path%work, path%curve)
       end associate
    end subroutine commit
+
+   !> Work of the load over a step [J/kg].
+   !>
+   !> Between its ends, load and displacement along the load are cubics with their rates at the
+   !> ends. A jump, or a step to a state without rates, has straight lines.
+   real(wp) function work_of_step(path, y, load, follows_rates) result(work)
+      type(curve_path_t), intent(inout) :: path
+      !! at the beginning of the step; unchanged on return
+      real(wp), intent(in) :: y(:)
+      !! (states) at the end
+      real(wp), intent(in) :: load
+      !! at the end [m/s2]
+      logical, intent(in) :: follows_rates
+      !! false for a jump
+      type(prescribed_t) :: control
+      real(wp) :: rates(size(path%rates)), load_rate, moved, push, length, loads(2), moves(2)
+      real(wp), allocatable :: before(:)
+      logical :: is_found
+
+      associate (scene => path%scene, pattern => path%scene%pattern)
+         moved = dot_product(pattern, loaded_displacements(scene, y) &
+            - loaded_displacements(scene, scene%y))
+         push = load - scene%load
+         work = (scene%load + load)/2*moved
+         if (.not. follows_rates) return
+         control = sense_of(path)
+         length = path%sense*(control_value(scene, control, y, load) &
+            - control_value(scene, control, scene%y, scene%load))
+         loads(1) = length*path%load_rate
+         moves(1) = length*dot_product(matmul(pattern, loaded_slopes(scene, scene%y)), path%rates)
+         before = scene%y
+         scene%y = y
+         scene%load = load
+         call find_tangent(scene, control, rates, load_rate, is_found)
+         scene%y = before
+         scene%load = load - push
+         if (.not. is_found) return
+         loads(2) = length*load_rate
+         moves(2) = length*dot_product(matmul(pattern, loaded_slopes(scene, y)), rates)
+         work = work + (push*(moves(2) - moves(1)) - moved*(loads(2) - loads(1)))/10 &
+            + (loads(2)*moves(1) - loads(1)*moves(2))/60
+      end associate
+   end function work_of_step
+
+   !> Unit rate of the roof in the present sense; of the load if the wall holds the roof.
+   type(prescribed_t) function sense_of(path) result(control)
+      type(curve_path_t), intent(in) :: path
+
+      control = prescribed_t(of_roof, target_value=real(path%sense, wp))
+      if (.not. roof_can_move(path%scene)) control%kind = of_load
+   end function sense_of
 
    !> Apply an event at the present state.
    subroutine apply_event(path, event)
@@ -549,7 +596,7 @@ contains
       !! number of the storey, from the ground up
       character(mark_length) :: name
 
-      write (name, '(a, i0)') 'storey_', number
+      name = 'storey_'//integer_to_text(number)
    end function storey_name
 
    !> Name of a storey in marks, or of the frame if it yields as one spring at the roof.

@@ -9,7 +9,7 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_model_equation, only: corner_share, frame_motion, ground, kinematics_at
    use rwmf_model_floor_motion, only: floor_motion, follows_roof
    use rwmf_model_history_row, only: history_row_t, put
-   use rwmf_model_no_tension_strip, only: contact_length, strip_t, toe_stress
+   use rwmf_model_no_tension_strip, only: contact_length, settlement_stress, strip_t
    use rwmf_model_system_assembly, only: equation_t, interval_of
    use rwmf_model_system_bent_sections, only: find_bent_sections
    use rwmf_model_system_demands, only: building_of, building_t, links_of
@@ -43,7 +43,8 @@ module rwmf_simulation_recorder_force_envelopes
    !! place before the four of each floor: shear below and above it, moment below and above it
    integer, parameter :: per_floor = 4
    integer, parameter :: of_strip = 2
-   !! last quantities with a strip under the base: contact length, negative, and toe stress
+   !! last quantities with a strip under the base: contact length, negative, and the stress of the
+   !! toe's settlement
 
    !> Running maxima over m_w: shears [m/s2], moments [m2/s2], link forces and normal force [m/s2].
    !>
@@ -156,7 +157,8 @@ contains
 
       if (.not. has_numbers(case, 'base_section')) return
       associate (numbers => numbers_of(case, 'base_section'))
-         recorder%strip = strip_t(2*equation%p%R*equation%p%sin_alpha, numbers(2), numbers(1))
+         recorder%strip = strip_t(2*equation%p%R*equation%p%sin_alpha, numbers(2), numbers(1), &
+            numbers(3))
       end associate
       recorder%m_w = case%unit_mass
       if (has_numbers(case, 'toe_strain')) recorder%modulus = sum(numbers_of(case, 'toe_strain'))
@@ -216,7 +218,7 @@ contains
       end associate
    end subroutine find_envelopes
 
-   !> Contact length, negative [m], and toe stress [Pa] of the strip under the base.
+   !> Contact length, negative [m], and stress of the toe's settlement [Pa] of the strip.
    pure function at_base(self, normal, theta) result(found)
       type(envelope_recorder_t), intent(in) :: self
       !! with a strip
@@ -227,7 +229,7 @@ contains
       real(wp) :: found(of_strip)
 
       found = [-contact_length(self%strip, self%m_w*normal, abs(theta)), &
-         toe_stress(self%strip, self%m_w*normal, abs(theta))]
+         settlement_stress(self%strip, self%m_w*normal, abs(theta))]
    end function at_base
 
    !> Compute the forces of the links and at the sections, with their signs.
@@ -257,6 +259,8 @@ contains
       !! (states) [units of the states]
       real(wp), intent(in) :: y_dot(:)
       !! (states) their rates [units of the states/s]
+      real(wp), parameter :: round_off = 1.0e-10_wp
+      !! of a moment over the largest one [-]
 
       if (equation%beam%n > 0) then
          associate (sections => self%building%sections)
@@ -270,6 +274,13 @@ contains
       end if
       ! the wall ends at the roof
       if (self%building%floors > 0) self%above(:, size(self%z)) = 0
+      ! a hinge without fuses or dampers leaves the round-off of the other moments
+      associate (moments => abs(self%above(2, :)))
+         if (equation%geometry%sine_wall <= 0 .and. moments(1) <= round_off*maxval(moments)) then
+            self%below(2, 1) = 0
+            self%above(2, 1) = 0
+         end if
+      end associate
    end subroutine find_sections
 
    !> Absolute velocities of the floors [m/s].
@@ -440,7 +451,7 @@ contains
 
       strip = at_base(recorder, normal, theta)
       call put(row, id%contact_length_m, -strip(1))
-      call put(row, id%toe_stress_Pa, strip(2))
+      call put(row, id%toe_stress_Pa, min(strip(2), recorder%strip%strength))
       if (allocated(recorder%modulus)) call put(row, id%toe_strain, strip(2)/recorder%modulus)
    end subroutine put_strip
 
@@ -463,10 +474,10 @@ contains
       if (allocated(recorder%strip)) then
          associate (last => size(recorder%largest))
             extremes%contact_min = -recorder%largest(last - 1)
-            extremes%toe_stress_max = recorder%largest(last)
+            extremes%toe_stress_max = min(recorder%largest(last), recorder%strip%strength)
+            if (allocated(recorder%modulus)) extremes%toe_strain_max = recorder%largest(last) &
+               /recorder%modulus
          end associate
-         if (allocated(recorder%modulus)) extremes%toe_strain_max = extremes%toe_stress_max &
-            /recorder%modulus
       end if
       associate (forces => recorder%largest(n + 1:)/equation%p%g)
          extremes%normal_max = forces(of_normal)

@@ -178,7 +178,7 @@ contains
       if (may_interpolate(piece, self%frequency)) then
          if (is_plain(self, angle, max(self%at_ends(:, 1), self%at_ends(:, 2)))) return
          if (self%has_middle) then
-            if (is_flat(self, piece)) return
+            if (is_flat(self, piece, angle)) return
          end if
          allocate (states)
          call fit_states(piece, self%rates, states, error)
@@ -237,14 +237,18 @@ contains
       !! much above both ends, a vibration by a quarter of it [-]
       real(wp), parameter :: least_rise = 0.02_wp, stiff_rise = 100
       !! values for a stiff cable that vibrates faster; its frequency is not computed
-      real(wp) :: margin
+      real(wp), parameter :: least_range = 0.25_wp
+      !! least range so far over the magnitude of the level: after a start or an event, a vibration
+      !! has not shown its range yet [-]
+      real(wp) :: margin, range
       integer :: q
 
       margin = max(min(least_rise, stiff_rise*angle**2), rise*angle**2)
       is_plain = .false.
       do q = 1, size(self%largest)
          if (.not. has_search(self, q)) cycle
-         if (.not. highest(q) + margin*(self%level(q) - self%smallest(q)) <= self%level(q)) return
+         range = max(self%level(q) - self%smallest(q), least_range*abs(self%level(q)))
+         if (.not. highest(q) + margin*range <= self%level(q)) return
       end do
       is_plain = .true.
    end function is_plain
@@ -254,11 +258,18 @@ contains
    !> A peak rises above the samples by a quarter of their range at most. A demand that falls or
    !> grows along the parabola through them has no peak inside. Unlike the screens of lanes
    !> (`rwmf_integrator_lane_screens`), the samples are magnitudes without their signs.
-   logical function is_flat(self, piece)
+   logical function is_flat(self, piece, angle)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
+      real(wp), intent(in) :: angle
+      !! phase of the fastest vibration over the step [rad]
+      real(wp), parameter :: longest_slope = 0.75_wp
+      !! largest phase at which the samples give slopes: forces contain squares of velocities, which
+      !! vary at twice the frequency [rad]
       real(wp), parameter :: rise = 0.25_wp
       !! possible rise over the range of the samples [-]
+      real(wp), parameter :: steep = 0.6_wp
+      !! least change over a step by the slope at an end, over the range of the samples [-]
       real(wp), parameter :: slack = 0.01_wp
       !! tolerance over the range so far [-]
       real(wp), dimension(size(piece%y_b)) :: y, y_dot
@@ -276,11 +287,12 @@ contains
          associate (a => self%at_ends(q, 1), b => middle(q), c => self%at_ends(q, 2))
             ! most values are magnitudes, whose sign may change between the samples
             low = min(a, b, c)
-            low = rise*max(max(a, b, c) - low, a + b + c - low)
-            if (max(a, b, c) + low + slack*(self%level(q) - self%smallest(q)) &
+            low = max(max(a, b, c) - low, a + b + c - low)
+            if (max(a, b, c) + rise*low + slack*(self%level(q) - self%smallest(q)) &
                 <= self%level(q)) cycle
-            if (min(4*b - 3*a - c, 3*c - 4*b - abs(a)) > low) cycle
-            if (.not. max(4*b - 3*a + abs(c), 3*c - 4*b + abs(a)) < -low) return
+            if (angle > longest_slope) return
+            if (min(4*b - 3*a - c, 3*c - 4*b - abs(a)) > steep*low) cycle
+            if (.not. max(4*b - 3*a + abs(c), 3*c - 4*b + abs(a)) < -steep*low) return
          end associate
       end do
       is_flat = .true.

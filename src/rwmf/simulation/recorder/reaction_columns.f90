@@ -80,6 +80,7 @@ contains
          if (extremes%pivot_lifts) largest_demand = huge(largest_demand)
          extremes%demand_max = infinite_where_lifted(largest_demand)
          if (.not. extremes%pivot_lifts) extremes%t_demand_max = forces%t_largest(demand)
+         if (equation%has_impacts) extremes%impact_demand_max = forces%impact_demand
       end if
       if (allocated(forces%limit)) then
          extremes%is_exceeded = allocated(forces%t_exceeded)

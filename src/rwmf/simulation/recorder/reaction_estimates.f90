@@ -109,7 +109,8 @@ contains
 
    !> Place of a possible peak above a level, from values at the nodes.
    !>
-   !> The peak follows from the parabola through the largest value and its neighbours.
+   !> The peak follows from the parabola through the largest value and its neighbours. If an end is
+   !> largest, the slope of the polynomial through all nodes shows a peak beside it.
    pure integer function place_of_peak(found, level) result(place)
       real(wp), intent(in) :: found(n_nodes)
       !! the quantity at the nodes, in any unit
@@ -143,7 +144,12 @@ contains
       else
          place = inside
       end if
-      if (peak + margin*(maxval(found) - minval(found)) < level) place = nowhere
+      if (peak + margin*(maxval(found) - minval(found)) < level) then
+         place = nowhere
+      else if (place /= inside) then
+         call derivatives(node, found, node(best), slope, bend)
+         if (merge(slope, -slope, best == 1) > 0) place = inside
+      end if
    end function place_of_peak
 
    !> True if |H|/N may have a peak that a parabola through its values at the nodes misses.

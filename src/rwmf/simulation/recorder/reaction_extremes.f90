@@ -3,8 +3,8 @@
 !> Reactions are smooth between two events or knots, but no event marks their extrema. Each span of
 !> smooth motion is sampled at Chebyshev-Lobatto nodes. An extremum between the samples is then
 !> refined to sqrt(epsilon) of the span in time. Its value is then exact to the integration
-!> tolerance. Both ends of a span count with their one-sided values. Impulses at impacts do not
-!> count.
+!> tolerance. Both ends of a span count with their one-sided values. The friction that the impulses
+!> of impacts need has its own maximum.
 !>
 !> The friction demand |H|/N has sharp peaks where N is small, which samples can miss. They are
 !> found near the minimum of N, where H N' = H' N.
@@ -30,7 +30,7 @@ module rwmf_simulation_recorder_reaction_extremes
    private
 
    public :: reaction_extremes_recorder_t, create_reaction_extremes
-   public :: observe_instant, observe_last, observe_moving, observe_resting
+   public :: observe_impulse, observe_instant, observe_last, observe_moving, observe_resting
 
    integer, parameter :: thrust = n_quantities + 1
    !! H with its sign, in addition to the maximised quantities [m/s2]
@@ -49,7 +49,11 @@ module rwmf_simulation_recorder_reaction_extremes
       real(wp), allocatable :: limit
       !! coefficient of friction, as a limit of the demand [-]
       real(wp), allocatable :: t_exceeded
-      !! first time at which the demand exceeds the limit [s]
+      !! first time at which a demand exceeds the limit [s]
+      logical :: sees_impulses = .false.
+      !! the friction at impacts is requested
+      real(wp) :: impact_demand = 0
+      !! largest horizontal over vertical impulse of the base [-]
       real(wp) :: frequency = 0
       !! frequency of the fastest vibration before yielding [rad/s]
       real(wp) :: t_rest = -1
@@ -79,9 +83,28 @@ contains
          id%t_shear_key_force_max_s, id%friction_exceeded, id%t_friction_exceeded_s])
       forces%is_sought(shear) = seeks(case%output, [id%base_shear_max_over_weight, &
          id%t_base_shear_max_s])
-      if (.not. forces%is_sought(demand)) return
+      forces%sees_impulses = equation%has_impacts .and. .not. equation%parts%has_shear_key &
+         .and. seeks(case%output, [id%friction_demand_impact_max, id%friction_exceeded, &
+         id%t_friction_exceeded_s])
+      if (.not. (forces%is_sought(demand) .or. forces%sees_impulses)) return
       if (allocated(case%output%friction_limit)) forces%limit = case%output%friction_limit
    end subroutine create_reaction_extremes
+
+   !> Update the friction demand of impacts with the impulse of the foundation at one of them.
+   pure subroutine observe_impulse(forces, t, impulse)
+      type(reaction_extremes_recorder_t), intent(inout) :: forces
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: impulse(2)
+      !! horizontal and vertical, over m_w [m/s]
+      real(wp) :: demand_of_impact
+
+      if (.not. impulse(2) > 0) return
+      demand_of_impact = abs(impulse(1))/impulse(2)
+      forces%impact_demand = max(forces%impact_demand, demand_of_impact)
+      if (.not. allocated(forces%limit) .or. allocated(forces%t_exceeded)) return
+      if (demand_of_impact > forces%limit) forces%t_exceeded = t
+   end subroutine observe_impulse
 
    !> Update the extrema with the final state if there is no other, as in a run of zero duration.
    subroutine observe_last(forces, equation, t, y, y_dot)
@@ -215,6 +238,9 @@ contains
       !! (2*0.4)**2/8 of its amplitude [rad]
       real(wp), parameter :: largest_margin = 0.25_wp, least_margin = 0.01_wp
       !! margin over the range so far, for a step of `short_angle` and for a very short one [-]
+      real(wp), parameter :: least_range = 0.25_wp
+      !! least range so far over the magnitude of the level: after a start or an event, a vibration
+      !! has not shown its range yet [-]
       real(wp), parameter :: cap = sqrt(sqrt(huge(1.0_wp)))
       !! bound of the factors of a product
       real(wp) :: at_ends(n_found, 2), normal(2), angle, margin
@@ -227,7 +253,7 @@ contains
          at_ends(:, 1) = quantities_at(equation, piece%t_a, piece%y_a)
          at_ends(:, 2) = quantities_at(equation, piece%t_b, piece%y_b)
          margin = max(least_margin, largest_margin*(angle/short_angle)**2)
-         range = largest - forces%smallest
+         range = max(largest - forces%smallest, least_range*abs(largest))
          highest = maxval(at_ends(:n_quantities, :), dim=2) + margin*range
          level = largest
          if (is_quotient(equation)) then
@@ -500,23 +526,16 @@ contains
       !! samples of the quantity
       real(wp), intent(out) :: t_peak
       type(error_t), allocatable, intent(out) :: error
-      real(wp), parameter :: margin = 0.25_wp
-      !! part of the sample range; a maximum exceeds the largest sample by less than this [-]
-      real(wp), parameter :: slack = 0.1_wp
-      !! part of the width of the parabola; the error of its vertex is smaller [-]
       type(maximum_t) :: search
       real(wp) :: at_point(n_found)
-      real(wp) :: vertex, width
-      integer :: best, k
+      real(wp) :: vertex
+      integer :: k
 
       t_peak = t(n_nodes)
       if (maxval(found) >= huge(found)) return
-      if (maxval(found) + margin*(maxval(found) - minval(found)) <= forces%largest(q)) return
-      best = maxloc(found, dim=1)
-      k = min(max(best, 2), n_nodes - 1)
+      if (place_of_peak(found, forces%largest(q)) /= inside) return
+      k = min(max(maxloc(found, dim=1), 2), n_nodes - 1)
       vertex = vertex_of_parabola(t(k - 1:k + 1), found(k - 1:k + 1))
-      width = t(k + 1) - t(k - 1)
-      if (.not. (vertex > t(k - 1) - slack*width .and. vertex < t(k + 1) + slack*width)) return
       if (.not. (vertex > t(k - 1) .and. vertex < t(k + 1))) vertex = t(k)
       search = maximum_between(t(k - 1), t(k + 1), vertex)
       do while (search%is_open)

@@ -45,7 +45,7 @@ module rwmf_simulation_recorder_recorder
    private
 
    public :: recorder_t, peaks_t, create_recorder, observe_state, observe_piece
-   public :: has_more_than_peaks, needs_all_steps, sees_forces, sees_rest
+   public :: has_more_than_peaks, needs_all_steps, sees_forces, sees_impulses, sees_rest
    public :: observe_rest, observe_still
    public :: observe_impact, observe_event, observe_grazing, finish_recorder
    public :: observe_chatter, observe_present, create_columns, find_columns, find_rates
@@ -93,6 +93,8 @@ module rwmf_simulation_recorder_recorder
       !! allocated only if demands are requested
       type(envelope_recorder_t), allocatable :: envelopes
       !! allocated only if envelopes are requested
+      real(wp) :: t_settled = -huge(1.0_wp)
+      !! end of the chatter that a rest omits: the forces of rest begin there [s]
       logical :: keeps_history
       logical :: keeps_events
       !! set with a history, or for a host that steps the wall
@@ -294,6 +296,14 @@ contains
       sees_rest = recorder%keeps_history .or. sees_forces(recorder)
    end function sees_rest
 
+   !> Return true if the impulses at impacts are requested.
+   pure logical function sees_impulses(recorder)
+      type(recorder_t), intent(in) :: recorder
+
+      sees_impulses = allocated(recorder%forces)
+      if (sees_impulses) sees_impulses = recorder%forces%sees_impulses
+   end function sees_impulses
+
    !> Return true if forces, accelerations or velocities are requested.
    pure logical function sees_forces(recorder)
       type(recorder_t), intent(in) :: recorder
@@ -313,24 +323,35 @@ contains
       logical, intent(in), optional :: has_calm_demands
       !! the piece is known to have no extremum of the demands
       type(displacements_t) :: floors
-      logical :: is_left
+      type(step_view_t) :: seen
+      !! part of the piece with its own forces
+      real(wp), target :: y_seen(size(piece%y_b))
+      logical :: is_left, is_seen
 
-      is_left = allocated(recorder%forces)
+      seen = piece
+      is_seen = piece%t_b > recorder%t_settled
+      if (is_seen .and. piece%t_a < recorder%t_settled) then
+         call sample_state(piece, recorder%t_settled, y_seen, error)
+         if (allocated(error)) return
+         seen = from(piece, recorder%t_settled, y_seen)
+      end if
+      is_left = allocated(recorder%forces) .and. is_seen
       if (present(has_plain_reactions)) is_left = is_left .and. .not. has_plain_reactions
       call observe_fastest(recorder, piece, error)
       if (allocated(error)) return
-      if (is_left) call observe_moving(recorder%forces, piece, error)
+      if (is_left) call observe_moving(recorder%forces, seen, error)
       if (allocated(error)) return
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, &
          recorder%t_drifts, floors, piece, error)
       if (allocated(error)) return
       if (allocated(recorder%top)) call observe_top(recorder, piece, error)
       if (allocated(error)) return
-      is_left = allocated(recorder%demands)
+      is_left = allocated(recorder%demands) .and. is_seen
       if (present(has_calm_demands)) is_left = is_left .and. .not. has_calm_demands
-      if (is_left) call search_piece(recorder%demands, piece, error)
+      if (is_left) call search_piece(recorder%demands, seen, error)
       if (allocated(error)) return
-      if (allocated(recorder%envelopes)) call observe_envelopes(recorder%envelopes, piece, error)
+      is_left = allocated(recorder%envelopes) .and. is_seen
+      if (is_left) call observe_envelopes(recorder%envelopes, seen, error)
       if (allocated(error)) return
       if (recorder%keeps_history) call sample_piece(recorder, piece, error)
       if (allocated(error)) return
@@ -506,11 +527,14 @@ contains
       !! [s]
       real(wp) :: t, y_dot(size(y))
 
-      if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, y, t_a, t_b)
-      if (allocated(recorder%demands)) call observe_demands_at_rest(recorder%demands, equation, y, &
-         t_a, t_b)
-      if (allocated(recorder%envelopes)) call observe_envelopes_at_rest(recorder%envelopes, &
-         equation, y, t_a, t_b)
+      t = max(t_a, recorder%t_settled)
+      if (t <= t_b) then
+         if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, y, t, t_b)
+         if (allocated(recorder%demands)) call observe_demands_at_rest(recorder%demands, &
+            equation, y, t, t_b)
+         if (allocated(recorder%envelopes)) call observe_envelopes_at_rest(recorder%envelopes, &
+            equation, y, t, t_b)
+      end if
       if (.not. recorder%keeps_history) return
       do while (recorder%next_row <= size(recorder%history%values, 1))
          t = (recorder%next_row - 1)*recorder%dt

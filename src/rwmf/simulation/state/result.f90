@@ -96,6 +96,9 @@ module rwmf_simulation_state_result
       !! largest |H|/N [-]; infinite if the pivot lifts; absent with a shear key, as is the next
       real(wp), allocatable :: t_demand_max
       !! [s]; absent if the pivot lifts
+      real(wp), allocatable :: impact_demand_max
+      !! largest horizontal over vertical impulse of the base at an impact, 0 without one [-];
+      !! absent with a shear key and for a hinged wall
       real(wp), allocatable :: shear_key_max
       !! largest |H| over m_w g [-]; absent without a shear key, as is the next
       real(wp), allocatable :: t_shear_key_max
@@ -234,8 +237,10 @@ module rwmf_simulation_state_result
       !! theta/alpha at the end [-]; absent unless fuses may hold the wall up
       real(wp), allocatable :: e
       !! velocity factor at impact [-]; absent without impacts
+      real(wp), allocatable :: modal_damping(:, :)
+      !! (up to 3 modes, 2) damping ratios of a bending wall in contact and rocking [-]
       real(wp), allocatable :: e_max
-      !! upper bound of e by the momentum balance [-]
+      !! e of the momentum balance: that of an impulse at the new corner [-]
       integer(i8) :: impacts
       integer(i8) :: lift_offs
       logical :: has_impacts

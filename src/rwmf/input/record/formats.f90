@@ -1,0 +1,124 @@
+!> Formats of files that are no records of this reader, known by their first bytes.
+module rwmf_input_record_formats
+   use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_input_record_lines, only: known_formats
+   use rwmf_text_strings, only: next_line, to_lower
+   implicit none
+   private
+
+   public :: check_format
+
+   integer, parameter :: head = 1000
+   !! bytes that are inspected
+   character(*), parameter :: as_columns = 'two columns of time [s] and acceleration'
+
+contains
+
+   !> Refuse a file of another format by its name.
+   subroutine check_format(bytes, error)
+      character(*), intent(in) :: bytes
+      !! the whole file
+      type(error_t), allocatable, intent(out) :: error
+      character(:), allocatable :: name
+
+      if (len(bytes) == 0) then
+         call fail(error, err_input, 'the file is empty')
+         return
+      end if
+      name = archive(bytes)
+      if (name /= '') then
+         call fail(error, err_input, 'is '//name//': extract the record from it')
+         return
+      end if
+      if (index(bytes(:min(len(bytes), head)), achar(0)) > 0) then
+         call fail(error, err_input, 'is a binary file: records are text; other programs convert ' &
+            //'miniSEED or SAC to '//as_columns)
+         return
+      end if
+      name = converted_format(bytes)
+      if (name /= '') then
+         call fail(error, err_input, 'the file has the format '//name//", which the command " &
+            //"'rwmf records convert' writes as columns for &motion")
+         return
+      end if
+      name = unread_format(bytes)
+      if (name == '') return
+      call fail(error, err_input, 'the format '//name//' is not read: write '//as_columns//'; ' &
+         //known_formats)
+   end subroutine check_format
+
+   !> Kind of an archive or document, '' for none.
+   pure function archive(bytes) result(name)
+      character(*), intent(in) :: bytes
+      character(:), allocatable :: name
+
+      name = ''
+      if (index(bytes, 'PK'//achar(3)//achar(4)) == 1) name = 'a zip archive'
+      if (index(bytes, 'PK'//achar(5)//achar(6)) == 1) name = 'a zip archive'
+      if (index(bytes, achar(31)//char(139)) == 1) name = 'a gzip archive'
+      if (index(bytes, 'BZh') == 1) name = 'a bzip2 archive'
+      if (index(bytes, '7z'//char(188)//char(175)) == 1) name = 'a 7z archive'
+      if (index(bytes, char(253)//'7zXZ') == 1) name = 'an xz archive'
+      if (index(bytes, 'Rar!') == 1) name = 'a rar archive'
+      if (index(bytes, char(255)//char(254)) == 1) name = 'a text in UTF-16, not UTF-8'
+      if (index(bytes, char(254)//char(255)) == 1) name = 'a text in UTF-16, not UTF-8'
+      if (index(bytes, char(208)//char(207)//char(17)//char(224)) == 1) name = 'an Excel file'
+      if (index(bytes, char(137)//'HDF') == 1) name = 'an HDF5 file'
+      if (index(bytes, '%PDF') == 1) name = 'a PDF file'
+      if (index(bytes, '<') == 1) name = 'an HTML or XML file'
+   end function archive
+
+   !> Name of a format that Python reads as channels, '' for none.
+   pure function converted_format(bytes) result(name)
+      character(*), intent(in) :: bytes
+      character(:), allocatable :: name
+      character(:), allocatable :: line
+
+      line = first_line(bytes)
+      name = ''
+      if (index(line, 'event_name:') == 1) name = 'ESM'
+      if (index(line, 'origin time') == 1) name = 'K-NET'
+      if (index(line, '#k-net') == 1 .or. index(line, '#kik-net') == 1) name = 'K-NET CSV'
+      if (index(line, '(format v') > 0 .and. index(line, 'acceleration') > 0) name = 'COSMOS'
+      if (index(line, 'uncorrected accelerogram data') == 1) name = 'CGS'
+      if (index(line, 'corrected accelerogram ') == 1) name = 'CGS'
+   end function converted_format
+
+   !> Name of a format that nothing here reads, '' for none.
+   pure function unread_format(bytes) result(name)
+      character(*), intent(in) :: bytes
+      character(:), allocatable :: name
+      character(:), allocatable :: line
+      character(*), parameter :: smc(7) = [character(24) :: 'unknown', 'uncorrected accelerogram', &
+         'corrected accelerogram', 'velocity', 'displacement', 'response spectra', 'fourier']
+      integer :: i
+
+      line = adjustl(first_line(bytes))
+      name = ''
+      if (scan(line, '0123456789*') == 1) then
+         do i = 1, size(smc)
+            if (index(adjustl(line(2:)), trim(smc(i))) == 1) name = 'SMC (USGS)'
+         end do
+      end if
+      if (index(line, 'strong ground motion records of t') == 1) name = 'AFAD (Turkey)'
+      if (index(line, 'geonet') > 0) name = 'GeoNet'
+      if (index(line, '#earthquake information') == 1 .or. index(line, '# earthquake information') &
+         == 1 .or. index(line, '#stationcode') == 1) name = 'CWB (Taiwan)'
+      if (index(line, '(format v') > 0) name = 'COSMOS without accelerations'
+   end function unread_format
+
+   pure function first_line(bytes) result(line)
+      character(*), intent(in) :: bytes
+      character(:), allocatable :: line
+      integer :: first
+      integer :: last
+      integer :: position
+
+      position = 1
+      line = ''
+      if (len(bytes) == 0) return
+      call next_line(bytes, position, first, last)
+      line = to_lower(bytes(first:min(last, first + head - 1)))
+   end function first_line
+
+end module rwmf_input_record_formats
