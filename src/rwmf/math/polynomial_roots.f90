@@ -33,8 +33,8 @@ module rwmf_math_polynomial_roots
 
 contains
 
-   !> First position in [0, x_end] behind which a polynomial is negative; the largest number if there
-   !> is none.
+   !> First position in [0, x_end] behind which a polynomial is negative; the largest number without
+   !> one.
    !>
    !> A minimum within round-off of zero may count as a root or not.
    pure real(wp) function first_negative(c, x_end) result(x)

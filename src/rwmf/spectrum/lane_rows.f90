@@ -357,8 +357,9 @@ contains
 
       order = 0
       if (run%hybrid%settled_angle > 0 .and. run%case%solver%rtol >= 1.0e-11_wp &
-          .and. .not. allocated(run%case%solver%accuracy) .and. is_served(run%equation)) &
+          .and. .not. allocated(run%case%solver%accuracy) .and. is_served(run%equation)) then
          order = series_order(run%case%solver%rtol)
+      end if
    end function order_for
 
    !> True if a run can step in a batch of this kind.

@@ -1,5 +1,5 @@
-!> First roots and largest values of polynomials with known roots: twice within the span, grazing, at
-!> the start, and as pairs close together.
+!> First roots and largest values of polynomials with known roots: twice within the span, grazing,
+!> at the start, and as pairs close together.
 program test_polynomial_roots
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
@@ -39,7 +39,7 @@ contains
 
    !> A minimum just above zero is no root; one just below zero is one.
    subroutine check_graze()
-      real(wp) :: c(0:8), height
+      real(wp) :: c(0:8), height, error
       integer :: k, wrong
 
       wrong = 0
@@ -50,8 +50,8 @@ contains
          c(:2) = [0.16_wp + height, -0.8_wp, 1.0_wp]
          if (first_negative(c, 1.0_wp) <= 1) wrong = wrong + 1
          c(0) = 0.16_wp - height
-         if (abs(first_negative(c, 1.0_wp) - (0.4_wp - sqrt(height))) > 1.0e-3_wp*sqrt(height)) &
-            wrong = wrong + 1
+         error = abs(first_negative(c, 1.0_wp) - (0.4_wp - sqrt(height)))
+         if (error > 1.0e-3_wp*sqrt(height)) wrong = wrong + 1
       end do
       call checks%that(wrong == 0, 'a graze is told from two roots')
    end subroutine check_graze

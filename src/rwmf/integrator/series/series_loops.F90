@@ -21,9 +21,10 @@ contains
 
    !> Compute the series of phi in the time over the length of the series.
    !>
-   !> With the series of sin(phi) and cos(phi), all kinematics are linear combinations of both. The
-   !> rate of the displacement, j phi', and the force at the link then leave three products. The last
-   !> coefficient of the acceleration is the only unknown of each round.
+   !> All kinematics are linear combinations of the series of sin(phi) and cos(phi). Three products
+   !> remain: of both with phi', which give the rate and the acceleration of the displacement, and
+   !> of the lever with the force at the link. The last coefficient of phi'' is the only unknown of
+   !> each round.
    pure subroutine expand_lanes(lanes)
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), dimension(0:order) :: p, v, sp, cp, lever, force
@@ -138,8 +139,8 @@ contains
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: third = 1.0_wp/3
       real(wp) :: p(0:order), x, last, size, tol, f, d, x2, x3, tail4, tail5, tail7, slope, bend, &
-         root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, moving, roots, opens, &
-         peaks, shorts
+         root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, moving
+      real(wp) :: roots, opens, peaks, shorts
       integer :: i, k
 
       roots = 0

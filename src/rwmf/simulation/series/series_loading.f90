@@ -1,5 +1,5 @@
-!> Loading of the lanes of a series: a new run, the next interval of the motion, or the state after an
-!> event; and back to the run.
+!> Loading of the lanes of a series with a new run, the next interval of the motion or the state
+!> after an event, and return of their states to the runs.
 module rwmf_simulation_series_series_loading
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: err_numerical, fail
@@ -21,7 +21,8 @@ module rwmf_simulation_series_series_loading
    implicit none
    private
 
-   public :: join_series, enter_series, leave_series, pass_knots, shorten_steps, check_work
+   public :: join_series, load_coefficients, enter_series, leave_series, pass_knots, &
+      shorten_steps, check_work
 
 contains
 
@@ -69,8 +70,8 @@ contains
 
    !> Part of the tolerance for the last term of a step.
    !>
-   !> The error of a step is a small part of this term. Damping bounds the sum of the errors; without
-   !> it they add up over the run.
+   !> The error of a step is a small part of this term. Damping bounds the sum of the errors.
+   !> Without damping they add up over the run.
    pure real(wp) function allowance_of(equation, angle) result(part)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: angle
@@ -105,8 +106,8 @@ contains
             lanes%sine_link(i, m) = geometry%sine_link(2*m - 3)
             lanes%sine_lever(i, m) = geometry%sine_lever(2*m - 3)
             row = 0
-            if (equation%has_cable) row = cable_row(equation%cable, equation%state%tendon, 2*m - 3, &
-               p%g_over_R)
+            if (equation%has_cable) row = cable_row(equation%cable, equation%state%tendon, &
+               2*m - 3, p%g_over_R)
             lanes%cable(i, m) = row(1)
             lanes%cable_slope(i, m) = row(2)
          end do
@@ -284,7 +285,7 @@ contains
       type(lane_state_t), intent(inout) :: lanes(:)
       type(series_batch_t), intent(inout) :: batch
       integer, parameter :: few = 1000, many = 1000000
-      !! numbers of common steps between two checks, and of steps after which a run must have advanced
+      !! number of common steps between two checks; a count at which a run must have advanced
       type(control_t) :: no_control
       real(wp) :: most
       integer :: i

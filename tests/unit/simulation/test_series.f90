@@ -1,0 +1,196 @@
+!> Taylor series of lanes: the equation of motion along a step, and the bits of every instruction
+!> set and of lanes in another order.
+program test_series
+   use check, only: checks_t
+   use rwmf_core_error, only: error_t
+   use rwmf_core_kinds, only: wp
+   use rwmf_input_reader, only: read_case_text
+   use rwmf_integrator_lane_kernels, only: best_level
+   use rwmf_integrator_series_series_kernels, only: series_kernels_of, series_kernels_t
+   use rwmf_integrator_series_series_lanes, only: series_lanes_t, series_width
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, &
+      equation_t, second_derivative
+   use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
+   use rwmf_problem_case, only: case_t
+   use rwmf_simulation_series_series_batch, only: create_series_batch, is_served, series_batch_t
+   use rwmf_simulation_series_series_loading, only: load_coefficients
+   implicit none
+
+   character(*), parameter :: wall = '&wall h=2.0, b=0.5 / &frame T_s=0.8, gamma=3, xi_s=0.05 / ' &
+      //"&cable eta_0=1.0, eta_alpha=5.0 / &impact rule='constant', e=0.9 / " &
+      //"&motion kind='sine', a_max_g=0.5, T_p=0.6, cycles=4 / "
+   character(*), parameter :: formulations(3) = [character(9) :: 'symmetric', 'exact', 'published']
+   type(checks_t) :: checks
+
+   if (checks%wants('equation')) call check_equation()
+   if (checks%wants('bits')) call check_bits()
+   call checks%finish()
+
+contains
+
+   !> The second derivative of the series satisfies the equation of motion along the step, on both
+   !> sides and in all formulations.
+   subroutine check_equation()
+      integer, parameter :: order = 10
+      real(wp), parameter :: h = 0.02_wp
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      type(series_batch_t) :: batch
+      real(wp) :: x, phi, rate, bend, known, error
+      integer :: f, i, k, side
+
+      motion = piecewise_linear_motion([0.0_wp, 1.0_wp], [0.7_wp, -2.0_wp])
+      do f = 1, size(formulations)
+         call build(wall//"&model formulation='"//trim(formulations(f))//"' /", motion, equation)
+         call checks%that(is_served(equation), 'the scene is plain')
+         do side = -1, 1, 2
+            call create_series_batch(1, order, batch)
+            call fill(equation, side, h, batch)
+            call batch%kernels%expand_lanes(batch%lanes)
+            call enter_side(equation%model_t, equation%state, side)
+            error = 0
+            do i = 1, series_width
+               do k = 0, 4
+                  x = 0.25_wp*k
+                  call evaluate_series(batch%lanes%p(i, :order), x, phi, rate, bend)
+                  known = side*second_derivative(equation, batch%lanes%t(i) + x*h, &
+                     side*[phi, rate/h])
+                  error = max(error, abs(bend/h**2 - known)/max(1.0_wp, abs(known)))
+               end do
+            end do
+            call checks%that(error < 1.0e-10_wp, 'equation of motion, '//trim(formulations(f)))
+         end do
+      end do
+   end subroutine check_equation
+
+   !> Lanes at one level and in one order against those at other levels and in reverse.
+   subroutine check_bits()
+      integer, parameter :: levels(3) = [1, 3, 4], orders(2) = [8, 10]
+      type(motion_t), target :: motion
+      type(equation_t) :: equation
+      type(series_batch_t) :: start
+      type(series_lanes_t) :: first, other
+      type(series_kernels_t) :: kernels
+      integer :: i, k, level
+
+      motion = piecewise_linear_motion([0.0_wp, 1.0_wp], [0.7_wp, -2.0_wp])
+      call build(wall//"&model formulation='published' /", motion, equation)
+      do k = 1, size(orders)
+         call create_series_batch(1, orders(k), start)
+         call fill(equation, 1, 0.02_wp, start)
+         start%lanes%rate = -abs(start%lanes%rate)
+         start%lanes%phi = 0.01_wp*start%lanes%phi
+         first = start%lanes
+         call step(series_kernels_of(1, orders(k)), first)
+         call checks%that(sum(first%impacts) > 1 .and. sum(first%impacts) < series_width, &
+            'some lanes have an impact')
+         do level = 1, size(levels)
+            if (levels(level) > best_level()) cycle
+            kernels = series_kernels_of(levels(level), orders(k))
+            other = start%lanes
+            call step(kernels, other)
+            call checks%that(same(first, other, [(i, i=1, series_width)]), 'bits of a level')
+            call fill_reversed(start%lanes, other)
+            call step(kernels, other)
+            call checks%that(same(first, other, [(i, i=series_width, 1, -1)]), &
+               'bits of lanes in reverse')
+         end do
+      end do
+   end subroutine check_bits
+
+   !> Take a step of all lanes.
+   subroutine step(kernels, lanes)
+      type(series_kernels_t), intent(in) :: kernels
+      type(series_lanes_t), intent(inout) :: lanes
+
+      call kernels%expand_lanes(lanes)
+      call kernels%screen_lanes(lanes)
+      call kernels%find_roots(lanes)
+      call kernels%end_steps(lanes)
+   end subroutine step
+
+   !> True if the lanes have the same state, those of the second batch in another order.
+   pure logical function same(one, other, place)
+      type(series_lanes_t), intent(in) :: one, other
+      integer, intent(in) :: place(series_width)
+
+      same = all(abs(one%phi - other%phi(place)) <= 0) .and. all(abs(one%rate &
+         - other%rate(place)) <= 0) .and. all(abs(one%t - other%t(place)) <= 0) &
+         .and. all(abs(one%side - other%side(place)) <= 0) &
+         .and. all(abs(one%is_open - other%is_open(place)) <= 0)
+   end function same
+
+   !> Copy the states of lanes that share all coefficients in reverse order.
+   pure subroutine fill_reversed(lanes, reversed)
+      type(series_lanes_t), intent(in) :: lanes
+      type(series_lanes_t), intent(out) :: reversed
+
+      reversed = lanes
+      reversed%phi = lanes%phi(series_width:1:-1)
+      reversed%rate = lanes%rate(series_width:1:-1)
+      reversed%t = lanes%t(series_width:1:-1)
+      reversed%limit = lanes%limit(series_width:1:-1)
+   end subroutine fill_reversed
+
+   !> Fill lanes with states on a side.
+   subroutine fill(equation, side, h, batch)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: side
+      real(wp), intent(in) :: h
+      !! length of the series [s]
+      type(series_batch_t), intent(inout) :: batch
+      integer :: i
+
+      associate (lanes => batch%lanes)
+         do i = 1, series_width
+            call load_coefficients(equation, i, batch)
+            lanes%phi(i) = 0.02_wp*i*abs(sin(3.0_wp*i)) + 0.001_wp
+            lanes%rate(i) = 0.2_wp*cos(2.0_wp*i)
+            lanes%t(i) = 0.03_wp*i
+            lanes%limit(i) = lanes%t(i) + h
+         end do
+         lanes%side = side
+         lanes%length = h
+         lanes%share = h
+         lanes%ground(:, 1) = 0.7_wp
+         lanes%ground(:, 2) = -2.7_wp
+         lanes%ground(:, 3) = 0
+         lanes%frequency = 8
+         lanes%rtol = 1.0e-3_wp
+         lanes%top = 0.1_wp
+         lanes%is_busy = 1
+      end associate
+   end subroutine fill
+
+   !> Evaluate a series and its first two derivatives.
+   pure subroutine evaluate_series(p, x, value, rate, bend)
+      real(wp), intent(in) :: p(0:)
+      real(wp), intent(in) :: x
+      real(wp), intent(out) :: value, rate, bend
+      integer :: k
+
+      value = 0
+      rate = 0
+      bend = 0
+      do k = size(p) - 1, 0, -1
+         bend = bend*x + 2*rate
+         rate = rate*x + value
+         value = value*x + p(k)
+      end do
+   end subroutine evaluate_series
+
+   !> Build the equation of a scene under a motion.
+   subroutine build(text, motion, equation)
+      character(*), intent(in) :: text
+      type(motion_t), intent(in), target :: motion
+      type(equation_t), intent(out) :: equation
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case_text(text//' &solver t_end=4.0 /', 'scene', case, error)
+      call checks%no_error(error, 'case')
+      call build_equation(case, motion, equation)
+      call enter_interval(equation%model_t, equation%state, 1)
+   end subroutine build
+
+end program test_series
