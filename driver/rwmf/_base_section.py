@@ -47,7 +47,7 @@ def base_section(
     -------
     xarray.Dataset
         ``contact_length`` [m], ``toe_stress`` [Pa] and ``moment`` of the stresses about the middle
-        of the base [N m]; with E also ``toe_strain`` [-], k times the settlement of the toe over
+        of the base [N m]. With E also ``toe_strain`` [-], k times the settlement of the toe over
         E. Stress over E is the strain of concrete up to about 0.6 f_c. A list gives arrays over
         ``state``.
 

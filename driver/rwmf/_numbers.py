@@ -223,7 +223,7 @@ def to_shaped(name: str, values: object, *shapes: tuple[int, ...]) -> Array:
     Returns
     -------
     numpy.ndarray
-        A new array of the numbers.
+        A new array of the numbers, with their shape.
 
     Raises
     ------

@@ -31,6 +31,16 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
     Floors without a value, for example without a link, are NaN.
 
     Printing shows the headline, the scalars by group, and the names of the histories.
+
+    Parameters
+    ----------
+    data_vars, coords, attrs : mapping, optional
+        As those of `xarray.Dataset`.
+
+    Raises
+    ------
+    InputError
+        When `xarray.Dataset` refuses an argument.
     """
 
     __slots__ = ()

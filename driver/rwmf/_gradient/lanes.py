@@ -129,7 +129,7 @@ class Lanes:
         self.runs += len(requests)
         values = np.full((len(requests), len(self._names)), np.nan)
         fallen = np.zeros(len(requests), dtype=bool)
-        # a column has one number a row: each change of a list needs another sweep, and a default
+        # a column has one number a row: each change of a list needs another sweep. A default
         # that follows other keys has no column where these change
         groups: dict[tuple[int, float], list[int]] = {}
         for place, request in enumerate(requests):

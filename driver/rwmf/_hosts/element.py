@@ -103,7 +103,7 @@ class Element(Closable[KernelMember]):
     ----------
     case : Case, path, or mapping of str to mapping
         The case, or its groups. Frame and motion have no effect, but for links and masses of the
-        impact rule ``coupled``: in a file or in groups ``T_s`` and ``xi_s`` of `&frame` and
+        impact rule ``coupled``. In a file or in groups ``T_s`` and ``xi_s`` of `&frame` and
         ``t_end`` of `&solver` may be absent.
 
     Raises

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from rwmf._library import unit_named
+
 __all__ = [
     "ACCELERATION",
     "ColumnName",
@@ -17,33 +19,8 @@ __all__ = [
 
 ACCELERATION = "acceleration"
 _G = 9.81
-# dimension and factor to SI units by the plain spelling of a unit
+# dimension and factor of units beside those of records, which the kernel knows
 _UNITS = {
-    "g": (ACCELERATION, _G),
-    "gs": (ACCELERATION, _G),
-    "%g": (ACCELERATION, 0.01 * _G),
-    **dict.fromkeys(("mg", "milli-g"), (ACCELERATION, 0.001 * _G)),
-    "gal": (ACCELERATION, 0.01),
-    "gals": (ACCELERATION, 0.01),
-    **{
-        f"{length}/s2": (ACCELERATION, factor)
-        for length, factor in (
-            ("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254), ("ft", 0.3048)
-        )
-    },
-    **{
-        f"{length}/s": ("velocity", factor)
-        for length, factor in (
-            ("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("in", 0.0254), ("ft", 0.3048)
-        )
-    },
-    **dict.fromkeys(("m", "meter", "metre"), ("displacement", 1.0)),
-    "cm": ("displacement", 0.01),
-    "mm": ("displacement", 0.001),
-    "in": ("displacement", 0.0254),
-    **dict.fromkeys(("s", "second", "seconds"), ("time", 1.0)),
-    **dict.fromkeys(("ms", "millisecond", "milliseconds"), ("time", 0.001)),
-    "hz": ("frequency", 1.0),
     "rad/s": ("frequency", 0.15915494309189535),
     **dict.fromkeys(("%", "percent"), ("share", 0.01)),
     **dict.fromkeys(("-", "1"), ("number", 1.0)),
@@ -52,6 +29,8 @@ _UNITS = {
     ),
     **dict.fromkeys(("year", "years", "yr", "yrs", "a"), ("years", 1.0)),
 }  # fmt: skip
+# bases of accelerations, and of lengths over other powers of the second
+_BASES = {"": 1.0, "g": _G, "m/s2": 1.0, "cm/s2": 0.01}
 _BRACKETS = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 # units other than s and g, and logarithms, in a sentence
 _IN_TEXT = re.compile(
@@ -71,7 +50,7 @@ class ColumnName:
     words : str
         Its words in lower case, without the unit.
     unit : str
-        Plain spelling of the unit; '' without one.
+        The unit as the file writes it; '' without one.
     """
 
     words: str
@@ -80,12 +59,12 @@ class ColumnName:
     @property
     def dimension(self) -> str:
         """Dimension of the unit; '' without a unit."""
-        return _UNITS[self.unit][0] if self.unit else ""
+        return _find_unit(self.unit)[0]
 
     @property
     def factor(self) -> float:
         """Factor to SI units; 1 without a unit."""
-        return _UNITS[self.unit][1] if self.unit else 1.0
+        return _find_unit(self.unit)[1]
 
     @property
     def tokens(self) -> list[str]:
@@ -174,21 +153,21 @@ def unit_of_cell(cell: str) -> str | None:
     Returns
     -------
     str or None
-        Its plain spelling; None for another content.
+        The unit; None for another content.
     """
-    unit = _plain(cell.strip().strip("\"'[]()").removeprefix("in "))
-    return unit if unit in _UNITS else None
+    unit = cell.strip().strip("\"'[]()").removeprefix("in ").strip().lower()
+    # the superscript as a byte of Latin-1
+    unit = unit.replace("\udcb2", "2").encode("utf-8", errors="replace").decode()
+    return unit if _find_unit(unit)[0] else None
 
 
-def _plain(text: str) -> str:
-    """Return the plain spelling of a unit: m/s2 for 'm s^-2', 'M/SEC/SEC' and 'mps2'."""
-    text = re.sub(r"[\s^*\u00b7\u00c2]", "", text.lower()).strip(".")
-    # the superscript in UTF-8 and as a byte of Latin-1
-    text = re.sub("[\u00b2\udcb2]", "2", text).replace("\u207b", "-")
-    text = re.sub(r"sec(?![a-z])", "s", text).replace("mps", "m/s")
-    text = re.sub(r"^([cm]?m)s2$", r"\1/s2", text)
-    text = re.sub(r"s-([12])$", r"/s\1", text).replace("//", "/").removesuffix("/s1")
-    return re.sub(r"/\(?s[/.]?s\)?$", "/s2", text.replace("./", "/"))
+def _find_unit(unit: str) -> tuple[str, float]:
+    """Return dimension and factor to SI units; '' and 1 for no unit."""
+    known = _UNITS.get("".join(unit.split()))
+    if known is not None or not unit:
+        return known or ("", 1.0)
+    dimension, base, times, over = unit_named(unit)
+    return dimension, times / over * _BASES[base]
 
 
 def convert(name: ColumnName, unit: str) -> float | None:
@@ -206,13 +185,11 @@ def convert(name: ColumnName, unit: str) -> float | None:
     float or None
         The factor, 1 for a column without unit; None when the dimensions differ.
     """
-    other = _UNITS.get(_plain(unit))
+    dimension, factor = _find_unit(unit)
     if not name.unit:
         return 1.0
-    if other is None or other[0] != name.dimension:
-        return None
     # exactly 1 for the same unit
-    return name.factor / other[1]
+    return name.factor / factor if dimension == name.dimension else None
 
 
 def unit_in_text(text: str) -> str | None:

@@ -34,9 +34,10 @@ _FORMS = (
 # the steepest power law; published hazard curves have exponents of 1 to 5
 _STEEPEST = 100.0
 _INTENSITY = known_words(
-    "intensity im ims iml imls level measure x a pga pgv pgd sa psa avgsa t s ground motion "
-    "spectral pseudo peak acceleration velocity displacement average mean median geomean of at "
-    "arias cav"
+    "intensity im ims iml imls level measure x a pga pgv pgd sa psa avgsa t s arias cav"
+) | known_words(
+    "ground motion spectral pseudo peak acceleration velocity displacement "
+    "average mean median geomean of at"
 )
 # words of a quantity beside the first of these, which one of them is required
 _OF = "of exceedance exceeding mean annual yearly hazard"
@@ -98,10 +99,10 @@ def hazard_of(value: Any, unit: str = "g") -> Hazard:  # noqa: ANN401 (several f
     Parameters
     ----------
     value : path, mapping, pair or Hazard
-        Path of a CSV file of two columns, or a mapping of two names to arrays: the intensity with
-        ``frequency`` [1/year], ``return_period`` [year] or ``poe_50`` (probability of exceedance in
-        50 years, or in another number). ``{"k0": , "k": }`` or a pair (k0, k) for the power law
-        k0 intensity^-k.
+        Path of a CSV file of two columns, or a mapping of two names to arrays. They are the
+        intensity with ``frequency`` [1/year], ``return_period`` [year] or ``poe_50`` (probability
+        of exceedance in 50 years, or in another number). ``{"k0": , "k": }`` or a pair (k0, k) for
+        the power law k0 intensity^-k.
     unit : str
         Unit of the fragility's intensities, into which a stated unit is converted.
 

@@ -35,9 +35,11 @@ _ROLES = {
     ACCELERATION: (
         known_words(
             "sa psa se sae rs a s t spectral pseudo acceleration accelerations accel acc response "
-            "spectrum target design elastic code site ec asce uhs mce mcer dbe horizontal mean "
-            "median geomean geometric max rotd damped damping of critical % year years yr"
-        ),
+            "spectrum"
+        )
+        | known_words("target design elastic code site ec asce uhs mce mcer dbe year years yr")
+        | known_words("horizontal mean median geomean geometric max rotd damped damping")
+        | known_words("of critical %"),
         ACCELERATION,
     ),
 }

@@ -30,8 +30,8 @@ __all__ = ["analyse", "fit", "integrate"]
 
 _SHARED = ("intensity", "period", "damping", "periods", "file", "restart", "threads")
 _NOT_IN_MODEL = (
-    "runs of rwmf cannot show sliding, crushed toes, a wall that cracks or yields, failed joints "
-    "or settlement; a rigid base with elastic springs recentres by construction"
+    "runs cannot show sliding, crushed toes, cracked or yielding walls, failed joints or "
+    "settlement; a rigid base with elastic springs recentres by construction"
 )
 
 

@@ -22,9 +22,9 @@ module rwmf_bindings_python_handles
    public :: kept_t, keep, find, free, put_text, put_error, add_source, split_names, make_control
    public :: keep_motion, motion_of, complete_case, sampled_case, samples_of, text_of
 
-   !> Object behind a handle: a case, samples of a motion or of a file, changed keys, the result,
-   !> the spectrum or the static curve computed from a case, walls or a member of a host, or saved
-   !> states of walls.
+   !> Object behind a handle: a case, samples of a motion or of a file, or changed keys. Others are
+   !> the result, the spectrum or the static curve computed from a case. For a host it is walls, a
+   !> member, or saved states of walls.
    type :: kept_t
       type(case_t), allocatable :: case
       !! constant once stored, so that any number of threads may use it
@@ -128,6 +128,7 @@ contains
    !> Return bytes as a text. As a character argument of f2py it would end at the first null byte.
    pure function text_of(bytes) result(text)
       integer(c_int8_t), intent(in) :: bytes(:)
+      !! (bytes) one for each character of the text
       character(:), allocatable :: text
       integer :: i
 

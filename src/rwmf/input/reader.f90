@@ -169,7 +169,8 @@ contains
       case%follows_size = case%values%has_units .and. has_group(case%values, 'wall') &
          .and. case%unit_mass > 0
       do i = 1, size(groups)
-         if (.not. (applies(case%values, trim(groups(i)%name)) .or. groups(i)%name == 'output')) cycle
+         if (.not. (applies(case%values, trim(groups(i)%name)) &
+            .or. groups(i)%name == 'output')) cycle
          if (.not. associated(groups(i)%fill)) cycle
          call groups(i)%fill(case, error)
          if (allocated(error)) return

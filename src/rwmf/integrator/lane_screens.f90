@@ -293,8 +293,8 @@ contains
       real(wp), parameter :: longest_angle = 1.5_wp
       !! longest phase angle of a step [rad]
       real(wp), parameter :: longest_slope = 0.75_wp
-      !! longest phase angle of a step whose samples give the slopes at the ends: forces contain
-      !! squares of velocities, which vary at twice the frequency [rad]
+      !! longest phase angle of a step whose samples give the slopes at the ends [rad]. Forces
+      !! contain squares of velocities, which vary at twice the frequency.
       real(wp) :: has_slopes(lane_count)
       integer :: i, m, q
 

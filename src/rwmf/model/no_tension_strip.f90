@@ -8,7 +8,8 @@
 !> strip does not affect the motion.
 !>
 !> A stress does not exceed the strength f_c. Where the elastic one would, it is f_c from the toe
-!> on, and linear over the length f_c/(k phi) beyond: c = N/(t f_c) + f_c/(2 k phi), and for c >= B
+!> on, and linear over the length f_c/(k phi) beyond. The contact length is
+!> c = N/(t f_c) + f_c/(2 k phi). Where this is at least B,
 !> c = B + f_c/(k phi) - sqrt(2 (f_c B - N/t)/(k phi)). A force above f_c B t has no equilibrium.
 !> The settlement of the toe, phi c, continues linearly there.
 module rwmf_model_no_tension_strip

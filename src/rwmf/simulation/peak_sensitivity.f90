@@ -86,7 +86,7 @@ contains
    !>
    !> The peak is uncertain by its sensitivity, at least 1, times the larger of 10 rtol and a change
    !> of the motion by 1e-7, the last digits of a record. Where the probes change it by more than
-   !> 1 %, it is uncertain by that change. This bound is wide at a large tolerance: three digits
+   !> 1 %, it is uncertain by that change. This bound is wide at a large tolerance. Three digits
    !> hold unless a change of the motion changes the peak as much as in a warning.
    elemental integer function digits_of(rtol, sensitivity) result(digits)
       real(wp), intent(in) :: rtol

@@ -236,7 +236,8 @@ contains
    !> base slide.
    !>
    !> An impulse at the distance x from the new corner, inside the base, gives
-   !> e = e_max + b (1 + e) x/I with the inertia I = 2 b**2/(1 - e_max) of wall, frame and inerters.
+   !> e = e_max + b (1 + e) x/inertia. The inertia of wall, frame and inerters is
+   !> 2 b**2/(1 - e_max).
    !> Of several mass ratios and slendernesses, report the impulse that is farthest outside.
    subroutine warn_of_impacts(case, gamma, alpha, lines)
       type(case_t), intent(in) :: case
@@ -319,7 +320,7 @@ contains
          //'into such soil, and the model of a rigid base does not hold', lines)
    end subroutine warn_of_soil
 
-   !> Report that a case with a rocking wall and a frame with mass does not conserve energy: for
+   !> Report that a case with a rocking wall and a frame with mass does not conserve energy. For
    !> theta < 0, `published` gives the frame's force a lever arm that differs from that of its
    !> displacement.
    pure function broken_law(case, gamma) result(text)

@@ -124,7 +124,7 @@ def test_impulse_inside_the_base(tangent: float, gamma: float, x_over_b: float) 
     """(T25) and (T26): momenta of wall and frame with an impulse at a distance from the corner."""
     h, b = 2.0, 2.0 * tangent
     x, inertia = x_over_b * b, (h**2 + b**2) / 3
-    # velocity before: 1 about the left corner; unknown: velocity after about the right corner,
+    # velocity before: 1 about the left corner. Unknown: velocity after about the right corner,
     # horizontal and vertical impulse of the base, impulse of the link on the wall
     equations = np.array(
         [

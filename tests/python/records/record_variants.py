@@ -1,4 +1,4 @@
-"""Record files with every kind of header: what they state about unit, interval and quantity."""
+"""Record files with every kind of header, with statements of unit, interval and quantity."""
 
 from __future__ import annotations
 

@@ -81,7 +81,7 @@ def test_components_by_name(names: tuple[str, str, str], tmp_path: Path) -> None
     ],
 )
 def test_horizontal_components_of_a_folder(names: list[str], left: int, tmp_path: Path) -> None:
-    """Vertical ones beside them and what archives leave behind are no motions of the suite."""
+    """Vertical components beside them and remains of archives are no motions of the suite."""
     for i, name in enumerate(names):
         path = _at2(tmp_path / f"{name}.AT2", i)
         if "._" in name or "__MACOSX" in name:

@@ -63,6 +63,7 @@ contains
    !> Read the lines before the first number.
    subroutine read_at2_header(bytes, stated, position, last_line, error)
       character(*), intent(in) :: bytes
+      !! text of the file
       type(stated_t), intent(out) :: stated
       !! number and interval, both positive, and unit
       integer, intent(out) :: position
@@ -70,6 +71,8 @@ contains
       integer, intent(out) :: last_line
       !! line number of the line before it
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for statements that contradict each other, a quantity other than an
+      !! acceleration, and a header without positive number and interval
       character(:), allocatable :: title
       integer :: first
       integer :: last

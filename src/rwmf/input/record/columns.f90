@@ -39,7 +39,7 @@ module rwmf_input_record_columns
       type(file_line_t) :: begin
       !! first line of numbers
       real(dp), allocatable :: values(:, :)
-      !! (columns, lines of the file)
+      !! (columns, lines of the file), each column in its unit
       integer :: n = 0
       !! rows in use
    end type table_t
@@ -52,6 +52,8 @@ contains
       !! text of the file
       type(table_t), intent(out) :: table
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for statements that contradict each other, unknown units, and names that do not
+      !! fit the columns or do not name accelerations
       type(file_line_t) :: names
       integer :: n_columns
 
@@ -171,6 +173,8 @@ contains
       type(table_t), intent(inout) :: table
       !! with its header
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for a file without numbers, a word that is no number, rows of different length,
+      !! and rows that contradict the header
       integer :: first
       integer :: last
       integer :: line

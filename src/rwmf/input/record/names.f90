@@ -101,6 +101,9 @@ contains
          i = last + 1
       end do
       if (column%unit_text == '') call split_name(text, column)
+      ! a unit may take the place of the name; 'h' is a direction rather than hours
+      if (column%unit_text == '' .and. is_unit(text) .and. plain_text(text) /= 'h') call set_unit( &
+         text, text, column)
       column%quantity = quantity_of(column)
    end function column_of
 
@@ -213,6 +216,8 @@ contains
       case ('sa', 'psa', 'sv', 'psv', 'sd', 'psd', 'fas', 'f', 'tn', 't_n', 'pga', 'target', &
             'rsa', 'im', 'afe', 'lambda')
          quantity = spectrum
+      case ('counts', 'digits', 'rad', 'radians', 'deg', 'degrees', 'volt', 'volts', 'mv')
+         quantity = 'other'
       case ('v', 'pgv')
          quantity = 'velocity'
       case ('d', 'pgd')
@@ -271,6 +276,8 @@ contains
       integer, allocatable, intent(out) :: accelerations(:)
       !! columns of accelerations, at least one
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` without a column of times beside others, with two of them, for a column that is
+      !! refused, and without accelerations
       integer :: i
 
       time = findloc(columns%quantity, 'time', dim=1)

@@ -110,11 +110,13 @@ contains
       character(*), intent(in) :: bytes
       !! the whole file
       logical, intent(out) :: is_at2
+      !! true for AT2, false for a table
       character(:), allocatable, intent(out) :: unit
       !! 'g', 'm/s2' or 'cm/s2'; '' if the file gives none
       integer, intent(out) :: n_channels
       !! columns of accelerations
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for another format or an invalid header
       type(stated_t) :: stated
       type(table_t) :: table
       integer :: first

@@ -41,6 +41,8 @@ contains
       !! its words may mention other things than the samples of the file
       type(stated_t), intent(inout) :: stated
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` for a statement that contradicts one before it, an unknown unit, and a quantity
+      !! other than an acceleration
       type(header_word_t), allocatable :: words(:)
 
       words = words_of(text)
@@ -415,8 +417,10 @@ contains
       character(*), intent(in) :: text
       !! as in the file
       integer, intent(in) :: line
+      !! number of the line in the file
       type(stated_t), intent(inout) :: stated
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` if the unit is unknown, not of an acceleration, or contradicts the stated one
 
       if (unit%quantity == '') then
          call fail_at_line(error, line, "the unit '"//shown(text)//"' is not known: known are " &
@@ -440,8 +444,10 @@ contains
       real(dp), intent(in) :: dt
       !! [s]
       integer, intent(in) :: line
+      !! number of the line in the file
       type(stated_t), intent(inout) :: stated
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` if the interval contradicts the stated one
 
       if (.not. allocated(stated%dt)) then
          stated%dt = dt
@@ -466,9 +472,12 @@ contains
    !> State the number of samples.
    subroutine state_number(number, line, stated, error)
       real(dp), intent(in) :: number
+      !! number of samples [-]; 0 is stated for one that is negative or not whole
       integer, intent(in) :: line
+      !! number of the line in the file
       type(stated_t), intent(inout) :: stated
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input` if the number contradicts the stated one
       integer :: n
 
       n = 0
@@ -486,8 +495,11 @@ contains
    !> Fail with the number of a line.
    subroutine fail_at_line(error, line, message)
       type(error_t), allocatable, intent(out) :: error
+      !! `err_input`, always
       integer, intent(in) :: line
+      !! number of the line in the file
       character(*), intent(in) :: message
+      !! message without the number of the line
 
       call fail(error, err_input, 'line '//trim(integer_to_text(line))//': '//message)
    end subroutine fail_at_line

@@ -17,7 +17,9 @@ module rwmf_input_record_unit_names
       character(5) :: base = ''
       !! of an acceleration: 'g', 'm/s2' or 'cm/s2'; blank for the unit s of a time
       real(dp) :: times = 1
+      !! factor of the unit on its base [-]
       real(dp) :: over = 1
+      !! divisor of the unit on its base [-]
    end type unit_t
 
 contains

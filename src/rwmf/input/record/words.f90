@@ -19,6 +19,7 @@ module rwmf_input_record_words
       !! a comma or semicolon comes before it
       logical :: is_number = .false.
       real(dp) :: number = 0
+      !! value of a number, in the unit of the words beside it
    end type header_word_t
 
 contains
@@ -26,6 +27,7 @@ contains
    !> Split a line, without its comment mark. A number and letters that touch it are two words.
    pure function words_of(line) result(words)
       character(*), intent(in) :: line
+      !! line of a file, of which the first 400 characters are used
       type(header_word_t), allocatable :: words(:)
 
       allocate (words(0))
@@ -122,6 +124,7 @@ contains
       !! number of the first word
       type(unit_t), intent(out) :: unit
       integer, intent(out) :: n
+      !! number of words of the unit, 0 for none
       integer, parameter :: most_words = 6
       character(:), allocatable :: text
       integer :: k
@@ -142,6 +145,7 @@ contains
    pure logical function has_word(words, beginnings)
       type(header_word_t), intent(in) :: words(:)
       character(*), intent(in) :: beginnings(:)
+      !! beginnings in lower case, trailing blanks do not count
       integer :: k
 
       has_word = .false.

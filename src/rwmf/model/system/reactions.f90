@@ -79,8 +79,8 @@ contains
          + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot) - on_frame(2)
    end function reactions_at
 
-   !> Impulse of the foundation that sets a wall on its base, with all masses linked to it, from
-   !> rest into motion on the present side: horizontal and vertical, over m_w [m/s].
+   !> Horizontal and vertical impulse of the foundation over m_w [m/s]. It sets a wall on its base,
+   !> with all masses linked to it, from rest into motion on the present side.
    !>
    !> The reactions are linear in the accelerations. An impulse is to velocities as a force is to
    !> accelerations. Springs, dampers and ground motion give none. The difference of this impulse

@@ -401,7 +401,7 @@ contains
       real(wp), dimension(equation%n) :: y, held
       real(wp), dimension(2) :: pull, later, e
       !! accelerations towards the base on the next side and on the other side, now and later
-      !! [rad/s2]; velocity factors of the impacts that end flights on both sides
+      !! [rad/s2]. Velocity factors of the impacts that end flights on both sides.
       real(wp) :: t, knot
       !! end of the flights, end of an interval [s]
       integer :: interval
@@ -485,7 +485,7 @@ contains
    !> Duration of the flights from a velocity to rest, alternately on both sides [s].
    !>
    !> Under a constant deceleration p a flight takes 2 v/p. A deceleration that grows at the rate r
-   !> shortens it by the share r t/(3 p), and increases the velocity of the return by r t**2/6.
+   !> shortens it by the share r t/(3 p). It increases the velocity of the return by r t**2/6.
    pure real(wp) function end_of_flights(v, pull, e, growth) result(t)
       real(wp), intent(in) :: v
       !! velocity at the beginning [rad/s]
