@@ -7,6 +7,7 @@ import inspect
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -339,6 +340,15 @@ def _damping(name: str, value: object) -> float:
     return number
 
 
+def _is_of_caller(error: BaseException) -> bool:
+    """Return whether a callback of the user raised an error, not the package or a library."""
+    frame = error.__traceback__
+    while frame is not None and frame.tb_next is not None:
+        frame = frame.tb_next
+    path = Path(frame.tb_frame.f_code.co_filename if frame is not None else __file__)
+    return "site-packages" not in path.parts and Path(__file__).parent not in path.parents
+
+
 def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Convert or refuse the arguments of a public function before it runs.
 
@@ -379,6 +389,8 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
         try:
             result = function(*bound.args, **bound.kwargs)
         except ArithmeticError as error:
+            if _is_of_caller(error):
+                raise
             text = f"{function.__name__}: numbers exceed the range of the computation ({error})"
             raise InputError(text) from error
         finally:

@@ -127,6 +127,7 @@ def ufp_force(stress: float, width: float, thickness: float, diameter: float) ->
     return s * b * t**2 / (2 * d)
 
 
+@checked
 def ufp_stiffness(modulus: float, width: float, thickness: float, diameter: float) -> float:
     """Compute the elastic stiffness of a U-shaped flexural plate, ``&fuse k`` of one plate.
 

@@ -24,7 +24,6 @@ from rwmf._risk.table import (
     fallen,
     read_table,
     table_of,
-    warnings_of,
     write_table,
 )
 from rwmf._sweep.computation import SweepOptions, path_of_store, sweep
@@ -33,7 +32,7 @@ from rwmf._sweep.kept_quantities import default_quantity, find_quantities
 from rwmf._sweep.plan import united
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf.case import Case, CaseLike, Motion
-from rwmf.errors import InputError, warn
+from rwmf.errors import InputError
 
 __all__ = ["AnalysisOptions", "cloud", "designs_of", "ida", "levels_of", "stripes"]
 
@@ -406,9 +405,7 @@ def _run(
             inputs += map(str, case.inputs)
         files.check_outputs([path], inputs)
         if path.exists() and not _is_other(path, attributes["request"], restart):
-            found = read_table(path)
-            warn(warnings_of(found))
-            return found
+            return read_table(path)
     stages = _Stages(suite, options, path, restart)
     steps = settings.get("levels", settings.get("factors"))
     table, warnings = stages.run(
@@ -432,7 +429,6 @@ def _run(
         for line in united([text for design, text in warnings if design == name])
     ]
     found = table_of(columns, attributes | {"warnings": "\n".join(lines)})
-    warn(lines)
     if path is not None:
         write_table(found, path)
         stages.remove()

@@ -16,7 +16,7 @@ from rwmf._numbers import show, to_array, to_items, to_number
 from rwmf._risk.hazard import Hazard, hazard_of
 from rwmf._risk.normal import exceedance, log_normal_cdf
 from rwmf._risk.table import warnings_of
-from rwmf.errors import InputError, warn
+from rwmf.errors import InputError
 
 __all__ = ["closed_form", "integrate", "risk", "unit_of"]
 
@@ -107,7 +107,6 @@ def risk(
         found["annual_frequency_band"] = _band(curve, samples)
     lines = [*warnings_of(curves), *curve.warnings, *_warnings(found)]
     found.attrs["warnings"] = "\n".join(lines)
-    warn(lines)
     return found.squeeze("design") if found.sizes["design"] == 1 else found
 
 

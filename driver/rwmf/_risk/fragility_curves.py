@@ -19,7 +19,7 @@ from rwmf._risk.likelihood import BELOW, EXACT, OVER
 from rwmf._risk.normal import exceedance
 from rwmf._risk.p695 import shape_factor_of
 from rwmf._risk.table import fallen, quantities_of, read_table, warnings_of
-from rwmf.errors import InputError, warn
+from rwmf.errors import InputError
 
 __all__ = ["METHODS", "fragility"]
 
@@ -177,7 +177,6 @@ def fragility(
         "seed": seed,
         "warnings": "\n".join([*warnings_of(rows), *notes]),
     }
-    warn(warnings_of(found))
     return found.squeeze("design") if len(names) == 1 else found
 
 

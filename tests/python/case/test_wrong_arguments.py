@@ -214,7 +214,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "plot.profile": {"dataset": found["run"], "axes": ax, "case": case},
         "plot.spectrum": {"dataset": found["spectrum"], "ax": ax, "bare": None,
                           "quantities": None, "legend": False},
-        "plot.work_precision": {"cost": None, "ax": ax, "legend": True},
+        "plot.work_precision": {"cost": None, "ax": ax, "legend": True, "over": "seconds"},
         "quantile": {"dataset": found["analysis"], "quantity": "u_s_max", "q": 0.5,
                      "dim": "record"},
         "records.export": {"name": "none", "path": str(folder / "r.txt"), "force": False},

@@ -184,7 +184,7 @@ def test_fuses_hold_the_wall_up_on_one_side() -> None:
     # the moment of weight and cable there is three quarters of that on the base
     weak = rwmf.simulate(case.replace(fuse={"eta_y": 0.7}))
     assert float(weak["theta_end_over_alpha"]) == 0
-    assert weak.attrs["warnings"] == ""
+    assert "fuse" not in weak.attrs["warnings"]
 
 
 @pytest.mark.parametrize("eta_y", [1.2, 4.0])

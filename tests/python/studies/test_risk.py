@@ -477,13 +477,13 @@ def test_numbers_beyond_the_range(
 def test_warnings_of_runs_reach_the_frequency() -> None:
     """One line for each design, through analysis, fit and integral, and as warnings of Python."""
     designs = {name: coupled(impact={"e": e}) for name, e in (("w1", 0.9), ("w2", 0.8))}
-    with pytest.warns(rwmf.RwmfWarning, match="w1: not conserved"):
+    with pytest.warns(rwmf.RwmfWarning, match="w1: e = 0.9 is below"):
         table = rwmf.ida(designs, suite(2), [0.05, 0.2], tolerance=0.5, limits={"u_s_max": 0.05})
     lines = table.attrs["warnings"].splitlines()
     assert [line.partition(":")[0] for line in lines] == ["w1", "w2"]
-    with pytest.warns(rwmf.RwmfWarning, match="w2: not conserved"):
+    with pytest.warns(rwmf.RwmfWarning, match="w2: e = 0.8 is below"):
         curves = rwmf.fragility(table, 0.05, "u_s_max", resamples=0)
-    with pytest.warns(rwmf.RwmfWarning, match="w2: not conserved"):
+    with pytest.warns(rwmf.RwmfWarning, match="w2: e = 0.8 is below"):
         found = rwmf.risk(curves, (1e-4, 2.3))
     for result in (curves, found):
         assert result.attrs["warnings"].splitlines()[:2] == lines
