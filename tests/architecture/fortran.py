@@ -2,8 +2,8 @@
 
 An arrow is a `use`, inside any `#ifdef`. Where a macro names the module, the arrow goes to every
 module that the macro can mean: its `#define` in the same file, and the `-D` of the `meson.build`
-beside it. A module with the suffix of a number of lanes, of an order or of an instruction set
-(`_l16`, `_o8`, `_v3`, `_l16_v3`) is the file named so by tools/join-sources.py.
+beside it. tools/join-sources.py names further copies of a file by a suffix: number of
+lanes, order or instruction set (`_l16`, `_o8`, `_v3`).
 """
 
 from __future__ import annotations

@@ -35,14 +35,14 @@ module rwmf_integrator_series_series_lanes
       !! line of the ground acceleration: a_0 [m/s2], slope [m/s3], t_0 [s]
       ! state
       real(wp) :: side(series_width)
-      !! sign of theta: +1 or -1
+      !! sign of theta: +1 or -1 [-]
       real(wp) :: phi(series_width)
       !! |theta| [rad]
       real(wp) :: rate(series_width)
       !! phi' [rad/s]
       real(wp) :: multiplicity(series_width)
       !! order of the root of phi at the start of the step: 1 after an impact, 2 after a lift-off, 0
-      !! away from the base
+      !! away from the base [-]
       ! coefficients of the equation of motion, per m_w R**2
       real(wp) :: inverse_radius(series_width)
       !! 1/R [1/m]
@@ -103,9 +103,9 @@ module rwmf_integrator_series_series_lanes
       !! number of steps [-]
       ! the present step
       real(wp) :: is_busy(series_width)
-      !! the lane has a run in motion
+      !! the lane has a run in motion [-]
       real(wp) :: is_moving(series_width)
-      !! the lane has a run in motion whose series converges in an eighth of its length
+      !! the lane has a run in motion whose series converges in an eighth of its length [-]
       real(wp) :: p(series_width, 0:most_terms_of_series)
       !! series of phi in the time over the length h [rad]
       real(wp) :: h(series_width)
@@ -119,15 +119,15 @@ module rwmf_integrator_series_series_lanes
       real(wp) :: rate_end(series_width)
       !! h phi' there [rad]
       real(wp) :: has_root(series_width)
-      !! the step crosses the lower end of the window exactly once, and no other end
+      !! the step crosses the lower end of the window exactly once, and no other end [-]
       real(wp) :: is_open(series_width)
-      !! a search must show whether phi leaves its window
+      !! a search must show whether phi leaves its window [-]
       real(wp) :: may_peak(series_width)
-      !! phi may have a maximum above the largest one so far
+      !! phi may have a maximum above the largest one so far [-]
       real(wp) :: needs_care(series_width)
-      !! the step ends at an event that no loop applies
+      !! the step ends at an event that no loop applies [-]
       real(wp) :: is_at_limit(series_width)
-      !! the step ends at the limit
+      !! the step ends at the limit [-]
       ! of any lane
       logical :: some_root
       logical :: some_open

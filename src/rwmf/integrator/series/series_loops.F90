@@ -21,10 +21,9 @@ contains
 
    !> Compute the series of phi in the time over the length of the series.
    !>
-   !> All kinematics are linear combinations of the series of sin(phi) and cos(phi). Three products
-   !> remain: of both with phi', which give the rate and the acceleration of the displacement, and
-   !> of the lever with the force at the link. The last coefficient of phi'' is the only unknown of
-   !> each round.
+   !> All kinematics are linear combinations of the series of sin(phi) and cos(phi). Their products
+   !> with phi' give the rate and the acceleration of the displacement. The third product is that of
+   !> the lever and the force at the link. Each round has one unknown, a coefficient of phi''.
    pure subroutine expand_lanes(lanes)
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), dimension(0:order) :: p, v, sp, cp, lever, force
@@ -132,9 +131,9 @@ contains
 
    !> Choose the length of each step from its last terms, and screen it for events.
    !>
-   !> Each screen is a proof for the polynomial: the Bernstein coefficients of a cubic less the sum
-   !> of the other terms; a velocity without a sign change; an acceleration without one. A root at
-   !> the start is known by its multiplicity and divided out.
+   !> Each screen is a proof for the polynomial. The first one bounds the cubic part by its
+   !> Bernstein coefficients and the other terms by their sum. The others use a velocity or an
+   !> acceleration without a sign change. A known root at the start is divided out.
    pure subroutine screen_lanes(lanes)
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: third = 1.0_wp/3

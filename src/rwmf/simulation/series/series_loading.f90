@@ -1,5 +1,5 @@
-!> Loading of the lanes of a series with a new run, the next interval of the motion or the state
-!> after an event, and return of their states to the runs.
+!> Loading of the lanes of a series: new runs, next intervals of the motion, states after events.
+!> `leave_series` returns the states to the runs.
 module rwmf_simulation_series_series_loading
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: err_numerical, fail
