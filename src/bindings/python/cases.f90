@@ -4,7 +4,7 @@
 module rwmf_bindings_python_cases
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
    use rwmf_bindings_python_handles, only: add_source, find, keep, keep_motion, kept_t, &
-      put_error, put_text, sampled_case, samples_of, text_of
+      put_error, put_text, sampled_case, samples_of, get_text
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_change, only: change_case, find_changes, is_motion_changed
@@ -88,12 +88,14 @@ contains
       integer(c_int8_t), intent(inout) :: message(:)
       integer(c_int), intent(out) :: message_length
       character(*), parameter :: tab = achar(9)
+      character(:), allocatable :: text
       character(:), allocatable :: unit
       type(error_t), allocatable :: error
       logical :: is_at2
       integer :: n
 
-      call read_facts(text_of(bytes), is_at2, unit, n, error)
+      call get_text(bytes, text)
+      call read_facts(text, is_at2, unit, n, error)
       call put_text(trim(merge('AT2  ', 'table', is_at2))//tab//unit//tab &
          //trim(integer_to_text(n)), buffer, length)
       call put_error(error, status, message, message_length)
@@ -112,6 +114,7 @@ contains
       integer(c_int), intent(out) :: message_length
       type(kept_t), pointer :: kept
       type(error_t), allocatable :: error
+      character(:), allocatable :: text
       character(:), allocatable :: key
       real(dp), allocatable :: step
       integer :: i
@@ -121,7 +124,8 @@ contains
       ! an unallocated argument is absent
       if (unit /= '') key = trim(unit)
       if (dt > 0) step = real(dt, dp)
-      call read_samples(text_of(bytes), kept%channels, error)
+      call get_text(bytes, text)
+      call read_samples(text, kept%channels, error)
       n_channels = 0_c_int
       if (allocated(kept%channels)) n_channels = size(kept%channels, kind=c_int)
       do i = 1, n_channels

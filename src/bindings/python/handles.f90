@@ -20,7 +20,7 @@ module rwmf_bindings_python_handles
    private
 
    public :: kept_t, keep, find, free, put_text, put_error, add_source, split_names, make_control
-   public :: keep_motion, motion_of, complete_case, sampled_case, samples_of, text_of
+   public :: keep_motion, motion_of, complete_case, sampled_case, samples_of, get_text
 
    !> Object behind a handle: a case, samples of a motion or of a file, or changed keys. Others are
    !> the result, the spectrum or the static curve computed from a case. For a host it is walls, a
@@ -125,18 +125,18 @@ contains
       end do
    end subroutine put_text
 
-   !> Return bytes as a text. As a character argument of f2py it would end at the first null byte.
-   pure function text_of(bytes) result(text)
+   !> Convert bytes to a text. As a character argument of f2py it would end at the first null byte.
+   pure subroutine get_text(bytes, text)
       integer(c_int8_t), intent(in) :: bytes(:)
       !! (bytes) one for each character of the text
-      character(:), allocatable :: text
+      character(:), allocatable, intent(out) :: text
       integer :: i
 
       allocate (character(size(bytes)) :: text)
       do i = 1, size(bytes)
          text(i:i) = char(iand(int(bytes(i)), 255))
       end do
-   end function text_of
+   end subroutine get_text
 
    !> Convert an error, or its absence, to a number and a message.
    pure subroutine put_error(error, status, message, length)

@@ -56,7 +56,7 @@ contains
          .or. allocated(case%solver%accuracy)), 'no atol, no accuracy')
       call checks%that(case%impact%rule == 'coupled', 'rule of impacts')
       call checks%that(.not. (allocated(case%motion) &
-         .or. allocated(case%initial) .or. allocated(case%output) .or. allocated(case%spectrum) &
+         .or. allocated(case%initial) .or. allocated(case%spectrum) &
          .or. allocated(case%record) .or. allocated(case%wall%m_w)), 'what is absent is absent')
    end subroutine test_defaults
 

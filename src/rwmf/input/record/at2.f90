@@ -10,7 +10,7 @@
 module rwmf_input_record_at2
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp
-   use rwmf_input_record_lines, only: fail_at_word, is_comment, is_number_line, without_mark
+   use rwmf_input_record_lines, only: fail_at_word, is_comment, is_number_line, behind_mark
    use rwmf_input_record_samples, only: samples_t, set_unit
    use rwmf_input_record_statements, only: fail_at_line, read_statements, stated_t
    use rwmf_input_record_unit_names, only: unit_t
@@ -92,7 +92,8 @@ contains
          last_line = last_line + 1
          associate (text => bytes(first:last))
             if (last_line == line) title = text
-            call read_statements(without_mark(text), last_line, is_comment(text), stated, error)
+            call read_statements(text(behind_mark(text):), last_line, is_comment(text), stated, &
+               error)
          end associate
          if (allocated(error)) return
       end do

@@ -3,7 +3,7 @@ module rwmf_input_record_columns
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, wp
    use rwmf_input_record_lines, only: fail_at_word, is_comment, is_number_line, known_formats, &
-      without_mark
+      behind_mark
    use rwmf_input_record_names, only: begins_with_time, check_columns, column_t, read_names
    use rwmf_input_record_samples, only: samples_t, set_unit
    use rwmf_input_record_statements, only: fail_at_line, is_same_interval, read_statements, &
@@ -125,7 +125,7 @@ contains
       logical :: is_named
 
       is_remark = is_comment(text)
-      columns = read_names(without_mark(text))
+      columns = read_names(text(behind_mark(text):))
       is_named = begins_with_time(columns)
       if (size(columns) == n_columns) then
          if (is_remark) then
@@ -160,7 +160,8 @@ contains
          call next_line(bytes, position, first, last)
          if (line == table%names_line) cycle
          associate (text => bytes(first:last))
-            call read_statements(without_mark(text), line, is_comment(text), table%stated, error)
+            call read_statements(text(behind_mark(text):), line, is_comment(text), table%stated, &
+               error)
          end associate
          if (allocated(error)) return
       end do
@@ -229,7 +230,7 @@ contains
    !> reported.
    pure function row_text(line) result(text)
       character(*), intent(in) :: line
-      character(:), allocatable :: text
+      character(len(line)) :: text
       integer :: i
       integer :: last
       logical :: has_semicolon

@@ -10,6 +10,7 @@ module rwmf_input_record_formats
 
    integer, parameter :: head = 1000
    !! bytes that are inspected
+   integer, parameter :: longest_name = 40
    character(*), parameter :: as_columns = 'two columns of time [s] and acceleration'
 
 contains
@@ -19,7 +20,7 @@ contains
       character(*), intent(in) :: bytes
       !! the whole file
       type(error_t), allocatable, intent(out) :: error
-      character(:), allocatable :: name
+      character(longest_name) :: name
 
       if (len(bytes) == 0) then
          call fail(error, err_input, 'the file is empty')
@@ -27,7 +28,7 @@ contains
       end if
       name = archive(bytes)
       if (name /= '') then
-         call fail(error, err_input, 'is '//name//': extract the record from it')
+         call fail(error, err_input, 'is '//trim(name)//': extract the record from it')
          return
       end if
       if (index(bytes(:min(len(bytes), head)), achar(0)) > 0) then
@@ -37,20 +38,20 @@ contains
       end if
       name = converted_format(bytes)
       if (name /= '') then
-         call fail(error, err_input, 'the file has the format '//name//", which the command " &
+         call fail(error, err_input, 'the file has the format '//trim(name)//", which the command " &
             //"'rwmf records convert' writes as columns for &motion")
          return
       end if
       name = unread_format(bytes)
       if (name == '') return
-      call fail(error, err_input, 'the format '//name//' is not read: write '//as_columns//'; ' &
+      call fail(error, err_input, 'the format '//trim(name)//' is not read: write '//as_columns//'; ' &
          //known_formats)
    end subroutine check_format
 
    !> Kind of an archive or document, '' for none.
    pure function archive(bytes) result(name)
       character(*), intent(in) :: bytes
-      character(:), allocatable :: name
+      character(longest_name) :: name
 
       name = ''
       if (index(bytes, 'PK'//achar(3)//achar(4)) == 1) name = 'a zip archive'
@@ -71,8 +72,8 @@ contains
    !> Name of a format that Python reads as channels, '' for none.
    pure function converted_format(bytes) result(name)
       character(*), intent(in) :: bytes
-      character(:), allocatable :: name
-      character(:), allocatable :: line
+      character(longest_name) :: name
+      character(head) :: line
 
       line = first_line(bytes)
       name = ''
@@ -87,8 +88,8 @@ contains
    !> Name of a format that nothing here reads, '' for none.
    pure function unread_format(bytes) result(name)
       character(*), intent(in) :: bytes
-      character(:), allocatable :: name
-      character(:), allocatable :: line
+      character(longest_name) :: name
+      character(head) :: line
       character(*), parameter :: smc(7) = [character(24) :: 'unknown', 'uncorrected accelerogram', &
          'corrected accelerogram', 'velocity', 'displacement', 'response spectra', 'fourier']
       integer :: i
@@ -109,7 +110,7 @@ contains
 
    pure function first_line(bytes) result(line)
       character(*), intent(in) :: bytes
-      character(:), allocatable :: line
+      character(head) :: line
       integer :: first
       integer :: last
       integer :: position

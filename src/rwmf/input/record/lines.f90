@@ -5,7 +5,7 @@ module rwmf_input_record_lines
    implicit none
    private
 
-   public :: fail_at_word, is_comment, is_number_line, without_mark, known_formats
+   public :: fail_at_word, is_comment, is_number_line, behind_mark, known_formats
 
    character(*), parameter :: marks = '#%!'
    !! first letters of comments, beside '//'
@@ -32,32 +32,28 @@ contains
       character(*), intent(in) :: text
       !! one line
 
-      is_comment = len(without_mark(text)) < len(text)
+      is_comment = behind_mark(text) > 1
    end function is_comment
 
-   !> Line without the mark of a comment and the blanks before it.
-   pure function without_mark(text) result(rest)
+   !> First position behind the mark of a comment, 1 without one.
+   pure integer function behind_mark(text)
       character(*), intent(in) :: text
       !! one line
-      character(:), allocatable :: rest
       integer :: first
       integer :: last
       integer :: position
 
       position = 1
       call next_word(text, position, first, last)
-      rest = ''
-      if (last < first) then
-         ! a blank line has no mark
-         rest = text
-      else if (scan(text(first:first), marks) == 1) then
-         rest = text(first + 1:)
+      behind_mark = 1
+      ! a blank line has no mark
+      if (last < first) return
+      if (scan(text(first:first), marks) == 1) then
+         behind_mark = first + 1
       else if (text(first:min(last, first + 1)) == '//') then
-         rest = text(first + 2:)
-      else
-         rest = text
+         behind_mark = first + 2
       end if
-   end function without_mark
+   end function behind_mark
 
    !> True for a line that begins like a number, damaged numbers, NaN and infinity included.
    pure logical function is_number_line(text)

@@ -109,12 +109,16 @@ contains
 
    pure function without_quotes(cell) result(text)
       character(*), intent(in) :: cell
-      character(:), allocatable :: text
+      character(len(cell)) :: text
       integer :: i
+      integer :: n
 
       text = ''
+      n = 0
       do i = 1, len(cell)
-         if (scan(cell(i:i), '"'//achar(9)) == 0) text = text//cell(i:i)
+         if (scan(cell(i:i), '"'//achar(9)) > 0) cycle
+         n = n + 1
+         text(n:n) = cell(i:i)
       end do
    end function without_quotes
 
@@ -192,7 +196,7 @@ contains
       type(column_t), intent(in) :: column
       character(:), allocatable :: name
 
-      name = plain_text(column%name)
+      name = trim(plain_text(column%name))
       quantity = quantity_of_name(name)
       if (quantity == '') quantity = column%unit%quantity
       ! a single letter is the weaker statement

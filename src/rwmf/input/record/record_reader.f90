@@ -177,7 +177,7 @@ contains
       if (samples%format == 'AT2' .and. present(dt)) then
          call fail(error, err_input, 'the record (AT2) has its own times: dt must not be given')
       else if (samples%format == 'AT2' .and. present(unit)) then
-         call fail(error, err_input, 'the record (AT2) is in '//said_unit(samples) &
+         call fail(error, err_input, 'the record (AT2) is in '//trim(said_unit(samples)) &
             //': unit must not be given')
       else
          call check_interval(samples, dt, error)
@@ -186,7 +186,7 @@ contains
       if (allocated(error)) return
       record%format = samples%format
       record%crc32 = samples%crc32
-      record%unit = unit_of_samples(samples, unit)
+      record%unit = trim(unit_of_samples(samples, unit))
       if (present(dt)) then
          record%dt = dt
       else if (allocated(samples%dt)) then
@@ -213,7 +213,7 @@ contains
       call check_interval(samples, step, error)
       if (.not. allocated(error)) call check_unit(samples, unit, error)
       if (allocated(error)) return
-      samples%unit = unit_of_samples(samples, unit)
+      samples%unit = trim(unit_of_samples(samples, unit))
       if (present(dt) .and. samples%format /= 'AT2') samples%dt = dt
    end subroutine complete_samples
 
@@ -221,7 +221,7 @@ contains
    pure function unit_of_samples(samples, unit) result(own)
       type(samples_t), intent(in) :: samples
       character(*), intent(in), optional :: unit
-      character(:), allocatable :: own
+      character(5) :: own
 
       if (allocated(samples%unit)) then
          own = samples%unit
@@ -269,7 +269,7 @@ contains
       else if (present(unit)) then
          if (.not. samples%is_converted .and. unit == samples%unit) return
          call fail(error, err_input, "unit = '"//unit//"': the header says '" &
-            //said_unit(samples)//"'")
+            //trim(said_unit(samples))//"'")
          if (samples%unit_line > 0) call add_context(error, 'line ' &
             //trim(integer_to_text(samples%unit_line)))
       end if
@@ -278,7 +278,7 @@ contains
    !> Unit of the samples as their file has it.
    pure function said_unit(samples) result(text)
       type(samples_t), intent(in) :: samples
-      character(:), allocatable :: text
+      character(80) :: text
 
       text = samples%unit
       if (samples%is_converted) text = shown(samples%unit_text)

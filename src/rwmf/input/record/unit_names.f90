@@ -30,7 +30,7 @@ contains
       !! any text
       character(:), allocatable :: word
 
-      word = squeezed(text)
+      word = trim(squeezed(text))
       select case (word)
       case ('g', 'gs', 'g0', 'gn', 'g_n', 'gravity', 'gravities')
          unit = unit_t('acceleration', 'g')
@@ -162,18 +162,23 @@ contains
    !> Text without blanks, quotes, brackets and marks at its end.
    pure function squeezed(text) result(word)
       character(*), intent(in) :: text
-      character(:), allocatable :: word
+      character(len(text)) :: word
       character(:), allocatable :: plain
       integer :: i
+      integer :: n
 
       plain = plain_text(text)
       word = ''
+      n = 0
       do i = 1, len(plain)
-         if (scan(plain(i:i), ' "''$\(){}[]<>`') == 0) word = word//plain(i:i)
+         if (scan(plain(i:i), ' "''$\(){}[]<>`') > 0) cycle
+         n = n + 1
+         word(n:n) = plain(i:i)
       end do
-      do while (len(word) > 0)
-         if (scan(word(len(word):), '.,;:') == 0) exit
-         word = word(:len(word) - 1)
+      do while (n > 0)
+         if (scan(word(n:n), '.,;:') == 0) exit
+         word(n:n) = ' '
+         n = n - 1
       end do
    end function squeezed
 
@@ -182,7 +187,7 @@ contains
    pure function plain_text(text) result(plain)
       character(*), intent(in) :: text
       !! UTF-8 or Latin-1
-      character(:), allocatable :: plain
+      character(len(text)) :: plain
       character(3), parameter :: signs(25) = [character(3) :: &
          char(194)//char(178), char(194)//char(179), char(194)//char(185), char(194)//char(183), &
          char(194)//char(181), char(206)//char(188), char(194)//char(160), char(195)//char(151), &
@@ -197,8 +202,10 @@ contains
       integer :: i
       integer :: k
       integer :: n
+      integer :: last
 
       plain = ''
+      last = 0
       i = 1
       do while (i <= len(text))
          n = 1
@@ -207,11 +214,12 @@ contains
             if (i + n - 1 > len(text)) cycle
             if (text(i:i + n - 1) == signs(k) (:n)) exit
          end do
+         last = last + 1
          if (k <= size(signs)) then
-            plain = plain//ascii(k:k)
+            plain(last:last) = ascii(k:k)
          else
             n = 1
-            plain = plain//to_lower(text(i:i))
+            plain(last:last) = to_lower(text(i:i))
          end if
          i = i + n
       end do
