@@ -7,7 +7,8 @@ module rwmf_simulation_recorder_reaction_columns
    use rwmf_model_system_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
    use rwmf_model_system_reactions_loop, only: demand, low_normal, shear
    use rwmf_problem_quantity_table, only: id
-   use rwmf_simulation_recorder_reaction_extremes, only: reaction_extremes_recorder_t
+   use rwmf_simulation_recorder_reaction_extremes, only: first_exceedance, &
+      reaction_extremes_recorder_t
    use rwmf_simulation_state_result, only: reaction_extremes_t
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    implicit none
@@ -83,8 +84,8 @@ contains
          if (equation%has_impacts) extremes%impact_demand_max = forces%impact_demand
       end if
       if (allocated(forces%limit)) then
-         extremes%is_exceeded = allocated(forces%t_exceeded)
-         if (extremes%is_exceeded) extremes%t_exceeded = forces%t_exceeded
+         extremes%is_exceeded = allocated(forces%t_exceeded) .or. allocated(forces%t_impulse)
+         if (extremes%is_exceeded) extremes%t_exceeded = first_exceedance(forces)
       end if
       ! drifts of a rigid wall are monotone in the rotation, whose peaks are located as events
       extremes%wall_drift_max = max(wall_drift(equation, theta_max), &

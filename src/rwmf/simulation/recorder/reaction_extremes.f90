@@ -30,6 +30,7 @@ module rwmf_simulation_recorder_reaction_extremes
    private
 
    public :: reaction_extremes_recorder_t, create_reaction_extremes
+   public :: first_exceedance
    public :: observe_impulse, observe_instant, observe_last, observe_moving, observe_resting
 
    integer, parameter :: thrust = n_quantities + 1
@@ -49,7 +50,9 @@ module rwmf_simulation_recorder_reaction_extremes
       real(wp), allocatable :: limit
       !! coefficient of friction, as a limit of the demand [-]
       real(wp), allocatable :: t_exceeded
-      !! first time at which a demand exceeds the limit [s]
+      !! first time at which the demand of the motion between impacts exceeds the limit [s]
+      real(wp), allocatable :: t_impulse
+      !! first time at which the demand of an impact exceeds the limit [s]
       logical :: sees_impulses = .false.
       !! the friction at impacts is requested
       real(wp) :: impact_demand = 0
@@ -102,9 +105,21 @@ contains
       if (.not. impulse(2) > 0) return
       demand_of_impact = abs(impulse(1))/impulse(2)
       forces%impact_demand = max(forces%impact_demand, demand_of_impact)
-      if (.not. allocated(forces%limit) .or. allocated(forces%t_exceeded)) return
-      if (demand_of_impact > forces%limit) forces%t_exceeded = t
+      if (.not. allocated(forces%limit) .or. allocated(forces%t_impulse)) return
+      if (demand_of_impact > forces%limit) forces%t_impulse = t
    end subroutine observe_impulse
+
+   !> First time at which any demand exceeds the limit; `huge` without one [s].
+   !>
+   !> The search of the demand between impacts ignores impulses. Its bits then do not depend on
+   !> whether the friction at impacts is requested.
+   pure real(wp) function first_exceedance(forces) result(t)
+      type(reaction_extremes_recorder_t), intent(in) :: forces
+
+      t = huge(t)
+      if (allocated(forces%t_exceeded)) t = forces%t_exceeded
+      if (allocated(forces%t_impulse)) t = min(t, forces%t_impulse)
+   end function first_exceedance
 
    !> Update the extrema with the final state if there is no other, as in a run of zero duration.
    subroutine observe_last(forces, equation, t, y, y_dot)
@@ -451,10 +466,8 @@ contains
             call climb(search, low(demand))
          end do
          if (.not. allocated(forces%limit)) cycle
-         if (value(i) > forces%limit) then
-            t_peak = search%x(1)
-            return
-         end if
+         ! a later peak may be larger
+         if (value(i) > forces%limit) t_peak = min(t_peak, search%x(1))
       end do
 
    contains
