@@ -73,7 +73,6 @@ EFFECTS = [
                 "modes": 2,
                 "xi": 0.1,
                 "damping": "stiffness",
-                "xi_of": "rocking",
             },
             "impact": {"rule": "coupled"},
             "model": {"formulation": "exact"},

@@ -47,12 +47,13 @@ def test_no_group_is_missing() -> None:
 def test_no_law_is_missing() -> None:
     """Every value of every choice of an effect; pulses are drives of one kind.
 
-    A rule that makes lists (`distribution`) is the same effect as those lists.
+    A rule that makes lists (`distribution`) is the same effect as those lists, and the scale of a
+    damping (`xi_of`) the same as that damping.
     """
     for group, key, kind, _, default, allowed, *_ in _library.schema():
         if group in _NO_EFFECTS or kind != "choice" or group in ("motion",):
             continue
-        if key in ("unit", "distribution"):
+        if key in ("unit", "distribution", "xi_of"):
             continue
         used = {
             (changes or {}).get(key)
