@@ -130,6 +130,7 @@ contains
       integer(c_int8_t), intent(in) :: bytes(:)
       !! (bytes) one for each character of the text
       character(:), allocatable, intent(out) :: text
+      !! (bytes) characters
       integer :: i
 
       allocate (character(size(bytes)) :: text)

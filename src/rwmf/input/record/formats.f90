@@ -38,14 +38,14 @@ contains
       end if
       name = converted_format(bytes)
       if (name /= '') then
-         call fail(error, err_input, 'the file has the format '//trim(name)//", which the command " &
-            //"'rwmf records convert' writes as columns for &motion")
+         call fail(error, err_input, 'the file has the format '//trim(name) &
+            //", which the command 'rwmf records convert' writes as columns for &motion")
          return
       end if
       name = unread_format(bytes)
       if (name == '') return
-      call fail(error, err_input, 'the format '//trim(name)//' is not read: write '//as_columns//'; ' &
-         //known_formats)
+      call fail(error, err_input, 'the format '//trim(name)//' is not read: write '//as_columns &
+         //'; '//known_formats)
    end subroutine check_format
 
    !> Kind of an archive or document, '' for none.
