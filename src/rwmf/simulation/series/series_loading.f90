@@ -12,6 +12,7 @@ module rwmf_simulation_series_series_loading
       frame_mass, interval_of
    use rwmf_model_system_rest_after_chatter, only: inverse_inertia
    use rwmf_motion_ground_motion, only: interval_end, interval_last, line_of, line_t
+   use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter
    use rwmf_simulation_hybrid_hybrid_loop, only: check_steps, stay_at_rest
    use rwmf_simulation_hybrid_transitions, only: negligible
    use rwmf_simulation_lanes_batch, only: lane_state_t
@@ -135,6 +136,10 @@ contains
             if (allocated(lane%error)) return
             call check_progress(hybrid%progress, size(hybrid%y), hybrid%t, lane%error)
          end do
+         call skip_chatter(hybrid, equation, lane%recorder, negligible*hybrid%rtol &
+            *max(lane%recorder%theta_max, -lane%recorder%theta_min), min(lane%t_end, &
+            interval_end(equation%motion, interval_of(equation))))
+         if (hybrid%t >= lane%t_end) return
          batch%lanes%is_busy(i) = 1
          batch%lanes%t(i) = hybrid%t
          batch%lanes%side(i) = equation%state%side
