@@ -7,6 +7,7 @@ module rwmf_integrator_factory
    use rwmf_integrator_extrapolation, only: extrapolation_t
    use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_integrator_pairs, only: dormand_prince_853
+   use rwmf_integrator_taylor, only: taylor_t
 #ifndef RWMF_QUAD
    use rwmf_integrator_sundials_cvode, only: cvode_t
    use rwmf_integrator_sundials_arkode, only: erk_t
@@ -46,6 +47,8 @@ contains
       class(integrator_t), allocatable, intent(out) :: integrator
 
       select case (run_method(method))
+      case ('taylor')
+         allocate (taylor_t :: integrator)
       case ('dop853')
          allocate (explicit_pair_t :: integrator)
          select type (integrator)

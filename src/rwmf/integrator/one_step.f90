@@ -7,8 +7,8 @@ module rwmf_integrator_one_step
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_interface_integrator, only: fail_step, integrator_t, step_too_small, &
-      tolerance_t
+   use rwmf_integrator_interface_integrator, only: even_share, fail_step, integrator_t, &
+      step_too_small, tolerance_t
    use rwmf_model_system_assembly, only: equation_t, rhs
    implicit none
    private
@@ -150,20 +150,6 @@ contains
       end do
       call accept(self, t_limit, h, y_new, local_error, was_rejected)
    end subroutine step_one_step
-
-   !> Divide the remaining time into equal parts not longer than h, so that no sliver remains before
-   !> a knot [s].
-   pure real(wp) function even_share(remaining, h) result(share)
-      real(wp), intent(in) :: remaining
-      !! [s]
-      real(wp), intent(in) :: h
-      !! [s]
-
-      share = remaining
-      if (h >= remaining) return
-      share = h
-      if (h > 1.0e-8_wp*remaining) share = remaining/real(ceiling(remaining/h, i8), wp)
-   end function even_share
 
    subroutine accept(self, t_limit, h, y_new, local_error, was_rejected)
       class(one_step_t), intent(inout) :: self

@@ -4,12 +4,12 @@
 !> interval follows the last one; in both the ground acceleration is zero. An integrator that stops
 !> at every knot and evaluates the acceleration *of an interval* meets no kink and no jump.
 module rwmf_motion_ground_motion
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_kinds, only: pi, wp
    use rwmf_motion_host_motion, only: ground_t
    use rwmf_motion_record_lines, only: last_until, line_t, lines_t, lines_through, merged_times, &
       next_eighth, on_knots
-   use rwmf_motion_pulse_curve, only: build_curve, curve_gain, curve_rate, curve_t, curve_turn, &
-      curve_value, knots_with_bends, steep_time
+   use rwmf_motion_pulse_curve, only: build_curve, curve_gain, curve_rate, curve_series, curve_t, &
+      curve_turn, curve_value, knots_with_bends, steep_time
    use rwmf_problem_case, only: case_t
    use rwmf_problem_record, only: record_t
    implicit none
@@ -22,7 +22,7 @@ module rwmf_motion_ground_motion
    public :: lowest_vertical
    public :: is_curved
    public :: interval_at, interval_end, interval_last, turning_point, steep_point, fastest_rate
-   public :: is_piecewise_linear, motion_end, velocities_at_knots, velocity
+   public :: is_piecewise_linear, motion_end, velocities_at_knots, velocity, expand_ground
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
@@ -328,6 +328,76 @@ contains
          acceleration = motion%a(interval)
       end if
    end function acceleration
+
+   !> Expand both components of the ground acceleration in the time after t, inside an interval.
+   !>
+   !> A host's function is replaced by a polynomial through its values at Chebyshev points.
+   pure subroutine expand_ground(motion, interval, t, span, order, ground, upward)
+      type(motion_t), intent(in) :: motion
+      integer, intent(in) :: interval
+      !! number of the interval, as from `interval_at`
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: span
+      !! length in which the series of a host's function holds [s]
+      integer, intent(inout) :: order
+      !! on entry the largest order; on return that of the series
+      real(wp), intent(out) :: ground(0:), upward(0:)
+      !! (order) coefficients over s**k, horizontal and vertical (upward) [m/s2]
+      type(line_t) :: line
+
+      line = line_of(motion, interval)
+      if (is_curved(motion, interval)) then
+         call curve_series(motion%curve, t, ground(0:order))
+      else if (motion%shape == shape_given .and. interval == 1) then
+         call fit_series(motion%ground, t, span, ground(0:order))
+      else
+         order = 1
+         ground(0) = acceleration(motion, interval, t)
+         ground(1) = line%slope
+      end if
+      upward(0:order) = motion%vertical_ratio*ground(0:order)
+      if (.not. allocated(motion%upward)) return
+      line = vertical_line_of(motion, interval, line)
+      upward(0:order) = 0
+      upward(0) = line%a_0 + line%slope*(t - line%t_0)
+      upward(1) = line%slope
+   end subroutine expand_ground
+
+   !> Coefficients of the polynomial through a host's values at the Chebyshev points of a span.
+   pure subroutine fit_series(ground, t, span, series)
+      class(ground_t), intent(in) :: ground
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(in) :: span
+      !! [s]
+      real(wp), intent(out) :: series(0:)
+      !! (order)
+      real(wp) :: x(0:ubound(series, 1)), difference(0:ubound(series, 1))
+      integer :: i, k, n
+
+      n = ubound(series, 1)
+      ! points and divided differences over the span
+      do k = 0, n
+         x(k) = 0.5_wp - 0.5_wp*cos(pi*k/n)
+         difference(k) = ground%acceleration_at(t + x(k)*span)
+      end do
+      do k = 1, n
+         do i = n, k, -1
+            difference(i) = (difference(i) - difference(i - 1))/(x(i) - x(i - k))
+         end do
+      end do
+      series = 0
+      do k = n, 0, -1
+         do i = n - k, 1, -1
+            series(i) = series(i - 1) - x(k)*series(i)
+         end do
+         series(0) = difference(k) - x(k)*series(0)
+      end do
+      do k = 1, n
+         series(k) = series(k)/span**k
+      end do
+   end subroutine fit_series
 
    !> Compute the ground velocities at the knots of straight lines, from rest at the first one
    !> [m/s]; for a pulse, the velocity after it.

@@ -11,7 +11,8 @@ module rwmf_motion_near_fault_pulse
    private
 
    public :: amplitude_of, angular_frequency
-   public :: pulse_t, build_pulse, cut_times, pulse_shape, pulse_slope, pulse_gain, type_c_phase
+   public :: pulse_t, build_pulse, cut_times, pulse_shape, pulse_series, pulse_slope, &
+      pulse_gain, type_c_phase, add_sine
 
    integer, parameter :: shape_ricker = 1
    integer, parameter :: shape_ricker_antisymmetric = 2
@@ -144,6 +145,63 @@ contains
          end associate
       end select
    end function unit_acceleration
+
+   !> Taylor series of the unit acceleration at a time inside the pulse [1/s**k].
+   pure subroutine pulse_series(pulse, t, series)
+      type(pulse_t), intent(in) :: pulse
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(out) :: series(0:)
+      !! (order)
+      real(wp) :: bell(0:ubound(series, 1) + 3)
+      !! series of exp(-x**2/2), of which both Ricker pulses are derivatives
+      real(wp) :: x, part
+      integer :: k
+
+      x = pulse%rate*(t - pulse%centre)
+      if (pulse%shape == shape_mavroeidis_papageorgiou) then
+         part = 1/pulse%gamma
+         series = 0
+         call add_sine(-1.0_wp, 1.0_wp, x + pulse%nu, series)
+         call add_sine(-(1 + part)/2, 1 + part, (1 + part)*x + pulse%nu, series)
+         call add_sine(-(1 - part)/2, 1 - part, (1 - part)*x + pulse%nu, series)
+      else
+         bell(0) = exp(-x**2/2)
+         bell(1) = -x*bell(0)
+         do k = 1, ubound(bell, 1) - 1
+            bell(k + 1) = -(x*bell(k) + bell(k - 1))/(k + 1)
+         end do
+         do k = 0, ubound(series, 1)
+            if (pulse%shape == shape_ricker) then
+               series(k) = -(k + 1)*(k + 2)*bell(k + 2)
+            else
+               series(k) = -(k + 1)*(k + 2)*(k + 3)*bell(k + 3)
+            end if
+         end do
+      end if
+      series = series*[(pulse%rate**k, k=0, ubound(series, 1))]/pulse%peak
+
+   end subroutine pulse_series
+
+   !> Add the series of size*sin(phase + frequency*x) in x.
+   pure subroutine add_sine(size, frequency, phase, series)
+      real(wp), intent(in) :: size
+      real(wp), intent(in) :: frequency
+      real(wp), intent(in) :: phase
+      !! [rad]
+      real(wp), intent(inout) :: series(0:)
+      !! (order)
+      real(wp) :: term(0:1)
+      integer :: k
+
+      term = size*[sin(phase), frequency*cos(phase)]
+      do k = 0, ubound(series, 1)
+         associate (of_parity => term(modulo(k, 2)))
+            series(k) = series(k) + of_parity
+            of_parity = -of_parity*(frequency**2/((k + 1)*(k + 2)))
+         end associate
+      end do
+   end subroutine add_sine
 
    !> Rate of the unit acceleration at a time inside the pulse [1/s].
    elemental real(wp) function pulse_slope(pulse, t)

@@ -8,14 +8,15 @@ module rwmf_motion_pulse_curve
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_motion_record_lines, only: next_extremum
-   use rwmf_motion_near_fault_pulse, only: amplitude_of, angular_frequency, build_pulse, &
-      cut_times, pulse_gain, pulse_shape, pulse_slope, pulse_t, type_c_phase
+   use rwmf_motion_near_fault_pulse, only: add_sine, amplitude_of, angular_frequency, &
+      build_pulse, cut_times, pulse_gain, pulse_series, pulse_shape, pulse_slope, pulse_t, &
+      type_c_phase
    use rwmf_problem_case, only: motion_spec_t
    implicit none
    private
 
    public :: curve_t, build_curve, knots_with_bends, curve_value, curve_turn, curve_rate
-   public :: steep_time, curve_gain
+   public :: steep_time, curve_gain, curve_series
 
    !> A pulse: amplitude*sin(omega*(t - t_0) + phase), or amplitude*pulse_shape(pulse, t).
    type :: curve_t
@@ -102,6 +103,24 @@ contains
          curve_value = curve%amplitude*pulse_shape(curve%pulse, t)
       end if
    end function curve_value
+
+   !> Taylor series of the acceleration at a time between beginning and end [m/s2/s**k].
+   pure subroutine curve_series(curve, t, series)
+      type(curve_t), intent(in) :: curve
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(out) :: series(0:)
+      !! (order)
+
+      if (curve%is_harmonic) then
+         series = 0
+         call add_sine(curve%amplitude, curve%omega, curve%omega*(t - curve%t_0) + curve%phase, &
+            series)
+      else
+         call pulse_series(curve%pulse, t, series)
+         series = curve%amplitude*series
+      end if
+   end subroutine curve_series
 
    !> Rate of the acceleration at a time between beginning and end [m/s3].
    pure real(wp) function curve_slope(curve, t)

@@ -16,7 +16,7 @@ module rwmf_input_groups_analysis
 
    public :: model_group, solver_group, output_group
 
-   character(*), parameter :: all_methods = 'auto adams bdf erk54 dop853 extrapolation fast'
+   character(*), parameter :: all_methods = 'auto taylor adams bdf erk54 dop853 extrapolation fast'
    !! integrators; `rwmf_integrator_factory` defines 'auto'
 
 contains

@@ -7,7 +7,7 @@ module rwmf_integrator_interface_integrator
    implicit none
    private
 
-   public :: fail_step, integrator_t, step_too_small, taylor_step, tolerance_t
+   public :: even_share, fail_step, integrator_t, step_too_small, taylor_step, tolerance_t
 
    character(*), parameter :: step_too_small = 'the step has become too small: the response or ' &
       //'the motion is not smooth or not finite, or the tolerance too small'
@@ -116,6 +116,20 @@ contains
          //' s, theta = '//trim(real_to_text(integrator%y1(1)))//', theta_dot = ' &
          //trim(real_to_text(integrator%y1(2)))//', rtol = '//trim(real_to_text(rtol))//': '//cause)
    end subroutine fail_step
+
+   !> Divide the remaining time into equal parts not longer than h, so that no sliver remains before
+   !> a knot [s].
+   pure real(wp) function even_share(remaining, h) result(share)
+      real(wp), intent(in) :: remaining
+      !! [s]
+      real(wp), intent(in) :: h
+      !! [s]
+
+      share = remaining
+      if (h >= remaining) return
+      share = h
+      if (h > 1.0e-8_wp*remaining) share = remaining/real(ceiling(remaining/h, i8), wp)
+   end function even_share
 
    !> Take a step of a few round-offs. The last flights of a decaying chatter are that short, and
    !> would gain energy without the second-order term.

@@ -26,6 +26,7 @@ module rwmf_model_effects_bending_loop
 
    public :: bend_wall, add_modes, release_modes, add_mode_power
    public :: bending_coefficients, fixed_columns, mode_columns, shape_columns, spring_columns
+   public :: smooth_columns, first_of_shape, first_smooth
 
    integer, parameter :: most_modes = 12
    !! upper limit of the key `modes`

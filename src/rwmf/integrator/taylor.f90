@@ -1,0 +1,204 @@
+!> Steps by Taylor series: the state inside the last step is a polynomial of the time.
+!>
+!> The length follows from the last terms before the step is taken, so that none is rejected.
+module rwmf_integrator_taylor
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+   use rwmf_core_error, only: err_numerical, error_t, fail
+   use rwmf_core_kinds, only: i8, wp
+   use rwmf_integrator_interface_integrator, only: even_share, fail_step, integrator_t, &
+      step_too_small, tolerance_t
+   use rwmf_model_equation, only: equation_t, interval_of
+   use rwmf_model_series_scene_series, only: expand_states, series_memory
+   use rwmf_model_series_series_motion, only: highest_order, series_motion_t, set_ground
+   use rwmf_motion_ground_motion, only: expand_ground
+   implicit none
+   private
+
+   public :: taylor_t
+
+   real(wp), parameter :: share = 0.3_wp
+   !! part of the tolerance for the last term of a series [-]
+   real(wp), parameter :: part = 0.1_wp
+   !! part of the absolute tolerance beside that of the largest value so far [-]
+
+   !> Integrator with Taylor series.
+   type, extends(integrator_t) :: taylor_t
+      type(equation_t), pointer :: equation => null()
+      type(tolerance_t) :: tolerance
+      integer :: order = 8
+      real(wp) :: frequency = 1
+      !! of the slowest vibration, over whose radian errors may reach the tolerance [rad/s]
+      real(wp) :: span = huge(1.0_wp)
+      !! longest next step [s]
+      real(wp), allocatable :: largest(:)
+      !! (states) largest magnitude so far at the ends of steps
+      real(wp), allocatable :: series(:, :, :)
+      !! (1, coefficients from 0, states) of the last step, in the time since its begin
+      real(wp), allocatable :: memory(:, :, :)
+      !! (1, coefficients from 0, `series_memory`)
+      type(series_motion_t) :: motion
+   contains
+      procedure :: create => create_taylor
+      procedure :: start => start_taylor
+      procedure :: step => step_taylor
+      procedure :: state_at => state_at_taylor
+      procedure :: destroy => destroy_taylor
+   end type taylor_t
+
+contains
+
+   subroutine create_taylor(self, equation, tolerance, error)
+      class(taylor_t), intent(inout) :: self
+      type(equation_t), intent(inout), target :: equation
+      type(tolerance_t), intent(in) :: tolerance
+      type(error_t), allocatable, intent(out) :: error
+      integer :: status
+
+      call self%destroy()
+      self%equation => equation
+      self%tolerance = tolerance
+      self%steps = 0_i8
+      self%order = order_for(tolerance%rtol)
+      self%frequency = huge(1.0_wp)
+      if (equation%has_frame) self%frequency = equation%p%omega_s
+      if (equation%has_wall) self%frequency = min(self%frequency, sqrt(equation%p%g_over_R))
+      allocate (self%y0(equation%n), stat=status)
+      if (status == 0) allocate (self%y1(equation%n), stat=status)
+      if (status == 0) allocate (self%largest(equation%n), source=0.0_wp, stat=status)
+      if (status == 0) allocate (self%memory(1, 0:highest_order, series_memory(equation%scene)), &
+         stat=status)
+      if (status == 0) allocate (self%series(1, 0:highest_order, equation%n), stat=status)
+      if (status /= 0) call fail(error, err_numerical, 'out of memory for the integrator')
+   end subroutine create_taylor
+
+   !> Order of the series for a tolerance.
+   pure integer function order_for(rtol) result(order)
+      real(wp), intent(in) :: rtol
+      integer, parameter :: fewest = 8
+
+      order = min(max(fewest, 2*nint(-0.55_wp*log10(rtol))), highest_order)
+   end function order_for
+
+   subroutine start_taylor(self, t, y, span, error)
+      class(taylor_t), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(in) :: y(:)
+      real(wp), intent(in) :: span
+      type(error_t), allocatable, intent(out) :: error
+
+      self%t1 = t
+      self%y1(:) = y
+      self%largest(:) = max(self%largest, abs(y))
+      self%span = span
+      if (.not. all(ieee_is_finite(y))) call fail_step(self, 'integration', self%tolerance%rtol, &
+         'the state is not finite', error)
+   end subroutine start_taylor
+
+   subroutine step_taylor(self, t_limit, error)
+      class(taylor_t), intent(inout) :: self
+      real(wp), intent(in) :: t_limit
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: longest, h
+
+      self%t0 = self%t1
+      self%y0(:) = self%y1
+      longest = min(t_limit - self%t0, self%span)
+      self%span = huge(longest)
+      call expand(self, longest)
+      h = even_share(t_limit - self%t0, min(longest, allowed_length(self)))
+      if (.not. h > 8*spacing(self%t0)) then
+         call fail_step(self, 'integration', self%tolerance%rtol, step_too_small, error)
+         return
+      end if
+      self%t1 = self%t0 + h
+      if (h >= t_limit - self%t0) self%t1 = t_limit
+      call evaluate(self, h, self%y1)
+      self%largest(:) = max(self%largest, abs(self%y1))
+      self%steps = self%steps + 1_i8
+      if (.not. all(ieee_is_finite(self%y1))) call fail_step(self, 'integration', &
+         self%tolerance%rtol, 'the state is not finite', error)
+   end subroutine step_taylor
+
+   !> Expand the states at the begin of the step.
+   subroutine expand(self, span)
+      class(taylor_t), intent(inout) :: self
+      real(wp), intent(in) :: span
+      !! length in which the series of a host's ground motion holds [s]
+      real(wp) :: ground(0:highest_order), upward(0:highest_order)
+      integer :: order
+
+      associate (equation => self%equation)
+         order = self%order
+         call expand_ground(equation%motion, interval_of(equation), self%t0, span, order, ground, &
+            upward)
+         call set_ground(order, ground, upward, self%motion)
+         self%series(1, 0, :) = self%y0
+         call expand_states(equation%scene, equation%state%coef, self%order, self%motion, &
+            self%series, self%memory)
+         equation%rhs_evaluations = equation%rhs_evaluations + int(self%order, i8)
+      end associate
+   end subroutine expand
+
+   !> Length at which the last two terms are small parts of the tolerances [s]. Below a radian of
+   !> the slowest vibration the part shrinks with the length, so that errors do not add up.
+   pure real(wp) function allowed_length(self) result(h)
+      class(taylor_t), intent(in) :: self
+      real(wp) :: last(2), tol, whole
+      integer :: i
+
+      h = huge(h)
+      associate (n => self%order)
+         do i = 1, size(self%y0)
+            tol = share*(self%tolerance%rtol*self%largest(i) + part*self%tolerance%atol(i))
+            last = [1.0_wp, 0.1_wp]*abs(self%series(1, n:n - 1:-1, i))
+            last = max(last, tiny(h)/epsilon(h))
+            whole = (tol/last(1))**(1.0_wp/n)
+            if (whole*self%frequency < 1) whole = (tol*self%frequency/last(1))**(1.0_wp/(n - 1))
+            h = min(h, whole, (tol/last(2))**(1.0_wp/(n - 1)))
+         end do
+      end associate
+   end function allowed_length
+
+   !> Evaluate the series of all states at a time after the begin of the step.
+   pure subroutine evaluate(self, h, y)
+      class(taylor_t), intent(in) :: self
+      real(wp), intent(in) :: h
+      !! [s]
+      real(wp), intent(out) :: y(:)
+      !! (states)
+      integer :: k
+
+      y = self%series(1, self%order, :)
+      do k = self%order - 1, 0, -1
+         y = y*h + self%series(1, k, :)
+      end do
+   end subroutine evaluate
+
+   subroutine state_at_taylor(self, t, y, error)
+      class(taylor_t), intent(inout) :: self
+      real(wp), intent(in) :: t
+      real(wp), intent(out) :: y(:)
+      type(error_t), allocatable, intent(out) :: error
+
+      if (t <= self%t0) then
+         y = self%y0
+      else if (t >= self%t1) then
+         y = self%y1
+      else
+         call evaluate(self, t - self%t0, y)
+      end if
+      if (.not. all(ieee_is_finite(y))) call fail_step(self, 'integration', self%tolerance%rtol, &
+         'the state is not finite', error)
+   end subroutine state_at_taylor
+
+   subroutine destroy_taylor(self)
+      class(taylor_t), intent(inout) :: self
+
+      if (allocated(self%y0)) deallocate (self%y0)
+      if (allocated(self%y1)) deallocate (self%y1)
+      if (allocated(self%largest)) deallocate (self%largest)
+      if (allocated(self%series)) deallocate (self%series)
+      if (allocated(self%memory)) deallocate (self%memory)
+   end subroutine destroy_taylor
+
+end module rwmf_integrator_taylor

@@ -1,0 +1,117 @@
+!> Taylor series of the effects that read the motion of the wall alone: devices at the corners, the
+!> vertical ground motion, gravity on a frame with one mass, and its excited mass.
+module rwmf_model_series_corner_series
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_lanes, only: lane_count
+   use rwmf_model_series_series_motion, only: power_of, product_of, pushed, series_motion_t
+   implicit none
+   private
+
+   public :: expand_damper, expand_inerter, expand_fuse, expand_nl_damper, expand_vertical
+   public :: expand_leaning_column, expand_excited_mass
+
+contains
+
+   !> Add the moment of the damper under the lifting corner.
+   pure subroutine expand_damper(n, coef, motion)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: coef(lane_count)
+      !! as of `add_damper`
+      type(series_motion_t), intent(inout) :: motion
+
+      motion%moment(:, n) = motion%moment(:, n) - 0.5_wp*coef*(motion%rate(:, n) &
+         + motion%cosine_rate(:, n))
+   end subroutine expand_damper
+
+   !> Add the inertia and moment of the inerter under the lifting corner.
+   pure subroutine expand_inerter(n, coef, motion)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: coef(lane_count)
+      !! as of `add_inerter`
+      type(series_motion_t), intent(inout) :: motion
+
+      motion%inertia(:, n) = motion%inertia(:, n) + 0.5_wp*coef*motion%cosine(:, n)
+      if (n == 0) motion%inertia(:, 0) = motion%inertia(:, 0) + 0.5_wp*coef
+      motion%moment(:, n) = motion%moment(:, n) + 0.25_wp*coef*product_of(n, motion%sine_rate, &
+         motion%rate)
+   end subroutine expand_inerter
+
+   !> Expand sine and cosine of half the rotation.
+   pure subroutine expand_half_angle(n, motion)
+      integer, intent(in) :: n
+      type(series_motion_t), intent(inout) :: motion
+
+      if (n == 0) return
+      motion%half_sine(:, n) = product_of(n - 1, motion%half_cosine, motion%rate)/(2*n)
+      motion%half_cosine(:, n) = -product_of(n - 1, motion%half_sine, motion%rate)/(2*n)
+   end subroutine expand_half_angle
+
+   !> Add the force of the fuse, linear in the stroke.
+   pure subroutine expand_fuse(n, coef, motion)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: coef(lane_count, 3)
+      !! as of `add_fuse`
+      type(series_motion_t), intent(inout) :: motion
+
+      call expand_half_angle(n, motion)
+      motion%moment(:, n) = motion%moment(:, n) - (coef(:, 1)*motion%half_cosine(:, n) &
+         + 0.5_wp*coef(:, 2)*motion%sine(:, n))
+   end subroutine expand_fuse
+
+   !> Add the force of the nonlinear dampers. At theta' = 0 their force is zero, and it stays so in
+   !> the series: a step from there is short.
+   pure subroutine expand_nl_damper(n, coef, motion)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: coef(lane_count, 3)
+      !! as of `add_nl_damper`
+      type(series_motion_t), intent(inout) :: motion
+      integer, parameter :: speed = 1, power = 2
+      !! velocity of the stroke [m/s]; its power with its sign [-]
+
+      call expand_half_angle(n, motion)
+      associate (of => motion%power)
+         of(:, n, speed) = coef(:, 1)*product_of(n, motion%half_cosine, motion%rate)
+         if (n == 0) then
+            of(:, 0, power) = sign(abs(of(:, 0, speed))**coef(:, 3), of(:, 0, speed))
+         else
+            of(:, n, power) = power_of(n, of(1, 0, speed), coef(:, 3), of(1, 0, power))
+         end if
+         motion%moment(:, n) = motion%moment(:, n) - coef(:, 2)*product_of(n, &
+            motion%half_cosine, of(1, 0, power))
+      end associate
+   end subroutine expand_nl_damper
+
+   !> Add the moment of the vertical ground motion.
+   pure subroutine expand_vertical(n, coef, motion)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: coef(lane_count)
+      !! as of `add_vertical`
+      type(series_motion_t), intent(inout) :: motion
+      integer :: k
+
+      do k = 0, min(n, motion%ground_order)
+         motion%moment(:, n) = motion%moment(:, n) - coef*motion%upward(:, k)*motion%s(:, n - k)
+      end do
+   end subroutine expand_vertical
+
+   !> Add the push of the leaning column to a frame of one coordinate.
+   pure subroutine expand_leaning_column(n, coef, motion)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: coef(lane_count)
+      !! push per displacement over m_w [1/s2]
+      type(series_motion_t), intent(inout) :: motion
+
+      motion%moment(:, n) = motion%moment(:, n) + coef*product_of(n, motion%lever, motion%u)
+   end subroutine expand_leaning_column
+
+   !> Add the ground force on the excited mass that does not move with the roof (one mode).
+   pure subroutine expand_excited_mass(n, coef, motion)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: coef(lane_count)
+      !! excited mass minus mass moving with the roof, over m_w [-]
+      type(series_motion_t), intent(inout) :: motion
+
+      motion%moment(:, n) = motion%moment(:, n) - coef*pushed(n, motion%lever, motion)
+   end subroutine expand_excited_mass
+
+end module rwmf_model_series_corner_series

@@ -1,0 +1,153 @@
+!> Taylor series of the equation of motion: kinematics, followed by the series of each term of a
+!> scene, one coefficient after the other.
+module rwmf_model_series_scene_series
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_effects_numbers, only: bending_effect, damper_effect, fuse_effect, inerter_effect, link_effect, &
+      nl_damper_effect, p_delta_effect, storeys_effect, vertical_effect, yielding_effect
+   use rwmf_model_lanes, only: lane_count
+   use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
+      straight_cable_term, term_t
+   use rwmf_model_series_bending_series, only: bend_series, bending_memory, expand_modes, &
+      release_series
+   use rwmf_model_series_corner_series, only: expand_damper, expand_excited_mass, expand_fuse, &
+      expand_inerter, expand_leaning_column, expand_nl_damper, expand_vertical
+   use rwmf_model_series_series_motion, only: expand_bare_frame, expand_frame, expand_link, &
+      expand_linear_cable, expand_straight_cable, expand_wall, highest_order, quotient_of, &
+      series_motion_t
+   use rwmf_model_series_smooth_series, only: expand_bouc_wen
+   use rwmf_model_series_storey_series, only: expand_floors, expand_storey_columns, storey_memory
+   implicit none
+   private
+
+   public :: expand_states, series_memory
+
+contains
+
+   !> Number of series that the terms of a scene keep between two coefficients.
+   pure integer function series_memory(scene) result(n)
+      type(scene_t), intent(in) :: scene
+      integer :: i
+
+      n = 0
+      do i = 1, size(scene%terms)
+         n = n + memory_of(scene%terms(i))
+      end do
+   end function series_memory
+
+   !> Number of series that a term keeps.
+   pure integer function memory_of(term) result(n)
+      type(term_t), intent(in) :: term
+
+      n = 0
+      if (term%effect == storeys_effect .and. term%n > 0) n = storey_memory(term)
+      if (term%effect == bending_effect) n = bending_memory(term)
+   end function memory_of
+
+   !> Compute the series of all states from their values at the start of a step.
+   pure subroutine expand_states(scene, coef, order, motion, y, memory)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      !! coefficients of the terms, for the current side and the active branches
+      integer, intent(in) :: order
+      !! of the series
+      type(series_motion_t), intent(inout) :: motion
+      !! with the series of the ground motion; on return with those of the kinematics
+      real(wp), intent(inout) :: y(lane_count, 0:highest_order, scene%n)
+      !! (coefficients, states) series of the states; on entry their values, coefficients 0
+      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, *)
+      !! (coefficients, `series_memory`)
+      real(wp) :: rates(lane_count, scene%n)
+      integer :: i, n
+      do n = 0, order - 1
+         call expand_rates(scene, coef, n, y, memory, motion, rates)
+         do i = 1, scene%n
+            y(:, n + 1, i) = rates(:, i)/(n + 1)
+         end do
+      end do
+   end subroutine expand_states
+
+   !> Compute coefficient n of the rates of all states.
+   pure subroutine expand_rates(scene, coef, n, y, memory, motion, rates)
+      type(scene_t), intent(in) :: scene
+      real(wp), intent(in) :: coef(lane_count, scene%n_coef)
+      integer, intent(in) :: n
+      real(wp), intent(in) :: y(lane_count, 0:highest_order, scene%n)
+      !! series of the states, up to coefficient n
+      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, *)
+      type(series_motion_t), intent(inout) :: motion
+      real(wp), intent(out) :: rates(lane_count, scene%n)
+      integer :: i, next
+
+      if (scene%has_wall) then
+         call expand_wall(n, coef(1, first_wall), y(1, n, 1), y(1, n, 2), motion)
+      else
+         call expand_bare_frame(n, y(1, n, 1), y(1, n, 2), motion)
+      end if
+      if (scene%bent > 0) then
+         ! its memory is the last one
+         next = series_memory(scene) - memory_of(scene%terms(scene%bent)) + 1
+         associate (term => scene%terms(scene%bent))
+            call bend_series(n, term, coef(1, term%coef), coef(1, first_wall), &
+               y(1, 0, term%state), memory(1, 0, next), motion)
+         end associate
+      end if
+      next = 1
+      do i = 1, size(scene%terms)
+         associate (term => scene%terms(i), own => scene%terms(i)%coef)
+            select case (term%effect)
+            case (frame_term)
+               call expand_frame(n, coef(1, own), motion)
+            case (linear_cable_term)
+               call expand_linear_cable(n, coef(1, own), motion)
+            case (straight_cable_term)
+               call expand_straight_cable(n, coef(1, own), motion)
+            case (storeys_effect)
+               if (term%n > 0) then
+                  call expand_floors(n, term, coef(1, own), y(1, 0, term%state), &
+                     memory(1, 0, next), motion, rates(1, term%state))
+                  next = next + memory_of(term)
+               else
+                  call expand_excited_mass(n, coef(1, own), motion)
+               end if
+            case (link_effect)
+               call expand_link(n, coef(1, own), motion)
+            case (damper_effect)
+               call expand_damper(n, coef(1, own), motion)
+            case (inerter_effect)
+               call expand_inerter(n, coef(1, own), motion)
+            case (fuse_effect)
+               call expand_fuse(n, coef(1, own), motion)
+            case (yielding_effect)
+               call expand_bouc_wen(n, term%law, coef(1, own), y(1, 0, term%state), motion, &
+                  rates(1, term%state))
+            case (vertical_effect)
+               call expand_vertical(n, coef(1, own), motion)
+            case (p_delta_effect)
+               if (term%n > 0) then
+                  call expand_storey_columns(n, term%n, term%n_states/2, coef(1, own), &
+                     y(1, 0, term%state), motion, rates(1, term%state))
+               else
+                  call expand_leaning_column(n, coef(1, own), motion)
+               end if
+            case (nl_damper_effect)
+               call expand_nl_damper(n, coef(1, own), motion)
+            case (bending_effect)
+               call expand_modes(n, term, coef(1, own), y, memory(1, 0, next), motion, rates)
+            case default
+               ! this effect has no loop and therefore no term
+            end select
+         end associate
+      end do
+      motion%turn(:, n) = quotient_of(n, motion%moment(:, n), motion%inertia, motion%turn)
+      rates(:, 1) = y(:, n, 2)
+      ! the first coefficient is 0 for a wall that is held
+      rates(:, 2) = coef(:, 1)*motion%side*motion%turn(:, n)
+      if (scene%bent > 0) then
+         associate (term => scene%terms(scene%bent))
+            call release_series(n, term, coef(1, term%coef), y(1, 0, term%state), &
+               memory(1, 0, next), motion, rates(1, term%state))
+         end associate
+      end if
+   end subroutine expand_rates
+
+end module rwmf_model_series_scene_series

@@ -1,0 +1,61 @@
+!> Taylor series of smooth hysteresis: the state z of Bouc and Wen, of the frame and of storeys.
+module rwmf_model_series_smooth_series
+   use rwmf_core_kinds, only: wp
+   use rwmf_model_lanes, only: lane_count
+   use rwmf_model_series_series_motion, only: highest_order, power_of, product_of, &
+      series_motion_t
+   implicit none
+   private
+
+   public :: expand_power, expand_bouc_wen
+
+contains
+
+   !> Expand z**m for a small natural m, else |z|**m, as `raise_state`.
+   pure subroutine expand_power(n, factors, exponent, z, powers)
+      integer, intent(in) :: n
+      integer, intent(in) :: factors
+      !! m if it is a small natural number; else 0
+      real(wp), intent(in) :: exponent(lane_count)
+      !! m [-]
+      real(wp), intent(in) :: z(lane_count, 0:n)
+      real(wp), intent(inout) :: powers(lane_count, 0:highest_order, *)
+      !! the last of its max(1, factors - 1) series is the power [-]
+      integer :: m
+
+      if (factors == 0) then
+         if (n == 0) then
+            powers(:, 0, 1) = abs(z(:, 0))**exponent
+         else
+            powers(:, n, 1) = power_of(n, z, exponent, powers)
+         end if
+         return
+      end if
+      powers(:, n, 1) = z(:, n)
+      if (factors > 1) powers(:, n, 1) = product_of(n, z, z)
+      do m = 3, factors
+         powers(:, n, m - 1) = product_of(n, powers(1, 0, m - 2), z)
+      end do
+   end subroutine expand_power
+
+   !> Add the hysteretic part of the frame's force to the moment and expand the rate of its state.
+   pure subroutine expand_bouc_wen(n, factors, coef, z, motion, z_dot)
+      integer, intent(in) :: n
+      integer, intent(in) :: factors
+      !! factors of the power, see `expand_power`
+      real(wp), intent(in) :: coef(lane_count, 4)
+      !! as of `add_bouc_wen`
+      real(wp), intent(in) :: z(lane_count, 0:n)
+      !! hysteretic state [-]
+      type(series_motion_t), intent(inout) :: motion
+      real(wp), intent(out) :: z_dot(lane_count)
+      !! coefficient n of its rate [1/s]
+
+      call expand_power(n, factors, coef(1, 4), z, motion%hysteresis)
+      motion%moment(:, n) = motion%moment(:, n) - motion%side*coef(:, 1)*product_of(n, &
+         motion%lever, z)
+      z_dot = motion%side*coef(:, 2)*(motion%u_rate(:, n) - coef(:, 3)*product_of(n, &
+         motion%u_rate, motion%hysteresis(1, 0, max(1, factors - 1))))
+   end subroutine expand_bouc_wen
+
+end module rwmf_model_series_smooth_series
