@@ -7,7 +7,9 @@ module rwmf_integrator_taylor
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_interface_integrator, only: even_share, fail_step, integrator_t, &
       step_too_small, tolerance_t
+   use rwmf_model_effects_numbers, only: nl_damper_effect
    use rwmf_model_equation, only: equation_t, interval_of
+   use rwmf_model_series_corner_series, only: negligible_rate
    use rwmf_model_series_scene_series, only: expand_states, series_memory
    use rwmf_model_series_series_motion, only: highest_order, series_motion_t, set_ground
    use rwmf_motion_ground_motion, only: expand_ground
@@ -26,6 +28,8 @@ module rwmf_integrator_taylor
       type(equation_t), pointer :: equation => null()
       type(tolerance_t) :: tolerance
       integer :: order = 8
+      integer :: damper = 0
+      !! column of the first coefficient of nonlinear dampers; 0 for none
       real(wp) :: frequency = 1
       !! of the slowest vibration, over whose radian errors may reach the tolerance [rad/s]
       real(wp) :: span = huge(1.0_wp)
@@ -52,16 +56,21 @@ contains
       type(equation_t), intent(inout), target :: equation
       type(tolerance_t), intent(in) :: tolerance
       type(error_t), allocatable, intent(out) :: error
-      integer :: status
+      integer :: i, status
 
       call self%destroy()
       self%equation => equation
       self%tolerance = tolerance
       self%steps = 0_i8
       self%order = order_for(tolerance%rtol)
+      self%damper = 0
       self%frequency = huge(1.0_wp)
       if (equation%has_frame) self%frequency = equation%p%omega_s
       if (equation%has_wall) self%frequency = min(self%frequency, sqrt(equation%p%g_over_R))
+      do i = 1, size(equation%scene%terms)
+         if (equation%scene%terms(i)%effect == nl_damper_effect) self%damper = &
+            equation%scene%terms(i)%coef
+      end do
       allocate (self%y0(equation%n), stat=status)
       if (status == 0) allocate (self%y1(equation%n), stat=status)
       if (status == 0) allocate (self%largest(equation%n), source=0.0_wp, stat=status)
@@ -104,7 +113,8 @@ contains
       self%y0(:) = self%y1
       longest = min(t_limit - self%t0, self%span)
       self%span = huge(longest)
-      call expand(self, longest)
+      if (self%damper > 0) call approach_turn(self, longest)
+      call expand(self, self%order, longest)
       h = even_share(t_limit - self%t0, min(longest, allowed_length(self)))
       if (.not. h > 8*spacing(self%t0)) then
          call fail_step(self, 'integration', self%tolerance%rtol, step_too_small, error)
@@ -119,23 +129,44 @@ contains
          self%tolerance%rtol, 'the state is not finite', error)
    end subroutine step_taylor
 
-   !> Expand the states at the begin of the step.
-   subroutine expand(self, span)
+   !> Drop the force of nonlinear dampers close to a turn, where it has no series, and limit the
+   !> step to where it stays negligible.
+   subroutine approach_turn(self, longest)
       class(taylor_t), intent(inout) :: self
+      real(wp), intent(inout) :: longest
+      !! longest step [s]
+      real(wp) :: negligible, turn
+
+      self%motion%negligible_rate = 0
+      call expand(self, 1, longest)
+      turn = abs(self%motion%turn(1, 0))
+      negligible = negligible_rate(self%equation%state%coef(1, self%damper:self%damper + 2), turn, &
+         self%motion%inertia(1, 0), share*(self%tolerance%rtol*self%largest(2) &
+         + part*self%tolerance%atol(2)))
+      self%motion%negligible_rate = negligible
+      if (abs(self%y0(2)) <= negligible) longest = min(longest, 2*negligible/turn)
+   end subroutine approach_turn
+
+   !> Expand the states at the begin of the step.
+   subroutine expand(self, order, span)
+      class(taylor_t), intent(inout) :: self
+      integer, intent(in) :: order
+      !! of the series
       real(wp), intent(in) :: span
       !! length in which the series of a host's ground motion holds [s]
       real(wp) :: ground(0:highest_order), upward(0:highest_order)
-      integer :: order
+      integer :: known
+      !! order of the ground motion
 
       associate (equation => self%equation)
-         order = self%order
-         call expand_ground(equation%motion, interval_of(equation), self%t0, span, order, ground, &
+         known = order
+         call expand_ground(equation%motion, interval_of(equation), self%t0, span, known, ground, &
             upward)
-         call set_ground(order, ground, upward, self%motion)
+         call set_ground(known, ground, upward, self%motion)
          self%series(1, 0, :) = self%y0
-         call expand_states(equation%scene, equation%state%coef, self%order, self%motion, &
+         call expand_states(equation%scene, equation%state%coef, order, self%motion, &
             self%series, self%memory)
-         equation%rhs_evaluations = equation%rhs_evaluations + int(self%order, i8)
+         equation%rhs_evaluations = equation%rhs_evaluations + int(order, i8)
       end associate
    end subroutine expand
 

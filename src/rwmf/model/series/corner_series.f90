@@ -8,7 +8,7 @@ module rwmf_model_series_corner_series
    private
 
    public :: expand_damper, expand_inerter, expand_fuse, expand_nl_damper, expand_vertical
-   public :: expand_leaning_column, expand_excited_mass
+   public :: expand_leaning_column, expand_excited_mass, negligible_rate
 
 contains
 
@@ -58,8 +58,7 @@ contains
          + 0.5_wp*coef(:, 2)*motion%sine(:, n))
    end subroutine expand_fuse
 
-   !> Add the force of the nonlinear dampers. At theta' = 0 their force is zero, and it stays so in
-   !> the series: a step from there is short.
+   !> Add the force of the nonlinear dampers, none up to a negligible velocity.
    pure subroutine expand_nl_damper(n, coef, motion)
       integer, intent(in) :: n
       real(wp), intent(in) :: coef(lane_count, 3)
@@ -73,6 +72,7 @@ contains
          of(:, n, speed) = coef(:, 1)*product_of(n, motion%half_cosine, motion%rate)
          if (n == 0) then
             of(:, 0, power) = sign(abs(of(:, 0, speed))**coef(:, 3), of(:, 0, speed))
+            where (abs(motion%rate(:, 0)) <= motion%negligible_rate) of(:, 0, power) = 0
          else
             of(:, n, power) = power_of(n, of(1, 0, speed), coef(:, 3), of(1, 0, power))
          end if
@@ -80,6 +80,25 @@ contains
             motion%half_cosine, of(1, 0, power))
       end associate
    end subroutine expand_nl_damper
+
+   !> Velocity below which the impulse of the nonlinear dampers until the next turn is negligible,
+   !> far below the one at which they balance the moment.
+   pure real(wp) function negligible_rate(coef, turn, inertia, impulse) result(rate)
+      real(wp), intent(in) :: coef(3)
+      !! as of `add_nl_damper`
+      real(wp), intent(in) :: turn
+      !! |phi''| [rad/s2]
+      real(wp), intent(in) :: inertia
+      !! over m_w R**2 [-]
+      real(wp), intent(in) :: impulse
+      !! change of phi' that is negligible [rad/s]
+      real(wp), parameter :: far = 0.1_wp
+
+      associate (at_unit => coef(2)*coef(1)**coef(3)/inertia, a => coef(3))
+         rate = (impulse*turn/at_unit)**(1/(1 + a))
+         rate = min(rate, far*(turn/at_unit)**(1/a))
+      end associate
+   end function negligible_rate
 
    !> Add the moment of the vertical ground motion.
    pure subroutine expand_vertical(n, coef, motion)

@@ -138,10 +138,10 @@ contains
             end select
          end associate
       end do
-      motion%turn(:, n) = quotient_of(n, motion%moment(:, n), motion%inertia, motion%turn)
-      rates(:, 1) = y(:, n, 2)
       ! the first coefficient is 0 for a wall that is held
-      rates(:, 2) = coef(:, 1)*motion%side*motion%turn(:, n)
+      motion%turn(:, n) = coef(:, 1)*quotient_of(n, motion%moment(:, n), motion%inertia, motion%turn)
+      rates(:, 1) = y(:, n, 2)
+      rates(:, 2) = motion%side*motion%turn(:, n)
       if (scene%bent > 0) then
          associate (term => scene%terms(scene%bent))
             call release_series(n, term, coef(1, term%coef), y(1, 0, term%state), &

@@ -90,6 +90,8 @@ module rwmf_model_series_series_motion
       !! powers of the state of a smooth frame, up to the eighth [-]
       real(wp) :: power(lane_count, 0:highest_order, 2)
       !! series of nonlinear dampers, see `expand_nl_damper`
+      real(wp) :: negligible_rate(lane_count) = 0
+      !! |phi'| up to which they exert no force [rad/s]
    end type series_motion_t
 
 contains
