@@ -115,7 +115,7 @@ contains
       self%span = huge(longest)
       if (self%damper > 0) call approach_turn(self, longest)
       call expand(self, self%order, longest)
-      h = even_share(t_limit - self%t0, min(longest, allowed_length(self)))
+      h = even_share(t_limit - self%t0, allowed_length(self, longest))
       if (.not. h > 8*spacing(self%t0)) then
          call fail_step(self, 'integration', self%tolerance%rtol, step_too_small, error)
          return
@@ -172,20 +172,27 @@ contains
 
    !> Length at which the last two terms are small parts of the tolerances [s]. Below a radian of
    !> the slowest vibration the part shrinks with the length, so that errors do not add up.
-   pure real(wp) function allowed_length(self) result(h)
+   pure real(wp) function allowed_length(self, longest) result(h)
       class(taylor_t), intent(in) :: self
-      real(wp) :: last(2), tol, whole
+      real(wp), intent(in) :: longest
+      !! longest step [s]
+      real(wp) :: tol(size(self%y0)), last(size(self%y0)), before(size(self%y0))
+      real(wp), parameter :: weight = 0.1_wp
+      !! of the term before the last one [-]
       integer :: i
 
-      h = huge(h)
+      h = longest
       associate (n => self%order)
-         do i = 1, size(self%y0)
-            tol = share*(self%tolerance%rtol*self%largest(i) + part*self%tolerance%atol(i))
-            last = [1.0_wp, 0.1_wp]*abs(self%series(1, n:n - 1:-1, i))
-            last = max(last, tiny(h)/epsilon(h))
-            whole = (tol/last(1))**(1.0_wp/n)
-            if (whole*self%frequency < 1) whole = (tol*self%frequency/last(1))**(1.0_wp/(n - 1))
-            h = min(h, whole, (tol/last(2))**(1.0_wp/(n - 1)))
+         tol = share*(self%tolerance%rtol*self%largest + part*self%tolerance%atol)
+         last = abs(self%series(1, n, :))
+         before = weight*abs(self%series(1, n - 1, :))
+         if (all(last*h**n <= tol*min(1.0_wp, self%frequency*h) .and. before*h**(n - 1) &
+            <= tol)) return
+         do i = 1, size(tol)
+            h = min(h, (tol(i)/max(before(i), tiny(h)/epsilon(h)))**(1.0_wp/(n - 1)))
+            if (last(i)*h**n <= tol(i)*min(1.0_wp, self%frequency*h)) cycle
+            h = (tol(i)/last(i))**(1.0_wp/n)
+            if (h*self%frequency < 1) h = (tol(i)*self%frequency/last(i))**(1.0_wp/(n - 1))
          end do
       end associate
    end function allowed_length

@@ -116,20 +116,27 @@ contains
       end do
    end subroutine set_ground
 
-   !> Coefficient n of the product of two series.
+   !> Coefficient n of the product of two series. Even and odd terms have sums of their own, which
+   !> proceed at the same time.
    pure function product_of(n, a, b) result(c)
       integer, intent(in) :: n
       real(wp), intent(in) :: a(lane_count, 0:n), b(lane_count, 0:n)
       real(wp) :: c(lane_count)
+      real(wp) :: odd(lane_count)
       integer :: i, k
 
-      c = 0
-      do k = 0, n
-         !$omp simd
+      do i = 1, lane_count
+         c(i) = a(i, 0)*b(i, n)
+         odd(i) = 0
+      end do
+      do k = 1, n - 1, 2
          do i = 1, lane_count
-            c(i) = c(i) + a(i, k)*b(i, n - k)
+            odd(i) = odd(i) + a(i, k)*b(i, n - k)
+            c(i) = c(i) + a(i, k + 1)*b(i, n - k - 1)
          end do
       end do
+      if (modulo(n, 2) == 1) odd = odd + a(:, n)*b(:, 0)
+      c = c + odd
    end function product_of
 
    !> Coefficient n of a/b, with the coefficients below n of the quotient.
