@@ -10,7 +10,8 @@ program test_series
    use rwmf_integrator_series_series_lanes, only: series_lanes_t, series_width
    use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, &
       equation_t, second_derivative
-   use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
+   use rwmf_motion_ground_motion, only: acceleration, interval_at, interval_end, motion_t, &
+      pass_lines_inside, piecewise_linear_motion, scan_lines
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_series_series_batch, only: create_series_batch, is_served, series_batch_t
    use rwmf_simulation_series_series_loading, only: load_coefficients
@@ -24,6 +25,7 @@ program test_series
 
    if (checks%wants('equation')) call check_equation()
    if (checks%wants('bits')) call check_bits()
+   if (checks%wants('scans')) call check_scans()
    call checks%finish()
 
 contains
@@ -97,6 +99,49 @@ contains
          end do
       end do
    end subroutine check_bits
+
+   !> Scans along a record against its values at the knots, jumps at both ends included.
+   subroutine check_scans()
+      integer, parameter :: n = 40
+      real(wp), parameter :: bounds(2) = [-0.8_wp, 0.7_wp], most = 1.0e30_wp
+      type(motion_t) :: motion
+      real(wp) :: a(n), begin, end, t, least, variation, before, now, known(2)
+      integer :: i, k, interval
+
+      a = [(0.9_wp*sin(0.2_wp*i*i), i=1, n)]
+      motion = piecewise_linear_motion([(0.1_wp*i, i=1, n)], a)
+      do i = 0, n + 1
+         begin = 0.1_wp*i + 0.03_wp
+         end = begin + 0.7_wp
+         t = begin
+         call scan_lines(motion, interval_at(motion, begin), bounds, most, end, t, least, variation)
+         before = acceleration(motion, interval_at(motion, begin), begin)
+         known = [min(bounds(2) - before, before - bounds(1)), 0.0_wp]
+         interval = interval_at(motion, begin)
+         do k = interval, interval_at(motion, end)
+            if (known(1) < 0) exit
+            now = acceleration(motion, k, interval_end(motion, k - 1))
+            if (k == interval) now = before
+            known = look(known, now, before, bounds)
+            before = acceleration(motion, k, min(end, interval_end(motion, k)))
+            known = look(known, before, now, bounds)
+         end do
+         call checks%that(abs(least - known(1)) < 1.0e-12_wp, 'distance from bounds')
+         if (least > 0) call checks%that(abs(variation - known(2)) < 1.0e-12_wp, 'variation')
+         call pass_lines_inside(motion, bounds, 5.0_wp, begin, interval)
+         if (interval < 1 .or. interval >= n) cycle
+         call checks%that(maxval(abs(a(interval:interval + 1))) > 0.7_wp, &
+            'the line leaves the bounds')
+      end do
+   end subroutine check_scans
+
+   !> Distance from two bounds and variation after a further value.
+   pure function look(known, a, before, bounds) result(now)
+      real(wp), intent(in) :: known(2), a, before, bounds(2)
+      real(wp) :: now(2)
+
+      now = [min(known(1), bounds(2) - a, a - bounds(1)), known(2) + abs(a - before)]
+   end function look
 
    !> Take a step of all lanes.
    subroutine step(kernels, lanes)
