@@ -3,6 +3,7 @@
 !> base.
 module rwmf_model_system_rest_after_chatter
    use rwmf_core_kinds, only: wp
+   use rwmf_model_hysteresis_spring_set, only: renew_window
    use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, uplift_demands
    use rwmf_model_system_assembly, only: enter_side, rhs, second_derivative
    use rwmf_model_system_lift_off, only: demand_turns, find_uplift_acceleration, resting_range
@@ -224,10 +225,10 @@ contains
    !> number n therefore leaves at most w e**n with w = v exp(V/2), where V is the total variation
    !> of ln(p). The flights take at most 2 w/(p_min (1 - e)) together, and none rises above w**2/(2
    !> p_min). Below a small angle, rotation and velocity reduce p only slightly. The bound subtracts
-   !> four times the largest reduction.
+   !> four times the largest reduction. Springs with memory stay on their branches.
    logical function will_settle(equation, t, v, e, angle, pull, t_pulled) result(will)
       type(equation_t), intent(inout) :: equation
-      !! equation with two states, without hysteresis; unchanged on return
+      !! equation with two states, without smooth hysteresis; unchanged on return
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: v
@@ -248,6 +249,7 @@ contains
       pressure = min(pull(1), pull(2))
       if (pressure <= 0 .or. e >= 1) return
       if (v**2 > 2*pressure*angle) return
+      if (ends_branch(equation, v**2/(2*pressure))) return
       span = patience*2*v/(pressure*(1 - e))
       if (.not. is_known_until(equation%motion, interval_of(equation), t + span)) return
       if (t < t_pulled .and. t + span >= t_pulled) return
@@ -258,7 +260,29 @@ contains
       pressure = least - 4*lost_pressure(equation, t, w, w**2/(2*least), pull)
       if (pressure < least/2) return
       will = 2*w <= pressure*(1 - e)*span .and. w**2 <= 2*pressure*angle
+      if (will .and. w > v) will = .not. ends_branch(equation, w**2/(2*pressure))
    end function will_settle
+
+   !> Return whether a flight up to an angle may end the branch of a spring on either side.
+   logical function ends_branch(equation, angle) result(ends)
+      type(equation_t), intent(inout) :: equation
+      !! unchanged on return
+      real(wp), intent(in) :: angle
+      !! [rad]
+      integer :: k
+
+      ends = .false.
+      if (.not. equation%has_bilinear_springs) return
+      ! the current side is the last one and remains set
+      associate (state => equation%state)
+         do k = 1, 2
+            state%side = -state%side
+            call renew_window(equation%model_t, state)
+            ends = ends .or. state%ends_at_peak .or. state%side*angle > state%high &
+               .or. state%side*angle < state%low
+         end do
+      end associate
+   end function ends_branch
 
    !> Compute the smallest ground acceleration that presses the wall down in a span, and the
    !> variation of the uplift demands.
