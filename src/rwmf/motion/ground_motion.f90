@@ -22,7 +22,9 @@ module rwmf_motion_ground_motion
    public :: lowest_vertical
    public :: is_curved
    public :: interval_at, interval_end, interval_last, turning_point, steep_point, fastest_rate
-   public :: is_piecewise_linear, motion_end, velocities_at_knots, velocity, expand_ground
+   public :: is_piecewise_linear, motion_end, velocities_at_knots, velocity
+   public :: scan_lines, pass_lines_inside
+   public :: expand_ground
 
    integer, parameter :: shape_linear = 1
    !! straight lines between the knots
@@ -398,6 +400,77 @@ contains
          series(k) = series(k)/span**k
       end do
    end subroutine fit_series
+
+   !> Compute the smallest distance of straight lines from two bounds, and their total variation, in
+   !> a span. The scan ends early at a variation above a multiple of the distance.
+   pure subroutine scan_lines(motion, interval, bounds, most, t_end, t, least, variation)
+      type(motion_t), intent(in) :: motion
+      !! piecewise linear
+      integer, intent(in) :: interval
+      !! number of the interval at t
+      real(wp), intent(in) :: bounds(2)
+      !! lower and upper bound [m/s2]
+      real(wp), intent(in) :: most
+      !! variation over the distance that ends the scan [-]
+      real(wp), intent(in) :: t_end
+      !! [s]
+      real(wp), intent(inout) :: t
+      !! begin of the span; on return the end of the scan [s]
+      real(wp), intent(out) :: least
+      !! negative beyond a bound [m/s2]
+      real(wp), intent(out) :: variation
+      !! [m/s2]
+      real(wp) :: a, b
+      integer :: k
+
+      k = interval
+      a = acceleration(motion, k, t)
+      least = min(bounds(2) - a, a - bounds(1))
+      variation = 0
+      do while (t < t_end .and. variation <= most*least)
+         if (k < 1 .or. k >= size(motion%knot)) then
+            t = min(interval_end(motion, k), t_end)
+            b = 0
+         else
+            t = min(motion%knot(k + 1), t_end)
+            b = motion%a(k) + motion%slope(k)*(t - motion%knot(k))
+         end if
+         variation = variation + abs(b - a)
+         least = min(least, min(bounds(2) - b, b - bounds(1)))
+         k = k + 1
+         a = b
+         if (k > size(motion%knot)) cycle
+         if (t < motion%knot(k)) cycle
+         a = merge(motion%a(k), 0.0_wp, k < size(motion%knot))
+         variation = variation + abs(a - b)
+         least = min(least, min(bounds(2) - a, a - bounds(1)))
+      end do
+   end subroutine scan_lines
+
+   !> Advance to the first interval whose straight line is not between two bounds, or that ends
+   !> after a time.
+   pure subroutine pass_lines_inside(motion, bounds, t_limit, t, interval)
+      type(motion_t), intent(in) :: motion
+      !! piecewise linear
+      real(wp), intent(in) :: bounds(2)
+      !! lower and upper bound [m/s2]
+      real(wp), intent(in) :: t_limit
+      !! [s]
+      real(wp), intent(inout) :: t
+      !! [s]
+      integer, intent(inout) :: interval
+      !! number of the interval at t
+      real(wp) :: a, b
+
+      do while (interval >= 1 .and. interval < size(motion%knot))
+         if (motion%knot(interval + 1) > t_limit) return
+         a = motion%a(interval)
+         b = a + motion%slope(interval)*(motion%knot(interval + 1) - motion%knot(interval))
+         if (.not. (min(a, b) >= bounds(1) .and. max(a, b) <= bounds(2))) return
+         interval = interval + 1
+         t = motion%knot(interval)
+      end do
+   end subroutine pass_lines_inside
 
    !> Compute the ground velocities at the knots of straight lines, from rest at the first one
    !> [m/s]; for a pulse, the velocity after it.

@@ -415,8 +415,9 @@ contains
       associate (equation => run%equation)
          ! an explicit dop853 is bitwise identical to single runs, which resolve all impacts
          if (request%has_only_peaks .and. run%case%solver%method /= 'dop853' .and. equation%n == 2 &
-             .and. .not. (equation%has_bilinear_springs .or. equation%has_loading_direction &
-             .or. equation%creep > 0)) run%hybrid%settled_angle = settled
+             .and. .not. (equation%has_loading_direction .or. equation%creep > 0)) then
+            run%hybrid%settled_angle = settled
+         end if
       end associate
    end subroutine begin_lane
 

@@ -114,6 +114,40 @@ def test_effects_keep_the_tolerance(formulation: str, record_folder: Path) -> No
         assert np.max(np.abs(found.u_s_max.values / truth.u_s_max.values - 1)) < 2e-8, changes
 
 
+_SPRINGS: dict[str, dict[str, dict[str, object]]] = {
+    "yielding frame": {"yielding": {"u_y": 0.02, "hardening": 0.05}},
+    "friction": {"yielding": {"u_y": 0.02, "law": "friction", "breakaway": 1.3}},
+    "flag": {"yielding": {"u_y": 0.02, "hardening": 0.02, "law": "flag", "flag_height": 0.8}},
+    "wear": {
+        "yielding": {"u_y": 0.01, "law": "pinched", "cap": 3, "post_cap": 4, "lambda": [20.0]}
+    },
+    "fuses": {"fuse": {"eta_y": 0.3, "stroke_y": 0.005, "hardening": 0.02}},
+    "tendon": {"cable": {"eta_y": 1.2, "hardening": 0.02}},
+    "tendon that breaks": {"cable": {"eta_y": 1.2, "rupture_strain": 0.012}},
+    "all": {
+        "yielding": {"u_y": 0.02, "hardening": 0.05},
+        "fuse": {"eta_y": 0.3, "stroke_y": 0.005},
+        "cable": {"eta_y": 1.2},
+    },
+}
+
+
+@pytest.mark.parametrize("springs", _SPRINGS)
+def test_springs_with_memory_keep_the_tolerance(springs: str, record_folder: Path) -> None:
+    """Series end at the ends and turns of branches, from 1e-5 to 1e-9."""
+    case = _record("fig13_elcentro_slender_wall", record_folder).replace(
+        model={"formulation": "symmetric"},
+        cable={"eta_0": 1.0, "eta_alpha": 5.0},
+        spectrum={"T_s": [0.2, 0.5, 1.1, 2.3], "gamma": [5.0, 100.0]}
+        | dict.fromkeys(("T_s_min", "T_s_max", "n", "spacing")),
+    )
+    case = case.replace(**_SPRINGS[springs])
+    truth = rwmf.spectrum(case.replace(solver=TRUSTED)).u_s_max.values
+    for rtol in (1e-5, 1e-7, 1e-9):
+        found = rwmf.spectrum(case.replace(solver={"rtol": rtol})).u_s_max.values
+        assert np.max(np.abs(found / truth - 1)) < 2 * rtol
+
+
 def _with_p_delta(case: rwmf.Case, x: list[float]) -> rwmf.Case:
     """Take up to 1.2 times the frame's stiffness; drift limits from 0.5 to 50 %."""
     height = 2 * float(case.wall.h)

@@ -8,9 +8,11 @@ program test_series
    use rwmf_integrator_lane_kernels, only: best_level
    use rwmf_integrator_series_series_kernels, only: series_kernels_of, series_kernels_t
    use rwmf_integrator_series_series_lanes, only: series_lanes_t, series_width
+   use rwmf_model_hysteresis_spring_set, only: load_to
    use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, &
       equation_t, second_derivative
-   use rwmf_motion_ground_motion, only: motion_t, piecewise_linear_motion
+   use rwmf_motion_ground_motion, only: acceleration, interval_at, interval_end, motion_t, &
+      pass_lines_inside, piecewise_linear_motion, scan_lines
    use rwmf_problem_case, only: case_t
    use rwmf_simulation_series_series_batch, only: create_series_batch, is_served, series_batch_t
    use rwmf_simulation_series_series_loading, only: load_coefficients
@@ -20,10 +22,13 @@ program test_series
       //"&cable eta_0=1.0, eta_alpha=5.0 / &impact rule='constant', e=0.9 / " &
       //"&motion kind='sine', a_max_g=0.5, T_p=0.6, cycles=4 / "
    character(*), parameter :: formulations(3) = [character(9) :: 'symmetric', 'exact', 'published']
+   character(*), parameter :: springs = "&fuse eta_y=0.3, stroke_y=0.005, hardening=0.02 / " &
+      //'&yielding u_y=0.02, hardening=0.05 / '
    type(checks_t) :: checks
 
    if (checks%wants('equation')) call check_equation()
    if (checks%wants('bits')) call check_bits()
+   if (checks%wants('scans')) call check_scans()
    call checks%finish()
 
 contains
@@ -37,11 +42,18 @@ contains
       type(equation_t) :: equation
       type(series_batch_t) :: batch
       real(wp) :: x, phi, rate, bend, known, error
+      character(len(springs)) :: further
       integer :: f, i, k, side
 
       motion = piecewise_linear_motion([0.0_wp, 1.0_wp], [0.7_wp, -2.0_wp])
-      do f = 1, size(formulations)
-         call build(wall//"&model formulation='"//trim(formulations(f))//"' /", motion, equation)
+      do f = 1, 2*size(formulations)
+         further = merge(springs, repeat(' ', len(springs)), f > size(formulations))
+         associate (formulation => formulations(mod(f - 1, size(formulations)) + 1))
+            call build(wall//further//"&model formulation='"//trim(formulation)//"' /", motion, &
+               equation)
+         end associate
+         ! to the side of the yielded fuse and back
+         call load_to(equation%model_t, equation%state, 0.03_wp)
          call checks%that(is_served(equation), 'the scene is plain')
          do side = -1, 1, 2
             call create_series_batch(1, order, batch)
@@ -58,45 +70,101 @@ contains
                   error = max(error, abs(bend/h**2 - known)/max(1.0_wp, abs(known)))
                end do
             end do
-            call checks%that(error < 1.0e-10_wp, 'equation of motion, '//trim(formulations(f)))
+            call checks%that(error < 1.0e-10_wp, 'equation of motion'//further)
          end do
       end do
    end subroutine check_equation
 
-   !> Lanes at one level and in one order against those at other levels and in reverse.
+   !> Lanes at one level and in one order against those at other levels and in reverse, with and
+   !> without the ends of branches.
    subroutine check_bits()
-      integer, parameter :: levels(3) = [1, 3, 4], orders(2) = [8, 10]
+      integer, parameter :: orders(2) = [8, 10]
       type(motion_t), target :: motion
       type(equation_t) :: equation
-      type(series_batch_t) :: start
-      type(series_lanes_t) :: first, other
-      type(series_kernels_t) :: kernels
-      integer :: i, k, level
+      integer :: k, m
 
       motion = piecewise_linear_motion([0.0_wp, 1.0_wp], [0.7_wp, -2.0_wp])
-      call build(wall//"&model formulation='published' /", motion, equation)
-      do k = 1, size(orders)
-         call create_series_batch(1, orders(k), start)
-         call fill(equation, 1, 0.02_wp, start)
-         start%lanes%rate = -abs(start%lanes%rate)
-         start%lanes%phi = 0.01_wp*start%lanes%phi
-         first = start%lanes
-         call step(series_kernels_of(1, orders(k)), first)
-         call checks%that(sum(first%impacts) > 1 .and. sum(first%impacts) < series_width, &
-            'some lanes have an impact')
-         do level = 1, size(levels)
-            if (levels(level) > best_level()) cycle
-            kernels = series_kernels_of(levels(level), orders(k))
-            other = start%lanes
-            call step(kernels, other)
-            call checks%that(same(first, other, [(i, i=1, series_width)]), 'bits of a level')
-            call fill_reversed(start%lanes, other)
-            call step(kernels, other)
-            call checks%that(same(first, other, [(i, i=series_width, 1, -1)]), &
-               'bits of lanes in reverse')
+      do m = 0, 1
+         call build(wall//merge(springs, repeat(' ', len(springs)), m > 0) &
+            //"&model formulation='published' /", motion, equation)
+         do k = 1, size(orders)
+            call check_bits_of(equation, orders(k))
          end do
       end do
    end subroutine check_bits
+
+   subroutine check_bits_of(equation, order)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: order
+      integer, parameter :: levels(3) = [1, 3, 4]
+      type(series_batch_t) :: start
+      type(series_lanes_t) :: first, other
+      type(series_kernels_t) :: kernels
+      integer :: i, level
+
+      call create_series_batch(1, order, start)
+      call fill(equation, 1, 0.02_wp, start)
+      start%lanes%rate = -abs(start%lanes%rate)
+      start%lanes%phi = 0.01_wp*start%lanes%phi
+      first = start%lanes
+      call step(series_kernels_of(1, order), first)
+      call checks%that(sum(first%impacts) > 1 .and. sum(first%impacts) < series_width, &
+         'some lanes have an impact')
+      do level = 1, size(levels)
+         if (levels(level) > best_level()) cycle
+         kernels = series_kernels_of(levels(level), order)
+         other = start%lanes
+         call step(kernels, other)
+         call checks%that(same(first, other, [(i, i=1, series_width)]), 'bits of a level')
+         call fill_reversed(start%lanes, other)
+         call step(kernels, other)
+         call checks%that(same(first, other, [(i, i=series_width, 1, -1)]), &
+            'bits of lanes in reverse')
+      end do
+   end subroutine check_bits_of
+
+   !> Scans along a record against its values at the knots, jumps at both ends included.
+   subroutine check_scans()
+      integer, parameter :: n = 40
+      real(wp), parameter :: bounds(2) = [-0.8_wp, 0.7_wp], most = 1.0e30_wp
+      type(motion_t) :: motion
+      real(wp) :: a(n), begin, end, t, least, variation, before, now, known(2)
+      integer :: i, k, interval
+
+      a = [(0.9_wp*sin(0.2_wp*i*i), i=1, n)]
+      motion = piecewise_linear_motion([(0.1_wp*i, i=1, n)], a)
+      do i = 0, n + 1
+         begin = 0.1_wp*i + 0.03_wp
+         end = begin + 0.7_wp
+         t = begin
+         call scan_lines(motion, interval_at(motion, begin), bounds, most, end, t, least, variation)
+         before = acceleration(motion, interval_at(motion, begin), begin)
+         known = [min(bounds(2) - before, before - bounds(1)), 0.0_wp]
+         interval = interval_at(motion, begin)
+         do k = interval, interval_at(motion, end)
+            if (known(1) < 0) exit
+            now = acceleration(motion, k, interval_end(motion, k - 1))
+            if (k == interval) now = before
+            known = look(known, now, before, bounds)
+            before = acceleration(motion, k, min(end, interval_end(motion, k)))
+            known = look(known, before, now, bounds)
+         end do
+         call checks%that(abs(least - known(1)) < 1.0e-12_wp, 'distance from bounds')
+         if (least > 0) call checks%that(abs(variation - known(2)) < 1.0e-12_wp, 'variation')
+         call pass_lines_inside(motion, bounds, 5.0_wp, begin, interval)
+         if (interval < 1 .or. interval >= n) cycle
+         call checks%that(maxval(abs(a(interval:interval + 1))) > 0.7_wp, &
+            'the line leaves the bounds')
+      end do
+   end subroutine check_scans
+
+   !> Distance from two bounds and variation after a further value.
+   pure function look(known, a, before, bounds) result(now)
+      real(wp), intent(in) :: known(2), a, before, bounds(2)
+      real(wp) :: now(2)
+
+      now = [min(known(1), bounds(2) - a, a - bounds(1)), known(2) + abs(a - before)]
+   end function look
 
    !> Take a step of all lanes.
    subroutine step(kernels, lanes)

@@ -41,8 +41,10 @@ module rwmf_integrator_series_series_lanes
       real(wp) :: rate(series_width)
       !! phi' [rad/s]
       real(wp) :: multiplicity(series_width)
-      !! order of the root of phi at the start of the step: 1 after an impact, 2 after a lift-off, 0
-      !! away from the base [-]
+      !! order of the root of phi - lower at the start of the step: 1 after an impact, 2 after a
+      !! lift-off, 0 away from that bound [-]
+      real(wp) :: above(series_width)
+      !! the same for the upper bound [-]
       ! coefficients of the equation of motion, per m_w R**2
       real(wp) :: inverse_radius(series_width)
       !! 1/R [1/m]
@@ -70,6 +72,11 @@ module rwmf_integrator_series_series_lanes
       !! by side: moment of the cable at phi = 0 [1/s2]
       real(wp) :: cable_slope(series_width, 2)
       !! by side: its rate [1/(rad s2)]
+      real(wp) :: fuse(series_width, 2)
+      !! by side: moment of the fuses at zero stroke [1/s2]
+      real(wp) :: fuse_slope(series_width, 2)
+      !! by side: factor of sin(phi) in this moment [1/s2]
+      logical :: has_fuses = .false.
       ! control of the step
       real(wp) :: rtol(series_width)
       !! requested relative tolerance [-]
@@ -80,8 +87,14 @@ module rwmf_integrator_series_series_lanes
       real(wp) :: frequency(series_width)
       !! frequency whose phase angle scales the tolerance of a step [rad/s]
       ! window and records
-      real(wp) :: upper(series_width)
-      !! upper end of the window of phi [rad]
+      real(wp) :: lower(series_width)
+      !! lower end of the window of phi, 0 for the base [rad]
+      real(wp) :: upper(series_width, 2)
+      !! by side: upper end of the window of phi [rad]
+      logical :: has_branches = .false.
+      !! windows change during the runs
+      real(wp) :: turn(series_width)
+      !! sign that phi' keeps until the end of a branch; 0: either [-]
       real(wp) :: top(series_width, 2)
       !! by side: largest phi so far [rad]
       real(wp) :: fastest(series_width)
@@ -119,9 +132,10 @@ module rwmf_integrator_series_series_lanes
       real(wp) :: rate_end(series_width)
       !! h phi' there [rad]
       real(wp) :: has_root(series_width)
-      !! the step crosses the lower end of the window exactly once, and no other end [-]
+      !! the step crosses the lower end of the window exactly once, and no other end or turn ends
+      !! its branch [-]
       real(wp) :: is_open(series_width)
-      !! a search must show whether phi leaves its window [-]
+      !! a search must show whether phi leaves its window, or turns on a branch that ends there [-]
       real(wp) :: may_peak(series_width)
       !! phi may have a maximum above the largest one so far [-]
       real(wp) :: needs_care(series_width)

@@ -26,14 +26,27 @@ contains
    !> the lever and the force at the link. Each round has one unknown, a coefficient of phi''.
    pure subroutine expand_lanes(lanes)
       type(series_lanes_t), intent(inout) :: lanes
-      real(wp), dimension(0:order) :: p, v, sp, cp, lever, force
+
+      ! the compiler makes a copy of the loop for either constant
+      if (lanes%has_fuses) then
+         call expand(.true., lanes)
+      else
+         call expand(.false., lanes)
+      end if
+   end subroutine expand_lanes
+
+   !> Compute the series with or without the terms of the fuses.
+   pure subroutine expand(has_fuses, lanes)
+      logical, intent(in), value :: has_fuses
+      type(series_lanes_t), intent(inout) :: lanes
+      real(wp), dimension(0:order) :: p, v, sp, cp, hc, lever, force
       real(wp) :: h, rest, hh, side, ca, sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, &
-         cable, slope, a, b, d, u, w, m, inverse, j, jv, q, gamma, of_cosine, of_sine
+         cable, slope, fuse, half, a, b, d, u, w, m, inverse, j, jv, q, gamma, of_cosine, of_sine
       integer :: i, k, n
 
-      !$omp simd private(p, v, sp, cp, lever, force, h, rest, hh, side, ca, sw, sl, sr, x, y, z) &
-      !$omp& private(push, ramp, damp, stiff, grav, cable, slope, a, b, d, u, w, m, inverse, j) &
-      !$omp& private(jv, q, gamma, of_cosine, of_sine, k, n)
+      !$omp simd private(p, v, sp, cp, hc, lever, force, h, rest, hh, side, ca, sw, sl, sr, x, y) &
+      !$omp& private(z, push, ramp, damp, stiff, grav, cable, slope, fuse, half, a, b, d, u, w, m) &
+      !$omp& private(inverse, j, jv, q, gamma, of_cosine, of_sine, k, n)
       do i = 1, series_width
          rest = lanes%limit(i) - lanes%t(i)
          h = lanes%length(i)
@@ -67,18 +80,30 @@ contains
          p(1) = v(0)
          x = lane_sine(0.5_wp*p(0))
          y = lane_cosine(0.5_wp*p(0))
+         hc(0) = y
          sp(0) = 2*x*y
          x = 2*x*x
          cp(0) = 1 - x
          y = ca*sp(0)
          u = 2*(sl*x + y)
          m = (grav*(sw - (sw*x + y)) + ((ca - ca*x) + sw*sp(0))*push) + cable
+         if (has_fuses) then
+            y = lanes%fuse(i, left)
+            fuse = lanes%fuse(i, right)
+            fuse = hh*merge(fuse, y, side > 0)
+            y = lanes%fuse_slope(i, left)
+            z = lanes%fuse_slope(i, right)
+            z = hh*merge(z, y, side > 0)
+            half = 0.5_wp/hc(0)
+            m = m + (fuse*hc(0) + z*sp(0))
+         end if
          lever(0) = 2*((ca - ca*x) + sr*sp(0))
          j = 2*((ca - ca*x) + sl*sp(0))
          inverse = -1/(lanes%inertia(i) + gamma*(lever(0)*j))
          w = push + hh*side*lanes%offset(i)
          of_cosine = grav*sw + push*ca
          of_sine = push*sw - grav*ca
+         if (has_fuses) of_sine = of_sine + z
          x = ramp*ca
          y = ramp*sw
          ca = 2*ca
@@ -95,7 +120,19 @@ contains
                lever(n) = ca*cp(n) + sr*sp(n)
                m = (of_cosine*cp(n) + of_sine*sp(n)) + d
                w = merge(ramp, 0.0_wp, n == 1)
+               if (has_fuses) m = m + fuse*hc(n)
             end if
+            ! cos(phi/2) is the root of (1 + cos(phi))/2
+            z = 0
+            if (has_fuses) then
+               z = 0.5_wp*cp(n + 1)
+               !GCC$ unroll 16
+               do k = 1, n
+                  z = z - hc(k)*hc(n + 1 - k)
+               end do
+               z = z*half
+            end if
+            hc(n + 1) = z
             d = x*cp(n) + y*sp(n)
             m = m + slope*p(n)
             w = w + (damp*jv + stiff*u)
@@ -127,7 +164,7 @@ contains
             lanes%p(i, n) = p(n)
          end do
       end do
-   end subroutine expand_lanes
+   end subroutine expand
 
    !> Choose the length of each step from its last terms, and screen it for events.
    !>
@@ -136,9 +173,22 @@ contains
    !> acceleration without a sign change. A known root at the start is divided out.
    pure subroutine screen_lanes(lanes)
       type(series_lanes_t), intent(inout) :: lanes
+
+      if (lanes%has_branches) then
+         call screen(.true., lanes)
+      else
+         call screen(.false., lanes)
+      end if
+   end subroutine screen_lanes
+
+   !> Screen the steps with or without ends of branches.
+   pure subroutine screen(has_branches, lanes)
+      logical, intent(in), value :: has_branches
+      type(series_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: third = 1.0_wp/3
       real(wp) :: p(0:order), x, last, size, tol, f, d, x2, x3, tail4, tail5, tail7, slope, bend, &
-         root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, moving
+         root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, moving, lower, &
+         upper, above, turn, keeps
       real(wp) :: roots, opens, peaks, shorts
       integer :: i, k
 
@@ -148,7 +198,8 @@ contains
       shorts = 0
       !$omp simd private(p, x, last, size, tol, f, d, x2, x3, tail4, tail5, tail7, slope, bend) &
       !$omp& private(root, q0, q1, q2, q3, least, most, rises, falls, up, down, low, one, top, k) &
-      !$omp& private(moving) reduction(+:roots, opens, peaks, shorts)
+      !$omp& private(moving, lower, upper, above, turn, keeps) &
+      !$omp& reduction(+:roots, opens, peaks, shorts)
       do i = 1, series_width
          !GCC$ unroll 16
          do k = 0, order
@@ -189,9 +240,12 @@ contains
          ! k/(k (k - 1)) is at most a third
          slope = third*bend*x3
          bend = bend*x2
-         ! values above the base
+         ! values above the lower end
          root = lanes%multiplicity(i)
-         q0 = merge(p(3), merge(p(1), p(0), root > 0.5_wp), root > 1.5_wp)
+         lower = 0
+         if (has_branches) lower = lanes%lower(i)
+         low = p(0) - lower
+         q0 = merge(p(3), merge(p(1), low, root > 0.5_wp), root > 1.5_wp)
          q1 = merge(p(4), merge(p(2), p(1), root > 0.5_wp), root > 1.5_wp)*x
          q2 = merge(p(5), merge(p(3), p(2), root > 0.5_wp), root > 1.5_wp)*x2
          q3 = merge(p(6), merge(p(4), p(3), root > 0.5_wp), root > 1.5_wp)*x3
@@ -216,21 +270,37 @@ contains
          q2 = 2*p(2) + 6*p(3)*x
          up = min(q1, q2) - bend
          down = -max(q1, q2) - bend
-         ! calm: phi stays positive
-         low = merge(1.0_wp, 0.0_wp, least > 0)
-         low = merge(1.0_wp, low, min(rises, p(0) + tiny(x)) > 0)
-         low = merge(1.0_wp, low, min(down, f) > 0)
-         low = merge(1.0_wp, low, min(up, min(root, p(1) + tiny(x))) > 0)
+         ! the upper end
+         q0 = lanes%upper(i, left)
+         upper = lanes%upper(i, right)
+         upper = merge(upper, q0, lanes%side(i) > 0)
+         q0 = (upper - p(0)) + tiny(x)
+         keeps = merge(1.0_wp, 0.0_wp, most < upper)
+         keeps = merge(1.0_wp, keeps, min(falls, q0) > 0)
+         if (has_branches) then
+            above = lanes%above(i)
+            keeps = merge(1.0_wp, keeps, min(up, min(upper - f, q0)) > 0)
+            keeps = merge(1.0_wp, keeps, min(down, min(above, tiny(x) - p(1))) > 0)
+            ! a turn that ends a branch
+            turn = lanes%turn(i)
+            q0 = merge(1.0_wp, 0.0_wp, min(up, min(turn, p(1) + tiny(x))) > 0)
+            q0 = merge(1.0_wp, q0, min(down, min(-turn, tiny(x) - p(1))) > 0)
+            q0 = merge(1.0_wp, q0, max(min(rises, turn), min(falls, -turn)) > 0)
+            q0 = merge(1.0_wp, q0, min(max(up, down), min(turn*p(1), turn*d)) > 0)
+            keeps = keeps*merge(q0, 1.0_wp, abs(turn) > 0)
+         end if
+         ! calm: phi stays above the lower end
+         q0 = merge(1.0_wp, 0.0_wp, least > 0)
+         q0 = merge(1.0_wp, q0, min(rises, low + tiny(x)) > 0)
+         q0 = merge(1.0_wp, q0, min(down, f - lower) > 0)
+         q0 = merge(1.0_wp, q0, min(up, min(root, p(1) + tiny(x))) > 0)
          ! one simple root
          one = merge(1.0_wp, 0.0_wp, max(max(down, falls), min(up, 0.5_wp - root)) > 0)
-         one = merge(one, 0.0_wp, f < 0)
-         one = merge(one, 0.0_wp, max(p(0), min(root, p(1))) > 0)
-         low = low*(1 - one)
-         ! the upper end
-         tol = merge(1.0_wp, 0.0_wp, most < lanes%upper(i))
-         tol = merge(1.0_wp, tol, min(falls, lanes%upper(i) - p(0)) > 0)
-         lanes%has_root(i) = moving*one*tol
-         lanes%is_open(i) = moving*(1 - tol*max(one, low))
+         one = merge(one, 0.0_wp, f < lower)
+         one = merge(one, 0.0_wp, max(low, min(root, p(1))) > 0)
+         low = q0*(1 - one)
+         lanes%has_root(i) = moving*one*keeps
+         lanes%is_open(i) = moving*(1 - keeps*max(one, low))
          tol = merge(top, max(top, f), lanes%is_open(i) > 0)
          tol = merge(1.0_wp, 0.0_wp, most > tol)
          tol = merge(0.0_wp, tol, max(max(rises, falls), up) > 0)
@@ -250,9 +320,10 @@ contains
       lanes%some_open = opens > 0
       lanes%some_peak = peaks > 0
       lanes%some_short = shorts > 0
-   end subroutine screen_lanes
+   end subroutine screen
 
-   !> Find the single roots of phi by Newton's method from the root of the parabola at the start.
+   !> Find the single roots of phi - lower by Newton's method, from the root of the parabola at the
+   !> start.
    pure subroutine find_roots(lanes)
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: precision = 1.0e-11_wp
@@ -263,7 +334,7 @@ contains
 
       !$omp simd private(f, d, x, root)
       do i = 1, series_width
-         f = lanes%p(i, 0)
+         f = lanes%p(i, 0) - lanes%lower(i)
          d = lanes%p(i, 1)
          x = lanes%p(i, 2)
          root = sqrt(max(d*d - 4*x*f, 0.0_wp))
@@ -284,6 +355,7 @@ contains
                d = d*x + f
                f = f*x + lanes%p(i, k)
             end do
+            f = f - lanes%lower(i)
             lanes%x(i) = merge(x, lanes%x(i), is_left(i) > 0)
             lanes%rate_end(i) = merge(d, lanes%rate_end(i), is_left(i) > 0)
             root = x - f/d
@@ -295,9 +367,11 @@ contains
          end do
          if (.not. left_over > 0) exit
       end do
-      !$omp simd
+      !$omp simd private(f, x)
       do i = 1, series_width
-         lanes%phi_end(i) = merge(0.0_wp, lanes%phi_end(i), lanes%has_root(i) > 0)
+         x = lanes%lower(i)
+         f = lanes%phi_end(i)
+         lanes%phi_end(i) = merge(x, f, lanes%has_root(i) > 0)
          lanes%has_root(i) = lanes%has_root(i) - is_left(i)
          lanes%is_open(i) = max(lanes%is_open(i), is_left(i))
       end do
@@ -343,6 +417,8 @@ contains
          size = max(lanes%top(i, left), lanes%top(i, right))
          size = 2*least*(lanes%settled(i)*size) - after*after
          size = merge(0.0_wp, 1.0_wp, min(after - ahead, -size) > 0)
+         ! the end of a branch
+         size = merge(1.0_wp, size, max(lanes%lower(i), abs(lanes%turn(i))) > 0)
          care = max(care, hit*size)
          hit = hit*(1 - care)
          lanes%needs_care(i) = care
@@ -360,6 +436,8 @@ contains
          rate = lanes%multiplicity(i)
          rate = merge(hit, rate, moving > 0)
          lanes%multiplicity(i) = rate
+         rate = lanes%above(i)
+         lanes%above(i) = merge(0.0_wp, rate, moving > 0)
          h = lanes%top(i, right)
          rate = merge(max(h, lanes%phi_end(i)), h, moving > 0)
          lanes%top(i, right) = merge(rate, h, x > 0)

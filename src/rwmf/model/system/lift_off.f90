@@ -9,11 +9,12 @@ module rwmf_model_system_lift_off
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_equation, only: discrete_state_t, equation_t, uplift_demands, model_t
    use rwmf_model_system_assembly, only: enter_side, interval_of, uplift_demand, moment_at_rest
-   use rwmf_motion_ground_motion, only: interval_end, line_of, line_t, steep_point, turning_point
+   use rwmf_motion_ground_motion, only: interval_end, is_piecewise_linear, line_of, line_t, &
+      pass_lines_inside, steep_point, turning_point
    implicit none
    private
 
-   public :: lifting_side, find_lift_off, jumps, pull_duration, demand_turns
+   public :: lifting_side, find_lift_off, resting_range, jumps, pull_duration, demand_turns
    public :: find_uplift_acceleration, find_uplift_capacity
 
 contains
@@ -48,6 +49,9 @@ contains
       real(wp) :: t_end
 
       do
+         if (is_piecewise_linear(equation%motion) .and. .not. equation%has_vertical) then
+            call pass_lines_inside(equation%motion, resting_range(equation), t_limit, t, interval)
+         end if
          side = lifting_side(equation, interval, t)
          if (side /= 0 .or. t >= t_limit) return
          t_end = min(demand_turns(equation, interval, t), t_limit)
@@ -61,6 +65,15 @@ contains
          if (t >= interval_end(equation%motion, interval)) interval = interval + 1
       end do
    end subroutine find_lift_off
+
+   !> Range of the horizontal ground acceleration under which the wall rests, without vertical
+   !> motion [m/s2].
+   pure function resting_range(equation) result(range)
+      type(equation_t), intent(in) :: equation
+      real(wp) :: range(2)
+
+      range = [-1, 1]*equation%state%uplift_acceleration([1, -1])/equation%uplift%push_gain
+   end function resting_range
 
    !> First turning point of the uplift demand after t in the interval, or the end of the interval
    !> [s].

@@ -3,10 +3,12 @@
 !> base.
 module rwmf_model_system_rest_after_chatter
    use rwmf_core_kinds, only: wp
+   use rwmf_model_hysteresis_spring_set, only: renew_window
    use rwmf_model_equation, only: discrete_state_t, equation_t, interval_of, uplift_demands
    use rwmf_model_system_assembly, only: enter_side, rhs, second_derivative
-   use rwmf_model_system_lift_off, only: demand_turns, find_uplift_acceleration
-   use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until
+   use rwmf_model_system_lift_off, only: demand_turns, find_uplift_acceleration, resting_range
+   use rwmf_motion_ground_motion, only: interval_end, interval_last, is_known_until, &
+      is_piecewise_linear, scan_lines
    implicit none
    private
 
@@ -43,20 +45,10 @@ contains
       !! a time in the current interval [s]
       real(wp), intent(in) :: t_end
       !! [s]
-      integer :: interval
-      real(wp) :: t
+      real(wp), parameter :: unlimited = 1.0e30_wp
+      real(wp) :: variation, t_pulled
 
-      interval = interval_of(equation)
-      t = t_begin
-      press = pressing_at(equation, interval, t)
-      do while (t < t_end .and. press > 0)
-         t = min(demand_turns(equation, interval, t), t_end)
-         press = min(press, pressing_at(equation, interval, t))
-         if (t >= interval_end(equation%motion, interval)) then
-            interval = interval + 1
-            press = min(press, pressing_at(equation, interval, t))
-         end if
-      end do
+      call press_over(equation, t_begin, t_end, unlimited, press, variation, t_pulled)
    end function pressing_acceleration
 
    !> Angular decelerations of a wall that leaves its base slowly, on the negative and on the
@@ -69,17 +61,6 @@ contains
 
       pull = -uplift_demands(equation, interval_of(equation), t)*inverse_inertia(equation)
    end function decelerations
-
-   pure real(wp) function pressing_at(equation, interval, t) result(press)
-      type(equation_t), intent(in) :: equation
-      integer, intent(in) :: interval
-      real(wp), intent(in) :: t
-      !! [s]
-
-      associate (drive => uplift_demands(equation, interval, t))
-         press = -max(drive(1), drive(2))
-      end associate
-   end function pressing_at
 
    !> True if the wall may be put to rest after an impact that leaves it the velocity v.
    logical function may_rest(equation, t, y, v, e, small_angle, small_velocity, pull)
@@ -244,10 +225,10 @@ contains
    !> number n therefore leaves at most w e**n with w = v exp(V/2), where V is the total variation
    !> of ln(p). The flights take at most 2 w/(p_min (1 - e)) together, and none rises above w**2/(2
    !> p_min). Below a small angle, rotation and velocity reduce p only slightly. The bound subtracts
-   !> four times the largest reduction.
+   !> four times the largest reduction. Springs with memory stay on their branches.
    logical function will_settle(equation, t, v, e, angle, pull, t_pulled) result(will)
       type(equation_t), intent(inout) :: equation
-      !! equation with two states, without hysteresis; unchanged on return
+      !! equation with two states, without smooth hysteresis; unchanged on return
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(in) :: v
@@ -268,26 +249,51 @@ contains
       pressure = min(pull(1), pull(2))
       if (pressure <= 0 .or. e >= 1) return
       if (v**2 > 2*pressure*angle) return
+      if (ends_branch(equation, v**2/(2*pressure))) return
       span = patience*2*v/(pressure*(1 - e))
       if (.not. is_known_until(equation%motion, interval_of(equation), t + span)) return
       if (t < t_pulled .and. t + span >= t_pulled) return
-      call press_over(equation, t, t + span, least, variation, t_pulled)
+      call press_over(equation, t, t + span, most_varied, least, variation, t_pulled)
       if (variation > most_varied*least) return
       w = v*exp(variation/(2*least))
       least = inverse_inertia(equation)*least
       pressure = least - 4*lost_pressure(equation, t, w, w**2/(2*least), pull)
       if (pressure < least/2) return
       will = 2*w <= pressure*(1 - e)*span .and. w**2 <= 2*pressure*angle
+      if (will .and. w > v) will = .not. ends_branch(equation, w**2/(2*pressure))
    end function will_settle
+
+   !> Return whether a flight up to an angle may end the branch of a spring on either side.
+   logical function ends_branch(equation, angle) result(ends)
+      type(equation_t), intent(inout) :: equation
+      !! unchanged on return
+      real(wp), intent(in) :: angle
+      !! [rad]
+      integer :: k
+
+      ends = .false.
+      if (.not. equation%has_bilinear_springs) return
+      ! the current side is the last one and remains set
+      associate (state => equation%state)
+         do k = 1, 2
+            state%side = -state%side
+            call renew_window(equation%model_t, state)
+            ends = ends .or. state%ends_at_peak .or. state%side*angle > state%high &
+               .or. state%side*angle < state%low
+         end do
+      end associate
+   end function ends_branch
 
    !> Compute the smallest ground acceleration that presses the wall down in a span, and the
    !> variation of the uplift demands.
-   pure subroutine press_over(equation, t_begin, t_end, least, variation, t_pulled)
+   pure subroutine press_over(equation, t_begin, t_end, most, least, variation, t_pulled)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t_begin
       !! a time in the current interval [s]
       real(wp), intent(in) :: t_end
       !! [s]
+      real(wp), intent(in) :: most
+      !! variation over the pressing acceleration that ends the search [-]
       real(wp), intent(out) :: least
       !! smallest pressing acceleration; not positive if one side lifts off [m/s2]
       real(wp), intent(out) :: variation
@@ -299,10 +305,18 @@ contains
 
       interval = interval_of(equation)
       t = t_begin
+      if (is_piecewise_linear(equation%motion) .and. .not. equation%has_vertical) then
+         call scan_lines(equation%motion, interval, resting_range(equation), most, t_end, t, &
+            least, variation)
+         least = equation%uplift%push_gain*least
+         variation = equation%uplift%push_gain*variation
+         if (least <= 0) t_pulled = t
+         return
+      end if
       drive = uplift_demands(equation, interval, t)
       least = -maxval(drive)
       variation = 0
-      do while (t < t_end .and. variation <= most_varied*least)
+      do while (t < t_end .and. variation <= most*least)
          before = drive
          t = min(demand_turns(equation, interval, t), t_end)
          drive = uplift_demands(equation, interval, t)

@@ -3,7 +3,8 @@ module rwmf_simulation_series_series_batch
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_series_series_kernels, only: series_kernels_of, series_kernels_t
    use rwmf_integrator_series_series_lanes, only: series_lanes_t, series_width
-   use rwmf_model_equation, only: equation_t, has_further_effects
+   use rwmf_model_effects_numbers, only: fuse_effect
+   use rwmf_model_equation, only: equation_t
    use rwmf_model_scene, only: frame_term, linear_cable_term
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_piecewise_linear, line_of, &
       line_t, motion_t
@@ -11,6 +12,11 @@ module rwmf_simulation_series_series_batch
    private
 
    public :: series_batch_t, create_series_batch, is_served
+   public :: at_lower, at_upper, at_turn
+
+   integer, parameter :: at_lower = 0
+   integer, parameter :: at_upper = 1
+   integer, parameter :: at_turn = 2
 
    !> Runs that step together.
    type :: series_batch_t
@@ -20,6 +26,8 @@ module rwmf_simulation_series_series_batch
       !! number of the interval of the motion of each lane
       logical :: is_busy(series_width) = .false.
       !! the lane has a run
+      integer :: ending(series_width) = at_lower
+      !! one of the `at_` numbers: the end of the window at the event of each lane
       logical :: has_ended = .true.
       !! a run is over, or a lane has none
       real(wp), allocatable :: lines(:, :)
@@ -85,6 +93,7 @@ contains
       lanes%phi = 1
       lanes%rate = 0
       lanes%multiplicity = 0
+      lanes%above = 0
       lanes%inverse_radius = 1
       lanes%cosine = 1
       lanes%sine_wall = 0
@@ -98,11 +107,15 @@ contains
       lanes%offset = 0
       lanes%cable = 0
       lanes%cable_slope = 0
+      lanes%fuse = 0
+      lanes%fuse_slope = 0
       lanes%rtol = 1
       lanes%least_size = 1
       lanes%allowance = 1
       lanes%frequency = 1
+      lanes%lower = 0
       lanes%upper = 2
+      lanes%turn = 0
       lanes%top = 1
       lanes%fastest = 1
       lanes%factor = 1
@@ -117,19 +130,37 @@ contains
       lanes%is_at_limit = 0
    end function idle_lanes
 
-   !> Return whether the series knows all terms of a scene: a rocking wall, and possibly a frame and
-   !> a cable with a linear law.
+   !> Return whether the series knows all terms of a scene: a rocking wall, and possibly a frame, a
+   !> cable with a linear law, and springs with memory.
    pure logical function is_served(equation)
       type(equation_t), intent(in) :: equation
+      integer :: i
 
       is_served = equation%has_impacts .and. equation%n == 2 .and. .not. (equation%has_vertical &
-         .or. equation%has_bilinear_springs .or. equation%has_loading_direction &
-         .or. equation%cable%is_tendon .or. equation%geometry%link > 0)
+         .or. equation%has_loading_direction .or. equation%creep > 0 &
+         .or. equation%geometry%link > 0)
       if (is_served) is_served = all(equation%scene%terms%effect == frame_term &
-         .or. equation%scene%terms%effect == linear_cable_term)
-      if (is_served) is_served = .not. has_further_effects(equation) &
-         .and. abs(equation%floors%excited_mass_ratio - 1) <= 0 &
+         .or. equation%scene%terms%effect == linear_cable_term &
+         .or. equation%scene%terms%effect == fuse_effect)
+      if (is_served) is_served = abs(equation%floors%excited_mass_ratio - 1) <= 0 &
          .and. is_piecewise_linear(equation%motion)
+      if (is_served .and. equation%has_fuses) is_served = bears_on_ground(equation)
+      if (.not. (is_served .and. allocated(equation%effects))) return
+      do i = 1, size(equation%effects)
+         is_served = is_served .and. equation%effects(i)%drifts == 0
+      end do
    end function is_served
+
+   !> Return whether fuses never lift the wall off both corners.
+   pure logical function bears_on_ground(equation)
+      type(equation_t), intent(in) :: equation
+      real(wp) :: capacity
+
+      capacity = equation%p%g
+      if (.not. equation%cable%is_tendon) capacity = capacity*(1 + equation%p%eta_0)
+      associate (fuse => equation%springs(size(equation%springs))%spring)
+         bears_on_ground = 2*fuse%breakaway*fuse%yield <= capacity
+      end associate
+   end function bears_on_ground
 
 end module rwmf_simulation_series_series_batch

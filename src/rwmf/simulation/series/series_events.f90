@@ -10,10 +10,11 @@ module rwmf_simulation_series_series_events
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_hybrid_transitions, only: apply_event
    use rwmf_simulation_lanes_batch, only: lane_state_t
-   use rwmf_simulation_series_series_batch, only: series_batch_t
+   use rwmf_simulation_series_series_batch, only: at_lower, at_turn, at_upper, series_batch_t
    use rwmf_simulation_series_series_loading, only: check_work, enter_series, &
       leave_series, pass_knots, shorten_steps
-   use rwmf_simulation_state_result, only: event_impact, event_overturned
+   use rwmf_simulation_state_result, only: event_branch, event_impact, &
+      event_overturned, event_peak
    implicit none
    private
 
@@ -59,31 +60,60 @@ contains
       type(series_batch_t), intent(inout) :: batch
       real(wp), parameter :: noise = 1.0e-13_wp
       !! part of the terms of the acceleration that is round-off [-]
-      real(wp) :: c(0:batch%kernels%order), lower, upper, slope
-      integer :: root
+      real(wp) :: c(0:batch%kernels%order), ends(at_lower:at_turn), slope
+      integer :: root, k, m
 
       associate (lanes => batch%lanes, n => batch%kernels%order)
-         c = lanes%p(i, :n)
+         m = merge(right, left, lanes%side(i) > 0)
+         ends = huge(slope)
+         ! a third power begins where the second one is round-off
          root = nint(lanes%multiplicity(i))
-         if (root == 2 .and. abs(c(2)) < noise*lanes%gravity(i)*lanes%h(i)**2) root = 3
-         lower = first_negative(c(root:), lanes%x_most(i))
-         c = -c
-         c(0) = c(0) + lanes%upper(i)
-         upper = first_negative(c, lanes%x_most(i))
-         lanes%x(i) = min(lower, upper, lanes%x_most(i))
+         c = lanes%p(i, :n)
+         c(0) = c(0) - lanes%lower(i)
+         ends(at_lower) = first_negative(c(power_of(root):), lanes%x_most(i))
+         root = nint(lanes%above(i))
+         c = -lanes%p(i, :n)
+         c(0) = c(0) + lanes%upper(i, m)
+         ends(at_upper) = first_negative(c(power_of(root):), lanes%x_most(i))
+         if (abs(lanes%turn(i)) > 0) then
+            c(:n - 1) = [(k*lanes%turn(i)*lanes%p(i, k), k=1, n)]
+            root = 2
+            if (abs(c(0)) > 0) root = 1
+            ends(at_turn) = first_negative(c(power_of(root) - 1:n - 1), lanes%x_most(i))
+         end if
+         lanes%x(i) = min(minval(ends), lanes%x_most(i))
          call evaluate(lanes%p(i, :n), lanes%x(i), lanes%phi_end(i), slope)
          lanes%phi_end(i) = max(lanes%phi_end(i), 0.0_wp)
          lanes%rate_end(i) = slope
          lanes%has_root(i) = 0
-         if (upper < lower) then
-            lanes%phi_end(i) = lanes%upper(i)
-            lanes%needs_care(i) = 1
-         else if (lower <= lanes%x_most(i)) then
-            lanes%phi_end(i) = 0
+         if (minval(ends) > lanes%x_most(i)) return
+         ! a turn precedes the upper end of the window, which precedes the lower one
+         batch%ending(i) = ubound(ends, 1) + 1 - minloc(ends(at_turn:at_lower:-1), 1)
+         if (batch%ending(i) == at_lower) then
+            lanes%phi_end(i) = lanes%lower(i)
             lanes%rate_end(i) = min(slope, 0.0_wp)
             lanes%has_root(i) = 1
+            return
+         end if
+         lanes%needs_care(i) = 1
+         if (batch%ending(i) == at_turn) then
+            lanes%rate_end(i) = 0
+         else if (lanes%x(i) > 0) then
+            lanes%phi_end(i) = lanes%upper(i, m)
          end if
       end associate
+
+   contains
+
+      !> Power of the position that vanishes at the start.
+      pure integer function power_of(root)
+         integer, intent(in) :: root
+         !! known order of the root there
+
+         power_of = root
+         if (root == 2 .and. abs(batch%lanes%p(i, 2)) < noise*batch%lanes%gravity(i) &
+             *batch%lanes%h(i)**2) power_of = 3
+      end function power_of
    end subroutine search_step
 
    !> Find the largest rotation in the step of a lane.
@@ -100,7 +130,7 @@ contains
       end associate
    end subroutine find_peak
 
-   !> Apply an impact that may end in rest, or overturning.
+   !> Apply an impact that may end in rest, the end of a branch, or overturning.
    subroutine apply_rare_event(lane, i, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
@@ -111,7 +141,21 @@ contains
       call leave_series(lane, i, batch)
       batch%lanes%needs_care(i) = 0
       batch%lanes%is_at_limit(i) = 0
-      ending%kind = merge(event_overturned, event_impact, batch%lanes%phi(i) > 0)
+      ending%kind = event_impact
+      ending%is_rising = (batch%ending(i) == at_upper) .eqv. batch%lanes%side(i) > 0
+      associate (lanes => batch%lanes, side => (3 + nint(batch%lanes%side(i)))/2)
+         select case (batch%ending(i))
+         case (at_turn)
+            ending%kind = event_peak
+         case (at_upper)
+            ending%kind = event_branch
+            if (lanes%upper(i, side) >= lane%hybrid%overturning_angle) ending%kind = &
+               event_overturned
+         case default
+            if (lanes%lower(i) > 0) ending%kind = event_branch
+         end select
+      end associate
+      batch%ending(i) = at_lower
       call apply_event(lane%hybrid, lane%equation, lane%recorder, ending, lane%error)
       call enter_series(lane, i, batch)
    end subroutine apply_rare_event

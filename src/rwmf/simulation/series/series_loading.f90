@@ -10,6 +10,9 @@ module rwmf_simulation_series_series_loading
    use rwmf_model_cable, only: cable_row
    use rwmf_model_equation, only: enter_interval, enter_side, equation_t, frame_displacement, &
       frame_mass, interval_of
+   use rwmf_model_hysteresis_spring_set, only: renew_window
+   use rwmf_model_system_assembly, only: second_derivative
+   use rwmf_model_system_lift_off, only: find_uplift_acceleration
    use rwmf_model_system_rest_after_chatter, only: inverse_inertia
    use rwmf_motion_ground_motion, only: interval_end, interval_last, line_of, line_t
    use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter
@@ -37,7 +40,6 @@ contains
       !! phase angle of the fastest vibration in a step [rad]
       real(wp), parameter :: part = 0.1_wp
       !! part of the absolute tolerance beside that of the largest rotation so far [-]
-      integer :: m
 
       batch%is_busy(i) = .true.
       batch%lanes%is_busy(i) = 0
@@ -51,16 +53,15 @@ contains
          lanes%frequency(i) = max(equation%p%omega_s, sqrt(equation%p%g_over_R))
          lanes%allowance(i) = allowance_of(equation, lanes%frequency(i)*lane%t_end)
          lanes%longest(i) = angle/lanes%frequency(i)
-         lanes%upper(i) = hybrid%overturning_angle
+         lanes%lower(i) = 0
+         lanes%upper(i, :) = hybrid%overturning_angle
+         lanes%turn(i) = 0
+         lanes%above(i) = 0
          lanes%top(i, :) = 0
          lanes%fastest(i) = lane%recorder%theta_dot_ends
          lanes%factor(i) = hybrid%restitution%e
          ! a table of factors is for the common transitions
          if (allocated(hybrid%restitution%speed)) lanes%factor(i) = 0
-         do m = left, right
-            lanes%uplift(i, m) = equation%state%uplift_acceleration(2*m - 3)
-         end do
-         lanes%gain(i) = inverse_inertia(equation)
          lanes%negligible(i) = negligible*hybrid%rtol
          lanes%settled(i) = max(hybrid%settled_angle, lanes%negligible(i))
          lanes%impacts(i) = 0
@@ -90,7 +91,6 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(series_batch_t), intent(inout) :: batch
-      real(wp) :: row(4)
       integer :: m
 
       associate (lanes => batch%lanes, p => equation%p, geometry => equation%geometry)
@@ -101,19 +101,96 @@ contains
          lanes%gravity(i) = p%g_over_R
          lanes%mass(i) = merge(frame_mass(equation), 0.0_wp, equation%has_frame)
          lanes%damping(i) = p%two_xi_omega
-         lanes%stiffness(i) = equation%state%frame_slope
-         lanes%offset(i) = equation%state%frame_offset/p%R
          do m = left, right
             lanes%sine_link(i, m) = geometry%sine_link(2*m - 3)
             lanes%sine_lever(i, m) = geometry%sine_lever(2*m - 3)
+         end do
+         lanes%has_fuses = equation%has_fuses
+         lanes%has_branches = equation%has_bilinear_springs
+      end associate
+      call load_branches(equation, i, batch)
+   end subroutine load_coefficients
+
+   !> Load the coefficients that change with the branches of the springs, for both sides.
+   subroutine load_branches(equation, i, batch)
+      type(equation_t), intent(in) :: equation
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      real(wp) :: row(4)
+      integer :: m
+
+      associate (lanes => batch%lanes, p => equation%p, state => equation%state)
+         lanes%stiffness(i) = state%frame_slope
+         lanes%offset(i) = state%frame_offset/p%R
+         do m = left, right
             row = 0
-            if (equation%has_cable) row = cable_row(equation%cable, equation%state%tendon, &
-               2*m - 3, p%g_over_R)
+            if (equation%has_cable) row = cable_row(equation%cable, state%tendon, 2*m - 3, &
+               p%g_over_R)
             lanes%cable(i, m) = row(1)
             lanes%cable_slope(i, m) = row(2)
+            lanes%uplift(i, m) = state%uplift_acceleration(2*m - 3)
+         end do
+         lanes%gain(i) = inverse_inertia(equation)
+         if (.not. equation%has_fuses) return
+         ! the left fuse, under the corner that lifts for theta > 0, precedes the right one
+         do m = left, right
+            associate (fuse => state%springs(size(state%springs) + left - m))
+               lanes%fuse(i, m) = 2*p%sin_alpha*fuse%offset/p%R
+               lanes%fuse_slope(i, m) = (2*p%sin_alpha)**2*fuse%slope
+            end associate
          end do
       end associate
-   end subroutine load_coefficients
+   end subroutine load_branches
+
+   !> Load the branches of the springs and their window of the rotation.
+   !>
+   !> A bound within round-off of the rotation, from which the motion leads away, is the end of the
+   !> previous branch or its turn. It then equals the rotation.
+   subroutine load_window(lane, i, batch)
+      type(lane_state_t), intent(inout) :: lane
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      real(wp), parameter :: near(2) = [1.0e-17_wp, 1.0e-13_wp]
+      !! round-off of the ends of a window, absolute [rad] and relative [-]
+      real(wp) :: ahead
+      integer :: k, m, side
+
+      associate (lanes => batch%lanes, equation => lane%equation, state => lane%equation%state)
+         call find_uplift_acceleration(equation%model_t, state, lane%hybrid%y)
+         call load_branches(equation, i, batch)
+         side = state%side
+         ! the present side is the last one
+         do k = 1, 2
+            state%side = -state%side
+            m = (3 + state%side)/2
+            call renew_window(equation%model_t, state)
+            lanes%upper(i, m) = min(lane%hybrid%overturning_angle, merge(state%high, -state%low, &
+               state%side > 0))
+            lanes%lower(i) = max(0.0_wp, merge(state%low, -state%high, state%side > 0))
+         end do
+         ahead = lanes%rate(i)
+         if (abs(ahead) <= 0) then
+            ahead = 1
+            if (lanes%phi(i) > 0) ahead = side*second_derivative(equation, lane%hybrid%t, &
+               lane%hybrid%y)
+         end if
+         lanes%turn(i) = 0
+         if (state%ends_at_peak) lanes%turn(i) = sign(1.0_wp, ahead)
+         if (lanes%lower(i) > 0 .and. ahead > 0 .and. abs(lanes%phi(i) - lanes%lower(i)) &
+             <= near(1) + near(2)*lanes%phi(i)) then
+            lanes%lower(i) = lanes%phi(i)
+            lanes%multiplicity(i) = merge(1, 2, lanes%rate(i) > 0)
+         end if
+         lanes%above(i) = 0
+         if (ahead < 0 .and. abs(lanes%phi(i) - lanes%upper(i, m)) <= near(1) &
+             + near(2)*lanes%phi(i)) then
+            lanes%upper(i, m) = lanes%phi(i)
+            lanes%above(i) = merge(1, 2, lanes%rate(i) < 0)
+         end if
+      end associate
+   end subroutine load_window
 
    !> Prepare a lane for a common step. If its run is over, the lane does not move.
    subroutine enter_series(lane, i, batch)
@@ -148,6 +225,7 @@ contains
          batch%lanes%multiplicity(i) = 0
          if (.not. abs(hybrid%y(1)) > 0) batch%lanes%multiplicity(i) = merge(1, 2, &
             batch%lanes%rate(i) > 0)
+         if (equation%has_bilinear_springs) call load_window(lane, i, batch)
          batch%interval(i) = interval_of(equation) - 1
          call enter_next_interval(lane, i, batch)
       end associate
@@ -251,6 +329,7 @@ contains
          if (equation%state%side /= side) call enter_side(equation%model_t, equation%state, side)
          if (interval_of(equation) /= batch%interval(i)) call enter_interval(equation%model_t, &
             equation%state, min(batch%interval(i), interval_last(equation%motion)))
+         call renew_window(equation%model_t, equation%state)
          lane%integrator%steps = lane%integrator%steps + nint(lanes%steps(i), i8)
          lanes%steps(i) = 0
          recorder%impacts = recorder%impacts + nint(lanes%impacts(i), i8)
