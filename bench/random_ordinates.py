@@ -12,7 +12,8 @@ alone.
 
 An error is given over the allowed one: rtol times the quantity, or times its derivative by the
 relative size of the motion if that is larger. The derivative comes from reference motions that
-differ by 1e-6 and by rtol. Quantities at the end, and signed ones, are compared with the largest of
+differ by 1e-6 and by rtol; for values at the end of a vibration also from another period.
+Quantities at the end, and signed ones, are compared with the largest of
 their kind. Errors are not judged where a change of the motion by rtol changes the quantity by more
 than `CHAOTIC`, or the status. Each bad ordinate is one line. The exit status is 1 when an ordinate
 has an error beyond `WRONG`, fails, or has another status.
@@ -44,12 +45,14 @@ ORDINATES, ALONE = 8, 4  # of a scene: ordinates, and quantities that are reques
 NUDGE = 1e-6
 LIKELY, WRONG = 3.0, 30.0  # errors over the allowed ones that are counted
 CHAOTIC = 0.05
-ROUND_OFF = 1e-9  # of the largest quantity of its kind
+NOTHING = 1e-12  # of any unit
 PATIENCE = 8.0, 60.0  # for a reference and for an answer [s]
 PERIODS = 0.05, 3.0  # s
 # an argument of the maximum jumps between rivals; counts and balances have no accuracy
 LEFT_OUT = re.compile(r"_height_m$|^t_|^energy_balance|^impacts$|^lift_offs$|^pivot_lifts$"
                       r"|^overturned$|^cable_ruptured$|^collapsed$")  # fmt: skip
+# values at the end of a vibration: the derivative by its period counts as well
+PHASE = re.compile(r"^theta_end|^energy_(kinetic|strain|gravity|cable|bending_J)")
 # a quantity, and the one whose size its error is compared with
 SIZES = (
     (r"storey_residual_drift_max", "storey_drift_max"),
@@ -233,8 +236,10 @@ class Campaign:
         low, high = PERIODS
         rows = [[low * (high / low) ** dice.random(), 2 ** dice.uniform(-1, 1.5)][-len(columns) :]
                 for _ in range(ORDINATES)]  # fmt: skip
-        changes = [0.0, NUDGE, -NUDGE, *([rtol, -rtol] if rtol > NUDGE else [])]
-        table = [[*row[:-1], row[-1] * (1 + d)] for row in rows for d in changes]
+        sizes = [NUDGE, -NUDGE, *([rtol, -rtol] if rtol > NUDGE else [])]
+        changes = [(0.0, 0.0), *((0.0, d) for d in sizes), (NUDGE, 0.0)]
+        table = [[x * (1 + d) for x, d in zip(row, some[-len(row) :], strict=True)]
+                 for row in rows for some in changes]  # fmt: skip
         words = {"kind": "rows", "columns": columns}
         truth = self.there.ask(PATIENCE[0], groups=tight, table=table, keys=keys, **words)
         if "error" in truth:
@@ -269,27 +274,24 @@ class Campaign:
         return found
 
 
-def _allowed(near: dict[str, Any], changes: Sequence[float], keys: Sequence[str],
+def _allowed(near: dict[str, Any], changes: Sequence[tuple[float, float]], keys: Sequence[str],
              rtol: float) -> dict[str, float]:  # fmt: skip
     """Error that rtol and conditioning allow each quantity; infinite where it is chaotic."""
     energies = max((abs(near[key][0]) for key in keys if key.startswith("energy")), default=0.0)
     found = {}
     for key in keys:
         x = near[key]
-        size = max(abs(x[0]), 1e-12)
+        size = max(abs(x[0]), NOTHING, energies if key.startswith("energy") else 0.0)
         for pattern, other in SIZES:
             like = re.sub(pattern, other, key)
             if like != key and like in near:
                 size = max(size, abs(near[like][0]))
-        if key.startswith("energy"):
-            size = max(size, energies)
-        moved = [
-            abs(a - x[0]) * max(1.0, rtol / abs(d)) for a, d in zip(x[1:], changes[1:], strict=True)
-        ]
-        slope = max(moved, default=0.0)
-        found[key] = (
-            math.inf if not slope <= CHAOTIC * size else max(rtol * size, slope, 1e-13 * size)
+        slope = max(
+            abs(y - x[0]) * rtol / abs(period + scale)
+            for y, (period, scale) in zip(x[1:], changes[1:], strict=True)
+            if period == 0 or PHASE.search(key)
         )
+        found[key] = max(rtol * size, slope) if slope <= CHAOTIC * size else math.inf
     return found
 
 
