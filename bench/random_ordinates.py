@@ -236,8 +236,7 @@ class Campaign:
         low, high = PERIODS
         rows = [[low * (high / low) ** dice.random(), 2 ** dice.uniform(-1, 1.5)][-len(columns) :]
                 for _ in range(ORDINATES)]  # fmt: skip
-        sizes = [NUDGE, -NUDGE, *([rtol, -rtol] if rtol > NUDGE else [])]
-        changes = [(0.0, 0.0), *((0.0, d) for d in sizes), (NUDGE, 0.0)]
+        changes = [(0.0, 0.0), *((0.0, d) for d in (NUDGE, -NUDGE, rtol)), (NUDGE, 0.0)]
         table = [[x * (1 + d) for x, d in zip(row, some[-len(row) :], strict=True)]
                  for row in rows for some in changes]  # fmt: skip
         words = {"kind": "rows", "columns": columns}
