@@ -1,6 +1,6 @@
 """Ordinates of combinations that lanes once failed to compute, and their neighbours.
 
-The former were found by bench/random_ordinates.py, in scenes with smooth hysteresis.
+The former have smooth hysteresis. bench/random_ordinates.py searches for more.
 """
 
 from __future__ import annotations
