@@ -7,7 +7,7 @@ The scenes are the numbered ones of tests/support/combinations.py. They have wal
 cable, link, dampers, fuses, inerters, vertical motion, tables of e, pulses and records. Each is a
 spectrum by `method = 'auto'` over periods drawn from 0.1 to 3 s, in lanes. An ordinate is wrong
 when its error exceeds rtol times the larger of 1 and its sensitivity to the motion. Errors are
-relative to single runs by `extrapolation` at rtol 1e-13, which uses other steps and another event
+relative to single runs by `taylor` at rtol 1e-13, which uses other steps and another event
 search than the lanes. Every wrong ordinate is listed.
 """
 
@@ -32,7 +32,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"
 
 from combinations import combination
 
-TRUSTED = {"method": "extrapolation", "rtol": 1e-13}
+TRUSTED = {"method": "taylor", "rtol": 1e-13}
 SECOND = {"method": "dop853", "rtol": 1e-13}  # where chatter exhausts the first
 SENSITIVITY = {"method": "dop853", "rtol": 1e-9, "verify": True}
 NOTHING = 1e-12  # m
