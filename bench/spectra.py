@@ -30,8 +30,8 @@ OURS = (("auto", 1e-7), ("auto", 1e-8), ("auto", 1e-9))
 SLOW = (
     ("dop853", 1e-7),
     ("dop853", 1e-9),
-    ("erk54", 1e-7),
-    ("erk54", 1e-8),
+    ("taylor", 1e-7),
+    ("taylor", 1e-8),
     ("adams", 1e-8),
     ("bdf", 1e-8),
 )

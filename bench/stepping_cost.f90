@@ -8,8 +8,7 @@ program stepping_cost
    use rwmf, only: advance_stepping, case_t, create_stepping, destroy_stepping, error_t, i8, &
       query_state, read_case_text, stepping_t, wall_state_t, wp
    implicit none
-   character(*), parameter :: methods(5) = [character(13) :: 'adams', 'bdf', 'erk54', 'dop853', &
-      'extrapolation']
+   character(*), parameter :: methods(4) = [character(6) :: 'adams', 'bdf', 'taylor', 'dop853']
    character(16) :: what
    integer :: n
    integer :: status

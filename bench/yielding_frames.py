@@ -4,7 +4,7 @@
         [--reference independent]
 
 A scene is a number: a frame of 2 to 9 storeys with one of the laws, with or without a wall, gravity
-and devices, under a piecewise linear record. It runs by `dop853`, by `extrapolation` and as a row
+and devices, under a piecewise linear record. It runs by `dop853`, by `taylor` and as a row
 of a table (lanes) at one rtol from 1e-6 to 1e-11. The reference runs at rtol 1e-13 under the same
 record with `KNOTS` samples on each line. These bound its steps, so that none of them can hide a
 storey that reverses twice. The sensitivity of a quantity is its relative change per relative change
@@ -44,7 +44,7 @@ CHAOTIC = 1e5
 KNOTS = 12
 PERTURBATION = 1e-6
 SMALL = 1e-9  # of the largest quantity of its kind: below, an error is one of its zero
-METHODS = ("dop853", "extrapolation", "row", "adams")
+METHODS = ("dop853", "taylor", "row", "adams")
 # numbers of the structure, and of the work
 NO_NUMBER = ("seconds", "steps", "rhs_evaluations", "t_", "T_s", "mass_participation",
              "modal_height", "modal_mass_over_m_w", "roof_factor")  # fmt: skip

@@ -21,7 +21,7 @@ from rwmf.errors import InputError, NumericalError
 
 __all__ = ["METHODS", "PRACTICES", "TOLERANCES", "Cost", "Row", "cheapest", "cost", "count_tasks"]
 
-METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
+METHODS = ("adams", "bdf", "taylor", "dop853")
 TOLERANCES = tuple(10.0**-k for k in range(2, 14))
 # label, name in the kernel, divisor of the procedure's usual interval
 PRACTICES = (
@@ -319,13 +319,13 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
         if time.monotonic() - started > _MOST_REFERENCE_SECONDS:
             raise _TooSlowError
 
-    method = "extrapolation of order 18 in quadruple precision"
+    method = "Taylor series in quadruple precision"
     tolerances = _QUAD
     try:
         found = _measure.solve_reference(case, *_QUAD, poll)
     except (_TooSlowError, NumericalError) as error:
         cause = "takes too long" if isinstance(error, _TooSlowError) else f"failed ({error})"
-        method = f"extrapolation of order 10 in double precision: quadruple precision {cause}"
+        method = f"Taylor series in double precision: quadruple precision {cause}"
         tolerances = _DOUBLE
         found = _double_reference(case)
     peak = _peak_name(case, found)
@@ -345,7 +345,7 @@ def _reference(case: Case, report: Callable[[], None]) -> tuple[Reference, dict[
 
 def _double_reference(case: Case) -> Reference:
     """Compute the reference at two tolerances in double precision."""
-    loose, tight = (_measure.measure_method(case, "extrapolation", rtol, 0.0) for rtol in _DOUBLE)
+    loose, tight = (_measure.measure_method(case, "taylor", rtol, 0.0) for rtol in _DOUBLE)
     differences = {name: abs(tight.values[name] - loose.values[name]) for name in tight.values}
     fields = {field.name: getattr(tight, field.name) for field in dataclasses.fields(tight)}
     return Reference(**fields, differences=differences)

@@ -16,7 +16,7 @@ from pathlib import Path
 # Modules that no source of ours contains.
 INTRINSIC = re.compile(r"(iso_c_binding|iso_fortran_env|ieee_\w+|omp_lib)$")
 LANES = re.compile(r"(?=_[lov]\d)(_[lo]\d+)?(_v\d+)?$")
-SUNDIALS = re.compile(r"f(cvode|arkode|farkode|kinsol|ida|nvector|sun)\w*_mod$")
+SUNDIALS = re.compile(r"f(cvode|kinsol|ida|nvector|sun)\w*_mod$")
 
 _USE = re.compile(r"use\b\s*(?:,\s*(?:non_)?intrinsic\s*)?(?:::)?\s*(\w+)", re.IGNORECASE)
 _MODULE = re.compile(r"module\s+(?!procedure\b|subroutine\b|function\b)(\w+)$", re.IGNORECASE)

@@ -35,7 +35,7 @@ def test_a_wall_that_bounces_without_loss(method: str, T_s: float, elcentro: Pat
     assert "bounces" in run.attrs["warnings"]
 
 
-@pytest.mark.parametrize("method", ["fast", "dop853"])
+@pytest.mark.parametrize("method", ["auto", "dop853"])
 def test_ordinates_of_elastic_chatter(method: str, elcentro: Path) -> None:
     found = rwmf.spectrum(_case(elcentro, 0.08, solver={"method": method}), T_s=[0.08])
     assert found.status.values.item() == "ok"

@@ -25,7 +25,7 @@ BOUNCING = """
 &solver t_end = 20.0, method = '{method}', rtol = 1e-6 /
 """
 
-METHODS = ["dop853", "extrapolation", "erk54", "adams", "bdf"]
+METHODS = ["dop853", "taylor", "adams", "bdf"]
 
 
 def is_warned(text: str) -> bool:
@@ -59,13 +59,13 @@ def test_a_tighter_tolerance_decides() -> None:
 
 @pytest.mark.parametrize(
     ("method", "error"),
-    [("dop853", 1e-6), ("extrapolation", 0.01), ("erk54", 1e-4), ("adams", 0.1), ("bdf", 0.02)],
+    [("dop853", 1e-6), ("taylor", 1e-6), ("adams", 0.1), ("bdf", 0.02)],
 )
 def test_no_step_jumps_over_a_short_pulse(method: str, error: float) -> None:
     """At rtol 1e-6, against the value at 1e-12: the flight after the pulse is not lost."""
     runs = [
         rwmf.simulate(rwmf.Case.from_text(SHORT_PULSE.format(method=name, rtol=rtol)))
-        for name, rtol in ((method, 1e-6), ("extrapolation", 1e-12))
+        for name, rtol in ((method, 1e-6), ("dop853", 1e-12))
     ]
     assert int(runs[0]["impacts"]) == int(runs[1]["impacts"])
     assert float(runs[0]["u_s_max"]) == pytest.approx(float(runs[1]["u_s_max"]), rel=error)

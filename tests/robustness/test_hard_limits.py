@@ -62,7 +62,7 @@ def run_batch(
     )
 
 
-@pytest.mark.parametrize("method", ["dop853", "adams", "extrapolation"])
+@pytest.mark.parametrize("method", ["dop853", "adams", "taylor"])
 @pytest.mark.parametrize(("scene", "end"), [(FALL, "overturned"), (COLLAPSE, "collapsed")])
 def test_a_history_ends_with_the_motion(tmp_path: Path, scene: str, end: str, method: str) -> None:
     """No row follows overturning or collapse, and a warning gives the time."""

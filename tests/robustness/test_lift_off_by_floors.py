@@ -1,7 +1,7 @@
 """A wall that its floors lift while the pull of the ground already decreases.
 
-The first step after such a lift-off is some 3e-15 s long. If ARKODE returns the state at the
-beginning of so short a step, the ground moves on and the floors do not. The wall is then pressed
+The first step after such a lift-off is some 3e-15 s long. If a method returns the state at
+the beginning of so short a step, the ground moves on and the floors do not. The wall is then pressed
 down and lifted again some 1e5 times in a nanosecond. Found by
 `test_hard_combinations.py` (its number 4019).
 """
@@ -18,7 +18,7 @@ import rwmf
 FIRST, SAMPLES, FACTOR = 366, 180, 4.22769280031244
 
 
-@pytest.mark.parametrize("method", ["adams", "bdf", "erk54", "extrapolation"])
+@pytest.mark.parametrize("method", ["adams", "bdf", "taylor"])
 def test_lift_off_by_floors(method: str, tmp_path: Path) -> None:
     """Every method leaves the base at once and agrees with the trusted one."""
     times, accelerations = combinations.elcentro()

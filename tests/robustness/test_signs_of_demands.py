@@ -21,7 +21,7 @@ def test_moment_of_a_block_that_overturns(rtol: float) -> None:
     case = rwmf.Case(**BLOCK, solver={"t_end": 3.0, "rtol": rtol})
     found = rwmf.simulate(case)
     history = float(abs(found["overturning_moment_over_weight"]).max())
-    other = rwmf.simulate(case.replace(solver={"method": "erk54"}))
+    other = rwmf.simulate(case.replace(solver={"method": "dop853"}))
     assert found["overturning_moment_max_over_weight"].item() >= history * (1 - 1e-9)
     assert found["overturning_moment_max_over_weight"].item() == pytest.approx(
         other["overturning_moment_max_over_weight"].item(), rel=100 * rtol

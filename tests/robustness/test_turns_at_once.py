@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 import rwmf
 
-METHODS = ["adams", "bdf", "erk54", "dop853", "extrapolation"]
+METHODS = ["adams", "bdf", "taylor", "dop853"]
 LAWS: dict[str, dict[str, Any]] = {
     "bilinear": {"hardening": 0.1},
     "friction": {"law": "friction", "hardening": 0.05},

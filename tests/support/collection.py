@@ -202,7 +202,7 @@ def write_answers(answers: list[Answer]) -> None:
     """Store answers with their provenance."""
     with ANSWERS.open("w", encoding="utf-8", newline="") as stream:
         stream.write(
-            "# Trusted answers to the hard cases: quadruple precision, extrapolation of order 18,\n"
+            "# Trusted answers to the hard cases: quadruple precision, Taylor series,\n"
             f"# rtol {trusted.RTOL:g}; error: change from rtol {trusted.RTOL_LOOSE:g}. "
             "Made by: bench/hard_cases.py --reference\n"
         )

@@ -42,7 +42,7 @@ SEEDS = (
 """,
     """&frame xi_s = 0.05 T_s = 0.5 /
 &motion kind='sine' v_p=0.1 T_p=0.3 cycles=2.5 /
-&solver t_end=0.5 method='erk54' max_steps=20000 /
+&solver t_end=0.5 method='taylor' max_steps=20000 /
 &spectrum T_s_min = 0.5, T_s_max = 1.0, n = 3, spacing = 'log' /
 """,
     """&wall h = 2.0, b = 0.5 /

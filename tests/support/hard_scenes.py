@@ -9,7 +9,7 @@ from pathlib import Path
 
 import rwmf
 
-METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
+METHODS = ("adams", "bdf", "taylor", "dop853")
 
 # &solver and &motion are joined key by key, the other groups as well; None takes a group out
 Groups = Mapping[str, Mapping[str, object] | None]

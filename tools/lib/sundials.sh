@@ -33,7 +33,7 @@ configure_sundials() {
       -DCMAKE_BUILD_TYPE=Release -DCMAKE_POSITION_INDEPENDENT_CODE=ON \
       -DCMAKE_C_FLAGS=-ffp-contract=off -DCMAKE_Fortran_FLAGS=-ffp-contract=off \
       -DBUILD_SHARED_LIBS=OFF -DBUILD_STATIC_LIBS=ON -DBUILD_FORTRAN_MODULE_INTERFACE=ON \
-      -DBUILD_CVODE=ON -DBUILD_ARKODE=ON -DBUILD_CVODES=OFF -DBUILD_IDA=OFF -DBUILD_IDAS=OFF \
+      -DBUILD_CVODE=ON -DBUILD_ARKODE=OFF -DBUILD_CVODES=OFF -DBUILD_IDA=OFF -DBUILD_IDAS=OFF \
       -DBUILD_KINSOL=OFF -DENABLE_LAPACK=ON -DENABLE_MPI=OFF -DENABLE_OPENMP=OFF \
       -DEXAMPLES_ENABLE_C=OFF -DEXAMPLES_ENABLE_CXX=OFF -DEXAMPLES_ENABLE_F2003=OFF \
       -DEXAMPLES_INSTALL=OFF
@@ -44,7 +44,7 @@ install_sundials() {
    local work
    work="$(mktemp --directory --tmpdir="$cache")"
    fetch_sundials "$work"
-   say "building SUNDIALS $sundials_version (CVODE, ARKODE) once, into .cache"
+   say "building SUNDIALS $sundials_version (CVODE) once, into .cache"
    configure_sundials "$work"
    quietly "$cache/sundials-build.log" cmake --build "$work/build" --parallel "$(nproc)"
    quietly "$cache/sundials-install.log" cmake --install "$work/build"

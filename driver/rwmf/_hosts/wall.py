@@ -115,8 +115,8 @@ class _Stepping(Closable[KernelWalls]):
     def save(self) -> WallSnapshot:
         """Save the present state.
 
-        With ``adams``, ``bdf`` and ``erk54`` this restarts the integrator; with ``dop853``, the
-        default, it has no effect on the results.
+        With ``adams`` and ``bdf`` this restarts the integrator; with the others it has no effect on
+        the results.
 
         Returns
         -------

@@ -560,7 +560,7 @@ class Solver(Group):
     """
 
     __slots__ = ()
-    method: Literal["auto", "adams", "bdf", "erk54", "dop853", "extrapolation", "fast"]
+    method: Literal["auto", "adams", "bdf", "taylor", "dop853"]
     rtol: float
     accuracy: float
     accuracy_of: str

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["work_precision"]
 
-_METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
+_METHODS = ("adams", "bdf", "taylor", "dop853")
 # procedures of practice: marker, and True for filled (dt), False for open (dt/10)
 _PRACTICES = {
     "ode45, default": ("*", True),

@@ -21,7 +21,6 @@ module rwmf_bindings_python_kernel
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
    use rwmf_input_schema, only: write_groups, write_schema
-   use rwmf_integrator_factory, only: method_of_spectrum => spectrum_method
    use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
    use rwmf_model_no_tension_strip, only: base_moment, contact_length, settlement_stress, &
       strip_t, toe_stress
@@ -211,7 +210,7 @@ contains
       type(kept_t), pointer :: kept
 
       kept => find(handle)
-      call put_text(trim(method_of_spectrum(kept%case%solver%method)), buffer, length)
+      call put_text(kept%case%solver%method, buffer, length)
    end subroutine spectrum_method
 
    !> List the warnings of a case, for its spectrum if it has one, separated by tabs.

@@ -44,7 +44,7 @@ contains
       !f2py integer*1 :: message
       !f2py integer*8 :: control
       integer(c_int), intent(out) :: message_length
-      character(*), parameter :: method = 'extrapolation'
+      character(*), parameter :: method = 'taylor'
       real(wp), parameter :: once = 0
       type(case_t) :: case
       type(timed_run_t) :: loose

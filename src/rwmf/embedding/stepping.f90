@@ -5,10 +5,10 @@
 !> and restores the state to repeat a rejected step. Any number of instances may exist, in any
 !> threads; there is no other state. A call that fails changes nothing.
 !>
-!> With `dop853` and `extrapolation` the result is bitwise independent of the division of a motion
-!> into calls, provided that the divisions are at knots. The history of CVODE and ARKODE cannot be
-!> saved, so both saving and restoring restart these integrators. A repeated step is therefore
-!> bitwise identical to the rejected one.
+!> With `taylor` and `dop853` the result is bitwise independent of the division of a motion into
+!> calls, provided that the divisions are at knots. The history of CVODE cannot be saved, so both
+!> saving and restoring restart it. A repeated step is therefore bitwise identical to the rejected
+!> one.
 module rwmf_embedding_stepping
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: i8, wp
@@ -348,7 +348,7 @@ contains
 
    !> Save the current state.
    !>
-   !> CVODE and ARKODE restart in the next call (see above).
+   !> CVODE restarts in the next call (see above).
    subroutine save_stepping(stepping, snapshot, error)
       type(stepping_t), intent(inout) :: stepping
       type(snapshot_t), intent(out) :: snapshot

@@ -8,6 +8,7 @@ module rwmf_embedding_wall_instance
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_integrator_one_step, only: one_step_t
+   use rwmf_integrator_taylor, only: taylor_t
    use rwmf_model_equation, only: discrete_state_t
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_model_system_assembly, only: enter_interval, equation_t, interval_of
@@ -79,7 +80,8 @@ module rwmf_embedding_wall_instance
       real(wp) :: h = 0
       !! step length of a one-step method [s]
       real(wp), allocatable :: f(:)
-      !! (states) derivative at the beginning of its next step; not allocated: it restarts
+      !! (states) derivative at the beginning of its next step, or largest magnitudes so far of a
+      !! Taylor series; not allocated: the method restarts
    end type snapshot_t
 
 contains
@@ -221,6 +223,8 @@ contains
       class is (one_step_t)
          snapshot%h = method%h
          if (goes_on) snapshot%f = method%f1
+      class is (taylor_t)
+         snapshot%f = method%largest
       end select
    end subroutine save_state
 
@@ -247,6 +251,10 @@ contains
       class is (one_step_t)
          method%h = snapshot%h
          if (allocated(snapshot%f)) method%f1(:) = snapshot%f
+         method%t1 = snapshot%hybrid%t
+         method%y1(:) = snapshot%hybrid%y
+      class is (taylor_t)
+         method%largest(:) = snapshot%f
          method%t1 = snapshot%hybrid%t
          method%y1(:) = snapshot%hybrid%y
       class default

@@ -32,7 +32,7 @@ contains
       number = 0
       select case (key%type)
       case ('choice')
-         if (is_quoted) ok = is_choice(trim(key%allowed), value)
+         if (is_quoted) ok = is_choice(trim(key%allowed)//' '//trim(key%former), value)
       case ('text', 'text list')
          ok = is_quoted .and. len_trim(value) > 0
       case ('logical')

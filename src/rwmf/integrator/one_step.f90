@@ -13,7 +13,7 @@ module rwmf_integrator_one_step
    implicit none
    private
 
-   public :: one_step_t, begin_at, error_norm
+   public :: one_step_t, begin_at
 
    !> One-step method with error estimate.
    type, abstract, extends(integrator_t) :: one_step_t
@@ -188,20 +188,6 @@ contains
       end if
       if (.not. all(ieee_is_finite(y))) call report(self, 'the state is not finite', error)
    end subroutine state_at_one_step
-
-   !> Root mean square of the local errors over the tolerances [-].
-   pure real(wp) function error_norm(self, y, y_new, difference) result(norm)
-      class(one_step_t), intent(in) :: self
-      real(wp), intent(in) :: y(:)
-      !! (states) before the step
-      real(wp), intent(in) :: y_new(:)
-      !! (states) after it
-      real(wp), intent(in) :: difference(:)
-      !! (states) estimated error
-
-      norm = sqrt(sum((difference/(self%tolerance%atol &
-         + self%tolerance%rtol*max(abs(y), abs(y_new))))**2)/size(y))
-   end function error_norm
 
    subroutine report(self, cause, error)
       class(one_step_t), intent(in) :: self

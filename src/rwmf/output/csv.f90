@@ -8,7 +8,6 @@ module rwmf_output_csv
    use rwmf_core_error, only: err_interrupt, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_core_version, only: version
-   use rwmf_integrator_factory, only: spectrum_method
    use rwmf_output_summary, only: summarise, summary_item_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_record, only: record_t, upward_group
@@ -82,7 +81,7 @@ contains
       if (.not. allocated(error)) call open_atomic(file, path, error)
       if (allocated(error)) return
       call write_header(file, case, part)
-      call write_line(file, '# method: '//trim(spectrum_method(case%solver%method)))
+      call write_line(file, '# method: '//case%solver%method)
       call list_axes(case, axes)
       do i = 1, size(axes)
          if (.not. axes(i)%is_plain) call write_line(file, '# axis '//trim(axes(i)%column)//': ' &

@@ -49,6 +49,8 @@ module rwmf_problem_key
       !! `group` or `group.key` beside which the key has no meaning; '' for none
       character(32) :: is_fixed_by = ''
       !! reason why a case that has been read cannot change the key; '' if it can
+      character(24) :: former = ''
+      !! of a choice: names that are still accepted
    end type key_t
 
 contains

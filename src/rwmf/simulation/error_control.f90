@@ -137,7 +137,7 @@ contains
       real(wp) :: found
 
       trial = case
-      trial%solver%method = 'dop853'
+      trial%solver%method = 'taylor'
       trial%solver%rtol = verifying_tolerance(result%rtol)
       if (allocated(trial%solver%atol)) deallocate (trial%solver%atol)
       if (allocated(trial%output)) deallocate (trial%output)

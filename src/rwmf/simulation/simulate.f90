@@ -95,7 +95,7 @@ contains
       if (case%solver%accuracy_of == '') return
       asking%structure_t = case%structure_t
       asking%solver = case%solver
-      asking%solver%method = 'dop853'
+      asking%solver%method = 'auto'
       asking%output = output_t(energy=.false., reactions=.true., demands=.true., &
          envelopes=.true.)
       call begin_instant(asking, instant)

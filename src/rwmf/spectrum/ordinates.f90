@@ -6,7 +6,6 @@ module rwmf_spectrum_ordinates
    use rwmf_core_control, only: control_t, count_done, is_cancelled
    use rwmf_core_error, only: err_input, err_interrupt, err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_factory, only: spectrum_method
    use rwmf_math_ordering, only: rising_order
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, output_t
@@ -285,7 +284,7 @@ contains
 
       associate (method => queue%rows%case%solver%method)
          ! lanes share the settings of their error estimates
-         if ((spectrum_method(method) == 'auto' .or. method == 'dop853') &
+         if ((method == 'auto' .or. method == 'dop853') &
             .and. .not. queue%rows%has_own_estimate) then
             call run_lanes(queue, first, threads, control, values, status, evaluations)
             return

@@ -217,8 +217,7 @@ contains
       asking%structure_t = case%structure_t
       asking%solver = case%solver
       asking%solver%accuracy_of = ''
-      ! the method that is cheapest to start
-      asking%solver%method = 'dop853'
+      asking%solver%method = 'auto'
       asking%output = output_t(energy=.true., reactions=.true., demands=.true., &
          envelopes=.true., conditioning=.false.)
       if (allocated(case%output)) then

@@ -268,10 +268,10 @@ def test_width(scene: str) -> None:
 
 
 def test_width_in_lanes() -> None:
-    """Method `fast` has the bits of a spectrum of that width, masses and cable included."""
+    """Method `auto` has the bits of a spectrum of that width, masses and cable included."""
     groups = in_units(groups_of("yielding"))
     del groups["yielding"]
-    case = rwmf.Case(**groups).replace(solver={"method": "fast", "rtol": 1e-7})
+    case = rwmf.Case(**groups).replace(solver={"method": "auto", "rtol": 1e-7})
     found = rwmf.spectrum(case, [0.5, 0.8], b=[1.8, 2.3])["u_s_max"]
     for i, b in enumerate((1.8, 2.3)):
         alone = rwmf.spectrum(case.replace(wall={"b": b}), [0.5, 0.8])["u_s_max"]

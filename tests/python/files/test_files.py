@@ -163,7 +163,7 @@ def test_a_full_disk_and_netcdf(tmp_path: Path) -> None:
     code = """
 import resource, signal, sys, rwmf
 from scenes import coupled
-case = coupled(solver={"t_end": 0.2, "method": "fast", "rtol": 1e-4})
+case = coupled(solver={"t_end": 0.2, "rtol": 1e-4})
 grid = {"e": [0.995, 1.0], "T_s": [0.3 + 0.0001 * i for i in range(3000)]}
 rwmf.sweep(case, grid, file="whole.nc").close()
 whole = open("whole.nc", "rb").read()

@@ -22,7 +22,7 @@ from checkout import ROOT
 from scenes import bare_frame, coupled, record
 
 G = 9.81
-METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
+METHODS = ("adams", "bdf", "taylor", "dop853")
 Array = np.ndarray
 Group = dict[str, object]
 WEAR: Group = {"lambda": [100.0, 40.0, 70.0, 50.0], "lambda_exponent": [1.0, 1.5, 1.2, 2.0]}

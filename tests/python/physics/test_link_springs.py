@@ -161,7 +161,7 @@ def test_yielding_storeys_on_stiff_springs(law: str) -> None:
         assert abs(at_rest) <= float(soft[f"storey_{i}_drift_max"])
 
 
-@pytest.mark.parametrize("method", ["dop853", "adams", "bdf", "erk54", "extrapolation", "fast"])
+@pytest.mark.parametrize("method", ["dop853", "adams", "bdf", "taylor"])
 def test_methods_agree(method: str) -> None:
     asked = {"t_end": 2.0, "rtol": 1e-10}
     best, other = (

@@ -53,7 +53,7 @@ from scipy.linalg import eigh, expm
 from scipy.optimize import brentq
 
 G = 9.81
-METHODS = ("adams", "bdf", "erk54", "dop853", "extrapolation")
+METHODS = ("adams", "bdf", "taylor", "dop853")
 TIGHT = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
 SOLVER = {"rtol": 1e-12, "method": "dop853"}
 FORMULATIONS = ("published", "symmetric", "exact")
@@ -430,7 +430,7 @@ def test_growth(Q: float, xi: float, method: str) -> None:
     high = next(t for t in np.arange(0.05, 60, 0.05) if abs(u(t)) > 0.1 * h_f)
     t_collapse = brentq(lambda t: abs(u(t)) - 0.1 * h_f, high - 0.05, high, xtol=1e-14)
     case = case_of(single(T_s, h_f, mu, xi=xi), pulse.group(), 60.0)
-    rtol = {"rtol": 1e-11 if method in ("adams", "bdf", "erk54") else 1e-12, "method": method}
+    rtol = {"rtol": 1e-11 if method in ("adams", "bdf") else 1e-12, "method": method}
     run = rwmf.simulate(case.replace(solver=rtol))
     assert float(run["t_collapse"]) == pytest.approx(t_collapse, rel=SAME)
     assert float(run["u_s_max"]) == pytest.approx(0.1 * h_f, rel=1e-10)

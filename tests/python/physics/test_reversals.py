@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import rwmf
 
-METHODS = ("dop853", "extrapolation", "row")
+METHODS = ("dop853", "taylor", "row")
 _FULL = {"coupling": "full"}
 # Bouc and Wen, and friction with breakaway: scene, quantity and its value by `dop853` at rtol 1e-13
 SMOOTH: tuple[dict[str, Any], str, float] = (

@@ -13,7 +13,7 @@ from combinations import combination
 # sizes of the motion [g] at which the smallest N is 0.0003 of the wall's weight
 _SIZES = {2: 2.2976675783970735, 14: 1.719730411684823}
 _RTOL = (1e-6, 1e-9)
-_METHODS = ("dop853", "extrapolation", "erk54")
+_METHODS = ("dop853", "taylor")
 
 
 def _case(number: int, folder: Path) -> rwmf.Case:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import rwmf
 
-METHODS = ("dop853", "adams", "bdf", "erk54", "extrapolation")
+METHODS = ("dop853", "adams", "bdf", "taylor")
 
 
 def _events(seed: int, method: str, parts: int) -> Counter[str]:

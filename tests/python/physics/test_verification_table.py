@@ -18,7 +18,7 @@ def test_the_table_is_complete() -> None:
     assert len(PEAKS) == 54
 
 
-@pytest.mark.parametrize("method", ["adams", "erk54"])
+@pytest.mark.parametrize("method", ["adams", "taylor"])
 @pytest.mark.parametrize("peak", PEAKS, ids=lambda peak: "-".join(list(peak.values())[:4]))
 def test_peak(peak: dict[str, str], method: str, elcentro: Path) -> None:
     motion = record(elcentro) if peak["motion"] == "elcentro" else {"kind": peak["motion"]}

@@ -24,7 +24,7 @@ def case_file(request: pytest.FixtureRequest, tmp_path: Path, elcentro: Path) ->
         "bare": lambda: bare_frame(output=output),
         "block": lambda: block(initial={"theta_over_alpha": 0.4}, output=output),
         "record": lambda: coupled(
-            motion=record(elcentro), solver={"t_end": None, "method": "erk54"}, output=output
+            motion=record(elcentro), solver={"t_end": None, "method": "dop853"}, output=output
         ),
     }
     path = tmp_path / "scene.nml"

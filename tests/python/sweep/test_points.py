@@ -58,7 +58,7 @@ def _one(case: rwmf.Case, row: dict[str, float], names: list[str]) -> xr.Dataset
     return rwmf.spectrum(alone, T_s=row["T_s"], quantities=names)
 
 
-@pytest.mark.parametrize("method", ["dop853", "fast"])
+@pytest.mark.parametrize("method", ["dop853", "auto"])
 @pytest.mark.parametrize("is_record", [False, True])
 def test_rows_are_those_of_single_runs(method: str, is_record: bool, elcentro: Path) -> None:
     names = ["u_s_max", "theta_max_over_alpha", "impacts", "t_u_s_max"]

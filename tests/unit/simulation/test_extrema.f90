@@ -18,7 +18,7 @@ program test_extrema
    if (checks%wants('extremes')) call check_extremes('adams', 1.0e-9_wp, 'one_sine')
    if (checks%wants('extremes')) call check_extremes('dop853', 1.0e-9_wp, 'one_sine')
    if (checks%wants('extremes')) call check_extremes('dop853', 1.0e-3_wp, 'one_sine')
-   if (checks%wants('extremes')) call check_extremes('extrapolation', 1.0e-6_wp, 'one_sine')
+   if (checks%wants('extremes')) call check_extremes('taylor', 1.0e-6_wp, 'one_sine')
    if (checks%wants('extremes')) call check_extremes('dop853', 1.0e-9_wp, 'one_cosine')
    if (checks%wants('first_exceedance')) call check_first_exceedance()
    if (checks%wants('turns_of_quotient')) call check_turns_of_quotient()

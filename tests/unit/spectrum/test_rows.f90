@@ -64,9 +64,9 @@ contains
       integer :: i
 
       if (formulation == 'bare') then
-         case = frame_scene(1.0_wp, 'fast')
+         case = frame_scene(1.0_wp, 'auto')
       else
-         case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, 'fast')
+         case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, 'auto')
       end if
       case%solver%rtol = 1.0e-7_wp
       case%motion%kind = kind
@@ -78,7 +78,7 @@ contains
          + 0.7_wp*sin(0.3_wp + 37.9_wp*0.02_wp*i)), i=0, 400)]
    end function shaken_scene
 
-   !> Check that rows by method 'fast' have the bits of the spectra of their cases. They run on two
+   !> Check that rows by method 'auto' have the bits of the spectra of their cases. They run on two
    !> threads, and some of them fall back to the general lanes.
    subroutine check_spectra(formulation, kind)
       character(*), intent(in) :: formulation
@@ -161,7 +161,7 @@ contains
    !> Check that rows with invalid values are refused while the others run, and that unknown columns
    !> are an error.
    subroutine check_refused()
-      character(12), parameter :: methods(3) = [character(12) :: 'fast', 'dop853', 'adams']
+      character(6), parameter :: methods(3) = [character(6) :: 'auto', 'dop853', 'adams']
       type(case_t) :: case
       type(spectrum_t) :: rows
       type(error_t), allocatable :: error
@@ -250,7 +250,7 @@ contains
    !> Check that rows with separate accuracies have the bits of their single runs, by every method.
    !> Rows whose accuracy is below round-off are 'inaccurate'.
    subroutine check_own_accuracy()
-      character(12), parameter :: methods(3) = [character(12) :: 'fast', 'dop853', 'adams']
+      character(6), parameter :: methods(3) = [character(6) :: 'auto', 'dop853', 'adams']
       type(case_t) :: case, single
       type(spectrum_t) :: rows
       type(result_t) :: run

@@ -1,6 +1,7 @@
 !> Groups of the numerical model, the integration and the output: `&model`, `&solver`, `&output`.
 module rwmf_input_groups_analysis
    use rwmf_core_error, only: err_input, error_t, fail
+   use rwmf_integrator_factory, only: all_methods, current_method, old_methods
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_group, has_key, integer_of, &
@@ -15,9 +16,6 @@ module rwmf_input_groups_analysis
    private
 
    public :: model_group, solver_group, output_group
-
-   character(*), parameter :: all_methods = 'auto taylor adams bdf erk54 dop853 extrapolation fast'
-   !! integrators; `rwmf_integrator_factory` defines 'auto'
 
 contains
 
@@ -50,7 +48,7 @@ contains
       group%is_of_scene = .false.
       group%keys = [ &
          optional_key('solver', 'method', 'choice', '', 'auto', all_methods, &
-            'integrator; auto: dop853 for runs, a pair by tolerance for spectra; fast: auto'), &
+            'integrator; auto: taylor for runs, by scene and tolerance for spectra'), &
          unless('solver.accuracy', &
             optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '[1.0e-14, 0.1]', &
             'relative tolerance; below the lower limit round-off governs every method')), &
@@ -67,6 +65,7 @@ contains
             'end of the simulation; required but for a record: its last sample'), &
          optional_key('solver', 'max_steps', 'integer', '', '50000000', '>= 1', &
             'most steps of one simulation')]
+      group%keys(1)%former = old_methods
       group%check => check_solver
       group%fill => fill_solver
    end function solver_group
@@ -143,7 +142,7 @@ contains
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      case%solver%method = text_of(case%values, 'solver', 'method')
+      case%solver%method = current_method(text_of(case%values, 'solver', 'method'))
       case%solver%rtol = real_of(case%values, 'solver', 'rtol')
       case%solver%max_steps = integer_of(case%values, 'solver', 'max_steps')
       case%solver%verify = logical_of(case%values, 'solver', 'verify')

@@ -1,4 +1,4 @@
-!> Common parts of the SUNDIALS integrators. Only the files of this folder depend on SUNDIALS.
+!> Context, callbacks and errors of CVODE. Only the files of this folder depend on SUNDIALS.
 !>
 !> Each instance owns one SUNContext. Parameters reach the callbacks through the user data pointer.
 !> SUNDIALS itself prints nothing: its flags are converted to errors of this library.
@@ -19,15 +19,15 @@ module rwmf_integrator_sundials_common
    private
 
    public :: sundials_t, evaluate_rhs, data_of, stay_silent
-   public :: has_failed, made, create_common, destroy_common, free_vector
+   public :: has_failed, made, create_common, destroy_common
    public :: first_end, step_end, too_small
 
    integer(c_int), parameter :: no_memory = -20
-   !! flag of CVODE and ARKODE
+   !! flag of CVODE
    integer(c_int), parameter :: too_small = -1000
    !! flag of this module: steps no longer advance the time
 
-   !> State shared by CVODE and ARKODE: context, vectors, equation.
+   !> Context, vectors and equation of CVODE.
    type, abstract, extends(integrator_t) :: sundials_t
       type(c_ptr) :: context = c_null_ptr
       type(c_ptr) :: memory = c_null_ptr
