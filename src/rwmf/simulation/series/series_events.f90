@@ -13,8 +13,8 @@ module rwmf_simulation_series_series_events
    use rwmf_simulation_series_series_batch, only: at_lower, at_turn, at_upper, series_batch_t
    use rwmf_simulation_series_series_loading, only: check_work, enter_series, &
       leave_series, pass_knots, shorten_steps
-   use rwmf_simulation_state_result, only: event_branch, event_impact, &
-      event_overturned, event_peak
+   use rwmf_simulation_state_result, only: event_branch, event_collapsed, &
+      event_impact, event_overturned, event_peak
    implicit none
    private
 
@@ -149,6 +149,7 @@ contains
             ending%kind = event_peak
          case (at_upper)
             ending%kind = event_branch
+            if (lanes%upper(i, side) >= batch%last(i, side)) ending%kind = event_collapsed
             if (lanes%upper(i, side) >= lane%hybrid%overturning_angle) ending%kind = &
                event_overturned
          case default
