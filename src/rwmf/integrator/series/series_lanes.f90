@@ -111,8 +111,13 @@ module rwmf_integrator_series_series_lanes
       !! sign that phi' keeps until the end of a branch; 0: either [-]
       real(wp) :: top(series_width, 2)
       !! by side: largest phi so far [rad]
+      real(wp) :: t_top(series_width, 2)
+      !! first time of this value [s]
       real(wp) :: fastest(series_width)
       !! largest |phi'| at the ends of steps [rad/s]
+      real(wp) :: top_speed(series_width)
+      !! largest |phi'| inside steps, if sought [rad/s]
+      logical :: seeks_speed = .false.
       ! impacts
       real(wp) :: factor(series_width)
       !! velocity factor e [-]
@@ -154,6 +159,8 @@ module rwmf_integrator_series_series_lanes
       !! a search must show whether phi leaves its window, or turns on a branch that ends there [-]
       real(wp) :: may_peak(series_width)
       !! phi may have a maximum above the largest one so far [-]
+      real(wp) :: may_race(series_width)
+      !! |phi'| may have a maximum above the largest one so far [-]
       real(wp) :: needs_care(series_width)
       !! the step ends at an event that no loop applies [-]
       real(wp) :: is_at_limit(series_width)
@@ -162,6 +169,7 @@ module rwmf_integrator_series_series_lanes
       logical :: some_root
       logical :: some_open
       logical :: some_peak
+      logical :: some_speed
       logical :: some_short
       !! a series has to be shortened
       logical :: needs_some_care

@@ -269,7 +269,38 @@ contains
       else
          call screen(.false., lanes)
       end if
+      lanes%some_speed = .false.
+      if (lanes%seeks_speed) call screen_speeds(lanes)
    end subroutine screen_lanes
+
+   !> Screen the steps for a larger velocity, by the Bernstein coefficients of its quadratic part.
+   pure subroutine screen_speeds(lanes)
+      type(series_lanes_t), intent(inout) :: lanes
+      real(wp) :: p(0:order), x, speed, before, some
+      integer :: i, k
+
+      some = 0
+      !$omp simd private(p, x, speed, before, k) reduction(+:some)
+      do i = 1, series_width
+         x = lanes%x_most(i)
+         !GCC$ unroll 16
+         do k = 1, order
+            p(k) = lanes%p(i, k)
+         end do
+         speed = 0
+         !GCC$ unroll 16
+         do k = order, 4, -1
+            speed = (speed + k*abs(p(k)))*x
+         end do
+         speed = speed*(x*x) + max(abs(p(1)), max(abs(p(1) + p(2)*x), &
+            abs(p(1) + 2*p(2)*x + 3*p(3)*(x*x))))
+         before = lanes%h(i)*max(lanes%top_speed(i), lanes%fastest(i))
+         speed = merge(lanes%is_moving(i), 0.0_wp, speed > before)
+         lanes%may_race(i) = speed
+         some = some + speed
+      end do
+      lanes%some_speed = some > 0
+   end subroutine screen_speeds
 
    !> Screen the steps with or without ends of branches.
    pure subroutine screen(has_branches, lanes)
@@ -532,12 +563,18 @@ contains
          lanes%multiplicity(i) = rate
          rate = lanes%above(i)
          lanes%above(i) = merge(0.0_wp, rate, moving > 0)
+         ! the largest rotation on the side of this step
+         rate = merge(lanes%phi_end(i), 0.0_wp, moving > 0)
          h = lanes%top(i, right)
-         rate = merge(max(h, lanes%phi_end(i)), h, moving > 0)
-         lanes%top(i, right) = merge(rate, h, x > 0)
+         hit = merge(h, huge(h), x > 0)
+         lanes%top(i, right) = merge(rate, h, rate > hit)
+         h = lanes%t_top(i, right)
+         lanes%t_top(i, right) = merge(t, h, rate > hit)
          h = lanes%top(i, left)
-         rate = merge(max(h, lanes%phi_end(i)), h, moving > 0)
-         lanes%top(i, left) = merge(h, rate, x > 0)
+         hit = merge(huge(h), h, x > 0)
+         lanes%top(i, left) = merge(rate, h, rate > hit)
+         h = lanes%t_top(i, left)
+         lanes%t_top(i, left) = merge(t, h, rate > hit)
          h = lanes%length(i)
          rate = merge(min(lanes%share(i), 2*h), h, lanes%x_most(i) >= 0.7_wp)
          lanes%length(i) = merge(rate, h, moving > 0)

@@ -44,7 +44,7 @@ module rwmf_simulation_series_series_batch
 contains
 
    !> Create a batch with finite numbers in its idle lanes.
-   subroutine create_series_batch(level, order, batch, motion, t_end)
+   subroutine create_series_batch(level, order, batch, motion, t_end, seeks_speed)
       integer, intent(in) :: level
       !! instruction set, as for `series_kernels_of`
       integer, intent(in) :: order
@@ -54,9 +54,12 @@ contains
       !! common to all lanes
       real(wp), intent(in), optional :: t_end
       !! end of all runs; present with a motion [s]
+      logical, intent(in), optional :: seeks_speed
+      !! the largest velocity is sought; default false
 
       batch%kernels = series_kernels_of(level, order)
       batch%lanes = idle_lanes()
+      if (present(seeks_speed)) batch%lanes%seeks_speed = seeks_speed
       if (present(motion)) then
          call tabulate(motion, t_end, batch%lines)
       else
@@ -128,7 +131,9 @@ contains
       lanes%upper = 2
       lanes%turn = 0
       lanes%top = 1
+      lanes%t_top = 0
       lanes%fastest = 1
+      lanes%top_speed = 1
       lanes%factor = 1
       lanes%uplift = 1
       lanes%gain = 1

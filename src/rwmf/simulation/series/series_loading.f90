@@ -8,11 +8,11 @@ module rwmf_simulation_series_series_loading
    use rwmf_integrator_series_series_lanes, only: left, right, series_lanes_t, &
       series_width
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
-   use rwmf_model_cable, only: cable_row
+   use rwmf_model_cable, only: cable_row, cable_state_t
    use rwmf_model_drift_limits, only: drift_ratios
    use rwmf_model_effects_numbers, only: damper_effect, inerter_effect, p_delta_effect
-   use rwmf_model_equation, only: enter_interval, enter_side, equation_t, frame_displacement, &
-      frame_mass, interval_of
+   use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
+      frame_displacement, frame_mass, interval_of
    use rwmf_model_hysteresis_spring_set, only: renew_window
    use rwmf_model_system_assembly, only: second_derivative
    use rwmf_model_system_lift_off, only: find_uplift_acceleration
@@ -23,6 +23,7 @@ module rwmf_simulation_series_series_loading
    use rwmf_simulation_hybrid_hybrid_loop, only: check_steps, stay_at_rest
    use rwmf_simulation_hybrid_transitions, only: negligible
    use rwmf_simulation_lanes_batch, only: lane_state_t
+   use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_series_series_batch, only: series_batch_t
    use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, mode_rest, progress_t
    use rwmf_text_strings, only: real_to_text
@@ -63,7 +64,9 @@ contains
          lanes%turn(i) = 0
          lanes%above(i) = 0
          lanes%top(i, :) = 0
+         lanes%t_top(i, :) = 0
          lanes%fastest(i) = lane%recorder%theta_dot_ends
+         lanes%top_speed(i) = 0
          lanes%factor(i) = hybrid%restitution%e
          ! a table of factors is for the common transitions
          if (allocated(hybrid%restitution%speed)) lanes%factor(i) = 0
@@ -391,7 +394,7 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(series_batch_t), intent(inout) :: batch
-      integer :: side, m
+      integer :: side
 
       associate (lanes => batch%lanes, hybrid => lane%hybrid, equation => lane%equation, &
                  recorder => lane%recorder)
@@ -408,15 +411,40 @@ contains
          recorder%impacts = recorder%impacts + nint(lanes%impacts(i), i8)
          lanes%impacts(i) = 0
          recorder%theta_dot_ends = max(recorder%theta_dot_ends, lanes%fastest(i))
+         recorder%theta_dot_max = max(recorder%theta_dot_max, lanes%top_speed(i))
          recorder%theta_max = max(recorder%theta_max, lanes%top(i, right))
          recorder%theta_min = min(recorder%theta_min, -lanes%top(i, left))
-         if (.not. equation%has_frame) return
-         do m = left, right
-            recorder%u_max = max(recorder%u_max, abs(frame_displacement(equation, 2*m - 3, &
-               [(2*m - 3)*lanes%top(i, m)])))
-         end do
+         call note_peaks(equation, lanes%top(i, :), lanes%t_top(i, :), recorder)
       end associate
    end subroutine leave_series
+
+   !> Update the maxima of cable and frame at the largest rotations on both sides.
+   !>
+   !> The force of a tendon that yields or has yielded is largest at the largest rotation so far.
+   subroutine note_peaks(equation, top, t_top, recorder)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: top(2)
+      !! by side [rad]
+      real(wp), intent(in) :: t_top(2)
+      !! their times [s]
+      type(recorder_t), intent(inout) :: recorder
+      type(cable_state_t) :: cable
+      real(wp) :: u
+      integer :: m, side
+
+      do m = left, right
+         side = 2*m - 3
+         if (equation%cable%is_tendon) then
+            cable = cable_at(equation, side*top(m), side)
+            recorder%cable_max = max(recorder%cable_max, cable%force)
+         end if
+         if (.not. equation%has_frame) cycle
+         u = abs(frame_displacement(equation, side, [side*top(m)]))
+         if (.not. u > recorder%u_max) cycle
+         recorder%u_max = u
+         recorder%t_u_max = t_top(m)
+      end do
+   end subroutine note_peaks
 
    !> Shorten the series of lanes whose terms do not decay. Fail if a series is below the resolution
    !> of the time.
