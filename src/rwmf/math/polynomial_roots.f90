@@ -12,7 +12,7 @@ module rwmf_math_polynomial_roots
    implicit none
    private
 
-   public :: first_negative, largest_value, evaluate
+   public :: first_negative, find_largest, evaluate
 
    integer, parameter :: most_halves = 48
    !! largest number of spans that wait for their turn
@@ -76,35 +76,39 @@ contains
       end do
    end function first_negative
 
-   !> Largest value of a polynomial in [0, x_end].
-   pure real(wp) function largest_value(c, x_end) result(largest)
+   !> Find the largest value of a polynomial in [0, x_end], and its first place.
+   pure subroutine find_largest(c, x_end, largest, place)
       real(wp), intent(in) :: c(0:)
       !! (degree) coefficients by rising powers
       real(wp), intent(in) :: x_end
       !! end of the span, positive
+      real(wp), intent(out) :: largest
+      real(wp), intent(out) :: place
       real(wp), parameter :: narrowest = 1.0e-7_wp
       !! width of a span, as a part of the whole, in which the polynomial is flat [-]
       type(spans_t) :: spans
-      real(wp) :: slopes(0:size(c) - 2), rise(highest_degree), a, e, value, slope
+      real(wp) :: slopes(0:size(c) - 2), rise(highest_degree), a, e, x, value, slope
       integer :: k
 
       largest = c(0)
+      place = 0
       slopes = [(k*c(k), k=1, size(c) - 1)]
       call begin_spans(c, x_end, spans)
       do while (spans%count > 0)
          associate (b => spans%b(0:spans%n, spans%count), n => spans%n)
-            largest = max(largest, b(1), b(n + 1))
+            a = spans%low(spans%count)*x_end
+            e = a + spans%width(spans%count)*x_end
+            call keep_larger(b(1), a, largest, place)
+            call keep_larger(b(n + 1), e, largest, place)
             if (maxval(b) <= largest .or. spans%width(spans%count) < narrowest) then
                spans%count = spans%count - 1
                cycle
             end if
             rise(1:n) = b(2:) - b(:n)
             if (sign_changes_of(rise(:n)) == 1 .and. rise(1) > 0 .and. rise(n) < 0) then
-               a = spans%low(spans%count)*x_end
-               e = a + spans%width(spans%count)*x_end
-               call evaluate(c, root_between(slopes, a, e, a + (e - a)*(rise(1)/(rise(1) &
-                  - rise(n)))), value, slope)
-               largest = max(largest, value)
+               x = root_between(slopes, a, e, a + (e - a)*(rise(1)/(rise(1) - rise(n))))
+               call evaluate(c, x, value, slope)
+               call keep_larger(value, x, largest, place)
                spans%count = spans%count - 1
                cycle
             end if
@@ -112,7 +116,19 @@ contains
          if (spans%count == most_halves) return
          call halve(spans)
       end do
-   end function largest_value
+   end subroutine find_largest
+
+   !> Keep a value and its place if it is larger.
+   pure subroutine keep_larger(value, x, largest, place)
+      real(wp), intent(in) :: value
+      real(wp), intent(in) :: x
+      real(wp), intent(inout) :: largest
+      real(wp), intent(inout) :: place
+
+      if (.not. value > largest) return
+      largest = value
+      place = x
+   end subroutine keep_larger
 
    !> Number of sign changes in a sequence that begins as if it were positive. Zeros have no sign.
    pure integer function sign_changes_of(b) result(changes)

@@ -237,9 +237,11 @@ contains
       integer :: i
 
       if (queue%rows%has_own_motion) then
-         call create_series_batch(best_level(), kind%order, batch)
+         call create_series_batch(best_level(), kind%order, batch, &
+            seeks_speed=queue%request%seeks_velocity)
       else
-         call create_series_batch(best_level(), kind%order, batch, queue%motion, kind%t_end)
+         call create_series_batch(best_level(), kind%order, batch, queue%motion, kind%t_end, &
+            queue%request%seeks_velocity)
       end if
       call join_series(lanes(1), 1, batch)
       do
@@ -295,8 +297,8 @@ contains
             cycle
          end if
          run%ordinate = number
-         if (.not. allocated(kind)) kind = kind_of(run)
-         if (is_of_kind(run, kind)) return
+         if (.not. allocated(kind)) kind = kind_of(queue%request, run)
+         if (is_of_kind(queue%request, run, kind)) return
          call run_alone(queue, control, run, lane, ordinates(number))
          run%ordinate = 0
       end do
@@ -339,36 +341,40 @@ contains
       call begin_lane(queue%request, run, lane%error)
    end subroutine set_up
 
-   type(kind_t) function kind_of(run) result(kind)
+   type(kind_t) function kind_of(request, run) result(kind)
+      type(request_t), intent(in) :: request
       type(lane_run_t), intent(in) :: run
       type(pair_t) :: pair
 
       pair = pair_for(run%case, run%equation)
       kind = kind_t(run%equation%scene, run%equation%has_vertical, &
          run%equation%has_loading_direction, run%equation%hysteresis%place, pair%stages, &
-         order_for(run), run%case%solver%max_steps, run%case%solver%t_end)
+         order_for(request, run), run%case%solver%max_steps, run%case%solver%t_end)
    end function kind_of
 
    !> Order of the series for a run; 0 if a pair has to integrate it.
    !>
    !> Runs at several tolerances and runs that verify others use the pair of the highest order.
-   integer function order_for(run) result(order)
+   integer function order_for(request, run) result(order)
+      type(request_t), intent(in) :: request
       type(lane_run_t), intent(in) :: run
 
       order = 0
-      if (run%hybrid%settled_angle > 0 .and. run%case%solver%rtol >= 1.0e-11_wp &
+      if (request%is_of_rotation .and. run%case%solver%method /= 'dop853' &
+          .and. run%case%solver%rtol >= 1.0e-11_wp &
           .and. .not. allocated(run%case%solver%accuracy) .and. is_served(run%equation)) then
          order = series_order(run%case%solver%rtol)
       end if
    end function order_for
 
    !> True if a run can step in a batch of this kind.
-   logical function is_of_kind(run, kind)
+   logical function is_of_kind(request, run, kind)
+      type(request_t), intent(in) :: request
       type(lane_run_t), intent(in) :: run
       type(kind_t), intent(in) :: kind
       type(kind_t) :: own
 
-      own = kind_of(run)
+      own = kind_of(request, run)
       is_of_kind = is_same_scene(own%scene, kind%scene) &
          .and. (own%has_vertical .eqv. kind%has_vertical) &
          .and. (own%has_loading_direction .eqv. kind%has_loading_direction) &

@@ -3,7 +3,7 @@
 program test_polynomial_roots
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
-   use rwmf_math_polynomial_roots, only: evaluate, first_negative, largest_value
+   use rwmf_math_polynomial_roots, only: evaluate, find_largest, first_negative
    implicit none
 
    type(checks_t) :: checks
@@ -100,7 +100,7 @@ contains
    !> The largest value is that of dense samples, to the square of their distance.
    subroutine check_largest()
       integer, parameter :: polynomials = 4000, samples = 400
-      real(wp) :: c(0:8), largest, best, value, slope
+      real(wp) :: c(0:8), largest, place, best, value, slope
       integer :: i, k, wrong
 
       wrong = 0
@@ -108,7 +108,9 @@ contains
       do i = 1, polynomials
          call random_number(c)
          c = (2*c - 1)*[(3.0_wp**k/gamma(k + 1.0_wp), k=0, 8)]
-         largest = largest_value(c, 0.9_wp)
+         call find_largest(c, 0.9_wp, largest, place)
+         call evaluate(c, place, value, slope)
+         if (abs(value - largest) > 1.0e-13_wp) wrong = wrong + 1
          best = -huge(best)
          do k = 0, samples
             call evaluate(c, 0.9_wp*k/samples, value, slope)

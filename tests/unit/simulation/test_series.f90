@@ -18,12 +18,19 @@ program test_series
    use rwmf_simulation_series_series_loading, only: load_coefficients
    implicit none
 
-   character(*), parameter :: wall = '&wall h=2.0, b=0.5 / &frame T_s=0.8, gamma=3, xi_s=0.05 / ' &
-      //"&cable eta_0=1.0, eta_alpha=5.0 / &impact rule='constant', e=0.9 / " &
+   character(*), parameter :: wall = "&wall h=2.0, b=0.5 / &impact rule='constant', e=0.9 / " &
       //"&motion kind='sine', a_max_g=0.5, T_p=0.6, cycles=4 / "
-   character(*), parameter :: formulations(3) = [character(9) :: 'symmetric', 'exact', 'published']
+   character(*), parameter :: frame = '&frame T_s=0.8, gamma=3, xi_s=0.05 / '
+   character(*), parameter :: cable = '&cable eta_0=1.0, eta_alpha=5.0 / '
    character(*), parameter :: springs = "&fuse eta_y=0.3, stroke_y=0.005, hardening=0.02 / " &
       //'&yielding u_y=0.02, hardening=0.05 / '
+   character(*), parameter :: scenes(6) = [character(220) :: frame//cable, frame//cable//springs, &
+      frame//"&cable eta_0=1.0, eta_alpha=5.0, law='truss' /", &
+      frame//cable//'&damper c_over_m_w=0.5 / &inerter inertance_over_m_w=0.3 / ' &
+      //'&vertical ratio=0.4 / &p_delta m_g_over_m_s=1.0 / ', &
+      '&storeys m_over_m_w=3*1.0, k_over_m_w=3*400.0, height=1.5,1.0,1.5 / ' &
+      //'&frame xi_s=0.05 / ', frame//springs//"&inerter inertance_over_m_w=0.3 / " &
+      //"&cable eta_0=1.0, eta_alpha=5.0, law='truss', eta_y=1.1 / "]
    type(checks_t) :: checks
 
    if (checks%wants('equation')) call check_equation()
@@ -34,7 +41,7 @@ program test_series
 contains
 
    !> The second derivative of the series satisfies the equation of motion along the step, on both
-   !> sides and in all formulations.
+   !> sides, in all formulations and with all effects.
    subroutine check_equation()
       integer, parameter :: order = 10
       real(wp), parameter :: h = 0.02_wp
@@ -42,19 +49,19 @@ contains
       type(equation_t) :: equation
       type(series_batch_t) :: batch
       real(wp) :: x, phi, rate, bend, known, error
-      character(len(springs)) :: further
+      character(9) :: formulation
       integer :: f, i, k, side
 
-      motion = piecewise_linear_motion([0.0_wp, 1.0_wp], [0.7_wp, -2.0_wp])
-      do f = 1, 2*size(formulations)
-         further = merge(springs, repeat(' ', len(springs)), f > size(formulations))
-         associate (formulation => formulations(mod(f - 1, size(formulations)) + 1))
-            call build(wall//further//"&model formulation='"//trim(formulation)//"' /", motion, &
-               equation)
-         end associate
+      do f = 1, 2*size(scenes) + 1
+         formulation = merge('symmetric', 'exact    ', f <= size(scenes))
+         if (f > 2*size(scenes)) formulation = 'published'
+         motion = piecewise_linear_motion([0.0_wp, 1.0_wp], [0.7_wp, -2.0_wp], &
+            vertical_ratio=0.4_wp)
+         call build(wall//trim(scenes(mod(f - 1, size(scenes)) + 1))//"&model formulation='" &
+            //trim(formulation)//"' /", motion, equation)
          ! to the side of the yielded fuse and back
          call load_to(equation%model_t, equation%state, 0.03_wp)
-         call checks%that(is_served(equation), 'the scene is plain')
+         call checks%that(is_served(equation), 'the series serves the scene')
          do side = -1, 1, 2
             call create_series_batch(1, order, batch)
             call fill(equation, side, h, batch)
@@ -70,7 +77,8 @@ contains
                   error = max(error, abs(bend/h**2 - known)/max(1.0_wp, abs(known)))
                end do
             end do
-            call checks%that(error < 1.0e-10_wp, 'equation of motion'//further)
+            call checks%that(error < 1.0e-10_wp, 'equation of motion, '//trim(scenes(mod(f - 1, &
+               size(scenes)) + 1)))
          end do
       end do
    end subroutine check_equation
@@ -84,9 +92,8 @@ contains
       integer :: k, m
 
       motion = piecewise_linear_motion([0.0_wp, 1.0_wp], [0.7_wp, -2.0_wp])
-      do m = 0, 1
-         call build(wall//merge(springs, repeat(' ', len(springs)), m > 0) &
-            //"&model formulation='published' /", motion, equation)
+      do m = 1, size(scenes)
+         call build(wall//trim(scenes(m))//"&model formulation='symmetric' /", motion, equation)
          do k = 1, size(orders)
             call check_bits_of(equation, orders(k))
          end do
@@ -223,6 +230,7 @@ contains
          lanes%ground(:, 1) = 0.7_wp
          lanes%ground(:, 2) = -2.7_wp
          lanes%ground(:, 3) = 0
+         if (equation%has_vertical) lanes%upward = 0.4_wp*lanes%ground(:, :2)
          lanes%frequency = 8
          lanes%rtol = 1.0e-3_wp
          lanes%top = 0.1_wp

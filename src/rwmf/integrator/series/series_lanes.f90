@@ -33,6 +33,8 @@ module rwmf_integrator_series_series_lanes
       !! longest step of the lane [s]
       real(wp) :: ground(series_width, 3)
       !! line of the ground acceleration: a_0 [m/s2], slope [m/s3], t_0 [s]
+      real(wp) :: upward(series_width, 2)
+      !! line of the vertical acceleration: a_0 [m/s2], slope [m/s3], the same t_0
       ! state
       real(wp) :: side(series_width)
       !! sign of theta: +1 or -1 [-]
@@ -76,7 +78,19 @@ module rwmf_integrator_series_series_lanes
       !! by side: moment of the fuses at zero stroke [1/s2]
       real(wp) :: fuse_slope(series_width, 2)
       !! by side: factor of sin(phi) in this moment [1/s2]
+      real(wp) :: damper(series_width)
+      !! half the coefficient of the corner damper [1/s]
+      real(wp) :: inerter(series_width)
+      !! half the coefficient of the corner inerter [-]
+      real(wp) :: excited(series_width)
+      !! mass of the frame excited by the ground motion over the moving mass [-]
+      real(wp) :: straight(series_width, 4)
+      !! straight cable: force at zero elongation [1/(m s2)], its slope [1/(m2 s2)], h [m], b [m]
       logical :: has_fuses = .false.
+      logical :: has_inerter = .false.
+      logical :: has_straight_cable = .false.
+      logical :: is_plain = .true.
+      !! none of the terms since `fuse`, and no vertical motion
       ! control of the step
       real(wp) :: rtol(series_width)
       !! requested relative tolerance [-]
@@ -97,13 +111,20 @@ module rwmf_integrator_series_series_lanes
       !! sign that phi' keeps until the end of a branch; 0: either [-]
       real(wp) :: top(series_width, 2)
       !! by side: largest phi so far [rad]
+      real(wp) :: t_top(series_width, 2)
+      !! first time of this value [s]
       real(wp) :: fastest(series_width)
       !! largest |phi'| at the ends of steps [rad/s]
+      real(wp) :: top_speed(series_width)
+      !! largest |phi'| inside steps, if sought [rad/s]
+      logical :: seeks_speed = .false.
       ! impacts
       real(wp) :: factor(series_width)
       !! velocity factor e [-]
       real(wp) :: uplift(series_width, 2)
       !! by side: ground acceleration at uplift of the resting wall [m/s2]
+      real(wp) :: weight_share(series_width)
+      !! increase of `uplift` per vertical ground acceleration [-]
       real(wp) :: gain(series_width)
       !! angular acceleration per ground acceleration beyond it [1/m]
       real(wp) :: settled(series_width)
@@ -138,6 +159,8 @@ module rwmf_integrator_series_series_lanes
       !! a search must show whether phi leaves its window, or turns on a branch that ends there [-]
       real(wp) :: may_peak(series_width)
       !! phi may have a maximum above the largest one so far [-]
+      real(wp) :: may_race(series_width)
+      !! |phi'| may have a maximum above the largest one so far [-]
       real(wp) :: needs_care(series_width)
       !! the step ends at an event that no loop applies [-]
       real(wp) :: is_at_limit(series_width)
@@ -146,6 +169,7 @@ module rwmf_integrator_series_series_lanes
       logical :: some_root
       logical :: some_open
       logical :: some_peak
+      logical :: some_speed
       logical :: some_short
       !! a series has to be shortened
       logical :: needs_some_care

@@ -23,30 +23,40 @@ contains
    !>
    !> All kinematics are linear combinations of the series of sin(phi) and cos(phi). Their products
    !> with phi' give the rate and the acceleration of the displacement. The third product is that of
-   !> the lever and the force at the link. Each round has one unknown, a coefficient of phi''.
+   !> the lever and the force at the link. Each round has one unknown, a coefficient of phi''. The
+   !> moment `m` acts towards the base.
    pure subroutine expand_lanes(lanes)
       type(series_lanes_t), intent(inout) :: lanes
 
       ! the compiler makes a copy of the loop for either constant
-      if (lanes%has_fuses) then
+      if (lanes%is_plain) then
          call expand(.true., lanes)
       else
          call expand(.false., lanes)
       end if
    end subroutine expand_lanes
 
-   !> Compute the series with or without the terms of the fuses.
-   pure subroutine expand(has_fuses, lanes)
-      logical, intent(in), value :: has_fuses
+   !> Compute the series, of plain scenes or with the terms of further effects.
+   !>
+   !> Terms of some scenes are zero in the others: arrays that are written under conditions would
+   !> prevent vectorisation.
+   pure subroutine expand(is_plain, lanes)
+      logical, intent(in), value :: is_plain
       type(series_lanes_t), intent(inout) :: lanes
-      real(wp), dimension(0:order) :: p, v, sp, cp, hc, lever, force
+      real(wp), dimension(0:order) :: p, v, sp, cp, sv, hc, stretch, arm, lever, force
       real(wp) :: h, rest, hh, side, ca, sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, &
-         cable, slope, fuse, half, a, b, d, u, w, m, inverse, j, jv, q, gamma, of_cosine, of_sine
+         cable, slope, fuse, half, corner, mass, pull, tight, twin, b2, bh, a, b, d, u, w, m, &
+         inverse, j, jv, q, gamma, of_cosine, of_sine, excited
       integer :: i, k, n
+      logical :: has_fuses, has_inerter, is_straight
 
-      !$omp simd private(p, v, sp, cp, hc, lever, force, h, rest, hh, side, ca, sw, sl, sr, x, y) &
-      !$omp& private(z, push, ramp, damp, stiff, grav, cable, slope, fuse, half, a, b, d, u, w, m) &
-      !$omp& private(inverse, j, jv, q, gamma, of_cosine, of_sine, k, n)
+      has_fuses = lanes%has_fuses .and. .not. is_plain
+      has_inerter = lanes%has_inerter .and. .not. is_plain
+      is_straight = lanes%has_straight_cable .and. .not. is_plain
+      !$omp simd private(p, v, sp, cp, sv, hc, stretch, arm, lever, force, h, rest, hh, side, ca) &
+      !$omp& private(sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, cable, slope, fuse, half) &
+      !$omp& private(corner, mass, pull, tight, twin, b2, bh, a, b, d, u, w, m, inverse, j, jv, q) &
+      !$omp& private(gamma, of_cosine, of_sine, excited, k, n)
       do i = 1, series_width
          rest = lanes%limit(i) - lanes%t(i)
          h = lanes%length(i)
@@ -75,6 +85,13 @@ contains
          x = side*(lanes%inverse_radius(i)*hh)
          push = x*(lanes%ground(i, 1) + lanes%ground(i, 2)*(lanes%t(i) - lanes%ground(i, 3)))
          ramp = x*lanes%ground(i, 2)*h
+         b2 = 0
+         if (.not. is_plain) then
+            x = lanes%inverse_radius(i)*hh
+            grav = grav + x*(lanes%upward(i, 1) + lanes%upward(i, 2)*(lanes%t(i) &
+               - lanes%ground(i, 3)))
+            b2 = x*lanes%upward(i, 2)*h
+         end if
          p(0) = lanes%phi(i)
          v(0) = h*lanes%rate(i)
          p(1) = v(0)
@@ -87,31 +104,72 @@ contains
          y = ca*sp(0)
          u = 2*(sl*x + y)
          m = (grav*(sw - (sw*x + y)) + ((ca - ca*x) + sw*sp(0))*push) + cable
-         if (has_fuses) then
-            y = lanes%fuse(i, left)
-            fuse = lanes%fuse(i, right)
-            fuse = hh*merge(fuse, y, side > 0)
-            y = lanes%fuse_slope(i, left)
-            z = lanes%fuse_slope(i, right)
-            z = hh*merge(z, y, side > 0)
-            half = 0.5_wp/hc(0)
-            m = m + (fuse*hc(0) + z*sp(0))
-         end if
          lever(0) = 2*((ca - ca*x) + sr*sp(0))
          j = 2*((ca - ca*x) + sl*sp(0))
-         inverse = -1/(lanes%inertia(i) + gamma*(lever(0)*j))
-         w = push + hh*side*lanes%offset(i)
+         mass = lanes%inertia(i) + gamma*(lever(0)*j)
          of_cosine = grav*sw + push*ca
          of_sine = push*sw - grav*ca
-         if (has_fuses) of_sine = of_sine + z
          x = ramp*ca
          y = ramp*sw
+         if (.not. is_plain) then
+            x = x + b2*sw
+            y = y - b2*ca
+         end if
          ca = 2*ca
          sl = 2*sl
          sr = 2*sr
          a = cp(0)*v(0)
          b = sp(0)*v(0)
          jv = j*v(0)
+         corner = 0
+         fuse = 0
+         half = 0
+         stretch(0) = 0
+         arm(0) = 0
+         pull = 0
+         twin = 0
+         tight = 0
+         b2 = 0
+         bh = 0
+         z = 0
+         excited = 1
+         if (.not. is_plain) then
+            excited = lanes%excited(i)
+            corner = lanes%damper(i)*h
+         end if
+         if (has_fuses) then
+            d = lanes%fuse(i, left)
+            fuse = lanes%fuse(i, right)
+            fuse = hh*merge(fuse, d, side > 0)
+            d = lanes%fuse_slope(i, left)
+            z = lanes%fuse_slope(i, right)
+            z = hh*merge(z, d, side > 0)
+            half = 0.5_wp/hc(0)
+            m = m + (fuse*hc(0) + z*sp(0))
+            of_sine = of_sine + z
+         end if
+         if (has_inerter) mass = mass + lanes%inerter(i)*(1 + cp(0))
+         if (is_straight) then
+            bh = 2*lanes%straight(i, 3)
+            b2 = lanes%straight(i, 4)
+            ! L**2 = (2h)**2 + rise, and half its derivative is arm*L
+            z = (1 - cp(0))*(2*b2)*b2 + (2*bh)*b2*sp(0)
+            stretch(0) = sqrt(bh*bh + z)
+            tight = 1/stretch(0)
+            twin = 0.5_wp*tight
+            d = hh*lanes%straight(i, 2)
+            pull = hh*lanes%straight(i, 1)
+            bh = bh*b2
+            b2 = b2*b2
+            arm(0) = (b2*sp(0) + bh*cp(0))*tight
+            m = m + (pull + d*(z/(stretch(0) + 2*lanes%straight(i, 3))))*arm(0)
+            pull = pull - 2*lanes%straight(i, 3)*d
+            of_sine = of_sine + d*b2
+            of_cosine = of_cosine + d*bh
+         end if
+         inverse = -1/mass
+         w = excited*push + hh*side*lanes%offset(i)
+         ramp = excited*ramp
          !GCC$ unroll 16
          do n = 0, order - 2
             sp(n + 1) = a*(1.0_wp/(n + 1))
@@ -121,6 +179,7 @@ contains
                m = (of_cosine*cp(n) + of_sine*sp(n)) + d
                w = merge(ramp, 0.0_wp, n == 1)
                if (has_fuses) m = m + fuse*hc(n)
+               if (is_straight) m = m + pull*arm(n)
             end if
             ! cos(phi/2) is the root of (1 + cos(phi))/2
             z = 0
@@ -133,6 +192,28 @@ contains
                z = z*half
             end if
             hc(n + 1) = z
+            z = 0
+            if (is_straight) then
+               z = 2*(bh*sp(n + 1) - b2*cp(n + 1))
+               !GCC$ unroll 16
+               do k = 1, n
+                  z = z - stretch(k)*stretch(n + 1 - k)
+               end do
+               z = z*twin
+            end if
+            stretch(n + 1) = z
+            z = 0
+            if (is_straight) then
+               z = b2*sp(n + 1) + bh*cp(n + 1)
+               !GCC$ unroll 16
+               do k = 1, n + 1
+                  z = z - stretch(k)*arm(n + 1 - k)
+               end do
+               z = z*tight
+            end if
+            arm(n + 1) = z
+            sv(n) = b
+            if (.not. is_plain) m = m + corner*(v(n) + a)
             d = x*cp(n) + y*sp(n)
             m = m + slope*p(n)
             w = w + (damp*jv + stiff*u)
@@ -144,6 +225,15 @@ contains
                a = a + cp(k)*v(n + 1 - k)
                b = b + sp(k)*v(n + 1 - k)
             end do
+            if (has_inerter) then
+               ! the inertia force is the rate of (1 + cos(phi)) phi' with sin(phi) phi'**2/2
+               z = 0
+               !GCC$ unroll 16
+               do k = 0, n
+                  z = z + sv(k)*v(n - k)
+               end do
+               m = m + lanes%inerter(i)*((n + 1)*a + 0.5_wp*z)
+            end if
             jv = ca*a + sl*b
             w = w + (n + 1)*jv
             z = lever(0)*w
@@ -179,7 +269,38 @@ contains
       else
          call screen(.false., lanes)
       end if
+      lanes%some_speed = .false.
+      if (lanes%seeks_speed) call screen_speeds(lanes)
    end subroutine screen_lanes
+
+   !> Screen the steps for a larger velocity, by the Bernstein coefficients of its quadratic part.
+   pure subroutine screen_speeds(lanes)
+      type(series_lanes_t), intent(inout) :: lanes
+      real(wp) :: p(0:order), x, speed, before, some
+      integer :: i, k
+
+      some = 0
+      !$omp simd private(p, x, speed, before, k) reduction(+:some)
+      do i = 1, series_width
+         x = lanes%x_most(i)
+         !GCC$ unroll 16
+         do k = 1, order
+            p(k) = lanes%p(i, k)
+         end do
+         speed = 0
+         !GCC$ unroll 16
+         do k = order, 4, -1
+            speed = (speed + k*abs(p(k)))*x
+         end do
+         speed = speed*(x*x) + max(abs(p(1)), max(abs(p(1) + p(2)*x), &
+            abs(p(1) + 2*p(2)*x + 3*p(3)*(x*x))))
+         before = lanes%h(i)*max(lanes%top_speed(i), lanes%fastest(i))
+         speed = merge(lanes%is_moving(i), 0.0_wp, speed > before)
+         lanes%may_race(i) = speed
+         some = some + speed
+      end do
+      lanes%some_speed = some > 0
+   end subroutine screen_speeds
 
    !> Screen the steps with or without ends of branches.
    pure subroutine screen(has_branches, lanes)
@@ -383,13 +504,13 @@ contains
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: followable = 64
       !! shortest duration of a flight in spacings of the time [-]
-      real(wp) :: moving, h, t, rate, after, speed, ground, ahead, least, hit, care, size, x, &
-         cares
+      real(wp) :: moving, h, t, rate, after, speed, ground, rise, ahead, least, hit, care, size, &
+         x, cares
       integer :: i
 
       cares = 0
-      !$omp simd private(moving, h, t, rate, after, speed, ground, ahead, least, hit, care, size) &
-      !$omp& private(x) reduction(+:cares)
+      !$omp simd private(moving, h, t, rate, after, speed, ground, rise, ahead, least, hit, care) &
+      !$omp& private(size, x) reduction(+:cares)
       do i = 1, series_width
          moving = lanes%is_moving(i)
          h = lanes%h(i)
@@ -409,14 +530,18 @@ contains
          after = lanes%factor(i)*speed
          ! rest after the impact, or a flight too short to follow
          ground = lanes%ground(i, 1) + lanes%ground(i, 2)*(t - lanes%ground(i, 3))
-         ahead = lanes%uplift(i, left) - ground
-         least = lanes%uplift(i, right) + ground
+         rise = lanes%weight_share(i)*(lanes%upward(i, 1) + lanes%upward(i, 2)*(t &
+            - lanes%ground(i, 3)))
+         ahead = (lanes%uplift(i, left) + rise) - ground
+         least = (lanes%uplift(i, right) + rise) + ground
+         rise = max(ahead, least)
          size = lanes%gain(i)*max(ahead, least)
          least = lanes%gain(i)*min(ahead, least)
          ahead = max(lanes%negligible(i)*lanes%fastest(i), followable*epsilon(t)*(t*size))
          size = max(lanes%top(i, left), lanes%top(i, right))
          size = 2*least*(lanes%settled(i)*size) - after*after
-         size = merge(0.0_wp, 1.0_wp, min(after - ahead, -size) > 0)
+         ! or without any contact, with which the wall jumps
+         size = merge(0.0_wp, 1.0_wp, min(rise, min(after - ahead, -size)) > 0)
          ! the end of a branch
          size = merge(1.0_wp, size, max(lanes%lower(i), abs(lanes%turn(i))) > 0)
          care = max(care, hit*size)
@@ -438,12 +563,18 @@ contains
          lanes%multiplicity(i) = rate
          rate = lanes%above(i)
          lanes%above(i) = merge(0.0_wp, rate, moving > 0)
+         ! the largest rotation on the side of this step
+         rate = merge(lanes%phi_end(i), 0.0_wp, moving > 0)
          h = lanes%top(i, right)
-         rate = merge(max(h, lanes%phi_end(i)), h, moving > 0)
-         lanes%top(i, right) = merge(rate, h, x > 0)
+         hit = merge(h, huge(h), x > 0)
+         lanes%top(i, right) = merge(rate, h, rate > hit)
+         h = lanes%t_top(i, right)
+         lanes%t_top(i, right) = merge(t, h, rate > hit)
          h = lanes%top(i, left)
-         rate = merge(max(h, lanes%phi_end(i)), h, moving > 0)
-         lanes%top(i, left) = merge(h, rate, x > 0)
+         hit = merge(huge(h), h, x > 0)
+         lanes%top(i, left) = merge(rate, h, rate > hit)
+         h = lanes%t_top(i, left)
+         lanes%t_top(i, left) = merge(t, h, rate > hit)
          h = lanes%length(i)
          rate = merge(min(lanes%share(i), 2*h), h, lanes%x_most(i) >= 0.7_wp)
          lanes%length(i) = merge(rate, h, moving > 0)

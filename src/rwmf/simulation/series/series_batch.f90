@@ -3,11 +3,12 @@ module rwmf_simulation_series_series_batch
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_series_series_kernels, only: series_kernels_of, series_kernels_t
    use rwmf_integrator_series_series_lanes, only: series_lanes_t, series_width
-   use rwmf_model_effects_numbers, only: fuse_effect
+   use rwmf_model_effects_numbers, only: damper_effect, fuse_effect, inerter_effect, &
+      p_delta_effect, storeys_effect, vertical_effect
    use rwmf_model_equation, only: equation_t
-   use rwmf_model_scene, only: frame_term, linear_cable_term
+   use rwmf_model_scene, only: frame_term, linear_cable_term, straight_cable_term
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_piecewise_linear, line_of, &
-      line_t, motion_t
+      line_t, motion_t, vertical_line_of
    implicit none
    private
 
@@ -26,13 +27,16 @@ module rwmf_simulation_series_series_batch
       !! number of the interval of the motion of each lane
       logical :: is_busy(series_width) = .false.
       !! the lane has a run
+      real(wp) :: last(series_width, 2) = 2
+      !! by side: phi at which the run ends, overturned or collapsed [rad]
       integer :: ending(series_width) = at_lower
       !! one of the `at_` numbers: the end of the window at the event of each lane
       logical :: has_ended = .true.
       !! a run is over, or a lane has none
       real(wp), allocatable :: lines(:, :)
-      !! (4, intervals of the motion from 0) end [s], a_0 [m/s2], slope [m/s3], t_0 [s]. The end is
-      !! negative where a lane has to enter the interval by itself: too short, or the last one.
+      !! (6, intervals of the motion from 0) end [s], a_0 [m/s2], slope [m/s3], t_0 [s], vertical
+      !! a_0 and slope. The end is negative where a lane has to enter the interval by itself: too
+      !! short, or the last one.
       integer :: steps_left = 0
       !! number of common steps until the numbers of steps are checked
    end type series_batch_t
@@ -40,7 +44,7 @@ module rwmf_simulation_series_series_batch
 contains
 
    !> Create a batch with finite numbers in its idle lanes.
-   subroutine create_series_batch(level, order, batch, motion, t_end)
+   subroutine create_series_batch(level, order, batch, motion, t_end, seeks_speed)
       integer, intent(in) :: level
       !! instruction set, as for `series_kernels_of`
       integer, intent(in) :: order
@@ -50,13 +54,16 @@ contains
       !! common to all lanes
       real(wp), intent(in), optional :: t_end
       !! end of all runs; present with a motion [s]
+      logical, intent(in), optional :: seeks_speed
+      !! the largest velocity is sought; default false
 
       batch%kernels = series_kernels_of(level, order)
       batch%lanes = idle_lanes()
+      if (present(seeks_speed)) batch%lanes%seeks_speed = seeks_speed
       if (present(motion)) then
          call tabulate(motion, t_end, batch%lines)
       else
-         allocate (batch%lines(4, 0:0), source=-1.0_wp)
+         allocate (batch%lines(6, 0:0), source=-1.0_wp)
       end if
    end subroutine create_series_batch
 
@@ -66,16 +73,17 @@ contains
       real(wp), intent(in) :: t_end
       !! [s]
       real(wp), allocatable, intent(out) :: lines(:, :)
-      type(line_t) :: line
+      type(line_t) :: line, upward
       real(wp) :: begin, limit
       integer :: i
 
-      allocate (lines(4, 0:interval_last(motion)))
+      allocate (lines(6, 0:interval_last(motion)))
       begin = 0
       do i = 0, interval_last(motion)
          line = line_of(motion, i)
          limit = interval_end(motion, i)
-         lines(:, i) = [limit, line%a_0, line%slope, line%t_0]
+         upward = vertical_line_of(motion, i, line)
+         lines(:, i) = [limit, line%a_0, line%slope, line%t_0, upward%a_0, upward%slope]
          if (limit - begin <= 8*epsilon(limit)*limit .or. limit >= t_end) lines(1, i) = -1
          begin = limit
       end do
@@ -89,6 +97,8 @@ contains
       lanes%share = 1
       lanes%longest = 1
       lanes%ground = 0
+      lanes%upward = 0
+      lanes%weight_share = 0
       lanes%side = 1
       lanes%phi = 1
       lanes%rate = 0
@@ -109,6 +119,10 @@ contains
       lanes%cable_slope = 0
       lanes%fuse = 0
       lanes%fuse_slope = 0
+      lanes%damper = 0
+      lanes%inerter = 0
+      lanes%excited = 1
+      lanes%straight = 1
       lanes%rtol = 1
       lanes%least_size = 1
       lanes%allowance = 1
@@ -117,7 +131,9 @@ contains
       lanes%upper = 2
       lanes%turn = 0
       lanes%top = 1
+      lanes%t_top = 0
       lanes%fastest = 1
+      lanes%top_speed = 1
       lanes%factor = 1
       lanes%uplift = 1
       lanes%gain = 1
@@ -131,24 +147,21 @@ contains
    end function idle_lanes
 
    !> Return whether the series knows all terms of a scene: a rocking wall, and possibly a frame, a
-   !> cable with a linear law, and springs with memory.
+   !> cable, springs with memory, devices at the corners, vertical motion and gravity on the frame.
    pure logical function is_served(equation)
       type(equation_t), intent(in) :: equation
+      integer, parameter :: known(*) = [frame_term, linear_cable_term, straight_cable_term, &
+         damper_effect, inerter_effect, fuse_effect, vertical_effect, p_delta_effect, &
+         storeys_effect]
       integer :: i
 
-      is_served = equation%has_impacts .and. equation%n == 2 .and. .not. (equation%has_vertical &
-         .or. equation%has_loading_direction .or. equation%creep > 0 &
-         .or. equation%geometry%link > 0)
-      if (is_served) is_served = all(equation%scene%terms%effect == frame_term &
-         .or. equation%scene%terms%effect == linear_cable_term &
-         .or. equation%scene%terms%effect == fuse_effect)
-      if (is_served) is_served = abs(equation%floors%excited_mass_ratio - 1) <= 0 &
+      is_served = equation%has_impacts .and. equation%n == 2 .and. .not. ( &
+         equation%has_loading_direction .or. equation%creep > 0 .or. equation%geometry%link > 0) &
          .and. is_piecewise_linear(equation%motion)
-      if (is_served .and. equation%has_fuses) is_served = bears_on_ground(equation)
-      if (.not. (is_served .and. allocated(equation%effects))) return
-      do i = 1, size(equation%effects)
-         is_served = is_served .and. equation%effects(i)%drifts == 0
+      do i = 1, size(equation%scene%terms)
+         is_served = is_served .and. any(known == equation%scene%terms(i)%effect)
       end do
+      if (is_served .and. equation%has_fuses) is_served = bears_on_ground(equation)
    end function is_served
 
    !> Return whether fuses never lift the wall off both corners.

@@ -6,15 +6,15 @@
 module rwmf_simulation_series_series_events
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_series_series_lanes, only: left, right, series_width
-   use rwmf_math_polynomial_roots, only: evaluate, first_negative, largest_value
+   use rwmf_math_polynomial_roots, only: evaluate, find_largest, first_negative
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_hybrid_transitions, only: apply_event
    use rwmf_simulation_lanes_batch, only: lane_state_t
    use rwmf_simulation_series_series_batch, only: at_lower, at_turn, at_upper, series_batch_t
    use rwmf_simulation_series_series_loading, only: check_work, enter_series, &
       leave_series, pass_knots, shorten_steps
-   use rwmf_simulation_state_result, only: event_branch, event_impact, &
-      event_overturned, event_peak
+   use rwmf_simulation_state_result, only: event_branch, event_collapsed, &
+      event_impact, event_overturned, event_peak
    implicit none
    private
 
@@ -40,6 +40,11 @@ contains
       if (batch%lanes%some_peak) then
          do i = 1, series_width
             if (batch%lanes%may_peak(i) > 0) call find_peak(i, batch)
+         end do
+      end if
+      if (batch%lanes%some_speed) then
+         do i = 1, series_width
+            if (batch%lanes%may_race(i) > 0) call find_speed(i, batch)
          end do
       end if
       call batch%kernels%end_steps(batch%lanes)
@@ -121,14 +126,35 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(series_batch_t), intent(inout) :: batch
+      real(wp) :: largest, place
       integer :: m
 
       associate (lanes => batch%lanes)
          m = merge(right, left, lanes%side(i) > 0)
-         lanes%top(i, m) = max(lanes%top(i, m), largest_value(lanes%p(i, :batch%kernels%order), &
-            lanes%x(i)))
+         call find_largest(lanes%p(i, :batch%kernels%order), lanes%x(i), largest, place)
+         if (.not. largest > lanes%top(i, m)) return
+         lanes%top(i, m) = largest
+         lanes%t_top(i, m) = lanes%t(i) + place*lanes%h(i)
       end associate
    end subroutine find_peak
+
+   !> Find the largest velocity in the step of a lane.
+   subroutine find_speed(i, batch)
+      integer, intent(in) :: i
+      !! number of the lane in the batch
+      type(series_batch_t), intent(inout) :: batch
+      real(wp) :: c(batch%kernels%order), largest, place
+      integer :: k
+
+      associate (lanes => batch%lanes)
+         c = [(k*lanes%p(i, k)/lanes%h(i), k=1, size(c))]
+         do k = 1, 2
+            call find_largest(c, lanes%x(i), largest, place)
+            lanes%top_speed(i) = max(lanes%top_speed(i), largest)
+            c = -c
+         end do
+      end associate
+   end subroutine find_speed
 
    !> Apply an impact that may end in rest, the end of a branch, or overturning.
    subroutine apply_rare_event(lane, i, batch)
@@ -149,6 +175,7 @@ contains
             ending%kind = event_peak
          case (at_upper)
             ending%kind = event_branch
+            if (lanes%upper(i, side) >= batch%last(i, side)) ending%kind = event_collapsed
             if (lanes%upper(i, side) >= lane%hybrid%overturning_angle) ending%kind = &
                event_overturned
          case default

@@ -7,18 +7,23 @@ module rwmf_simulation_series_series_loading
    use rwmf_integrator_interface_integrator, only: step_too_small
    use rwmf_integrator_series_series_lanes, only: left, right, series_lanes_t, &
       series_width
-   use rwmf_model_cable, only: cable_row
-   use rwmf_model_equation, only: enter_interval, enter_side, equation_t, frame_displacement, &
-      frame_mass, interval_of
+   use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
+   use rwmf_model_cable, only: cable_row, cable_state_t
+   use rwmf_model_drift_limits, only: drift_ratios
+   use rwmf_model_effects_numbers, only: damper_effect, inerter_effect, p_delta_effect
+   use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
+      frame_displacement, frame_mass, interval_of
    use rwmf_model_hysteresis_spring_set, only: renew_window
    use rwmf_model_system_assembly, only: second_derivative
    use rwmf_model_system_lift_off, only: find_uplift_acceleration
    use rwmf_model_system_rest_after_chatter, only: inverse_inertia
-   use rwmf_motion_ground_motion, only: interval_end, interval_last, line_of, line_t
+   use rwmf_motion_ground_motion, only: interval_end, interval_last, line_of, line_t, &
+      vertical_line_of
    use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter
    use rwmf_simulation_hybrid_hybrid_loop, only: check_steps, stay_at_rest
    use rwmf_simulation_hybrid_transitions, only: negligible
    use rwmf_simulation_lanes_batch, only: lane_state_t
+   use rwmf_simulation_recorder_recorder, only: recorder_t
    use rwmf_simulation_series_series_batch, only: series_batch_t
    use rwmf_simulation_state_hybrid_state, only: check_progress, has_ended, mode_rest, progress_t
    use rwmf_text_strings, only: real_to_text
@@ -54,11 +59,14 @@ contains
          lanes%allowance(i) = allowance_of(equation, lanes%frequency(i)*lane%t_end)
          lanes%longest(i) = angle/lanes%frequency(i)
          lanes%lower(i) = 0
-         lanes%upper(i, :) = hybrid%overturning_angle
+         call find_last(equation, hybrid%drifts, hybrid%overturning_angle, batch%last(i, :))
+         lanes%upper(i, :) = batch%last(i, :)
          lanes%turn(i) = 0
          lanes%above(i) = 0
          lanes%top(i, :) = 0
+         lanes%t_top(i, :) = 0
          lanes%fastest(i) = lane%recorder%theta_dot_ends
+         lanes%top_speed(i) = 0
          lanes%factor(i) = hybrid%restitution%e
          ! a table of factors is for the common transitions
          if (allocated(hybrid%restitution%speed)) lanes%factor(i) = 0
@@ -69,6 +77,42 @@ contains
       end associate
       call enter_series(lane, i, batch)
    end subroutine join_series
+
+   !> Find the rotations at which the run ends: overturned, or with a drift at its limit.
+   subroutine find_last(equation, drifts, overturning, last)
+      type(equation_t), intent(inout) :: equation
+      !! unchanged on return
+      integer, intent(in) :: drifts
+      !! number of drifts with a limit
+      real(wp), intent(in) :: overturning
+      !! [rad]
+      real(wp), intent(out) :: last(2)
+      !! by side [rad]
+      integer, parameter :: most = 80
+      type(bracket_t) :: bracket
+      real(wp) :: ratio(drifts), rate(drifts), phi, step
+      integer :: i, k, m, side
+
+      last = overturning
+      if (drifts == 0) return
+      side = equation%state%side
+      do m = left, right
+         equation%state%side = 2*m - 3
+         phi = overturning
+         bracket = bracket_between(0.0_wp, overturning)
+         do k = 1, most
+            call drift_ratios(equation, equation%state%side*[phi, 1.0_wp], ratio, rate)
+            i = maxloc(abs(ratio), 1)
+            if (abs(ratio(i)) < 1 .and. k == 1) exit
+            call narrow(bracket, abs(ratio(i)) >= 1, phi)
+            step = (1 - abs(ratio(i)))/abs(rate(i))
+            last(m) = phi
+            if (.not. bracket%is_open .or. abs(step) <= 4*epsilon(phi)*phi) exit
+            phi = keep_inside(bracket, phi + step)
+         end do
+      end do
+      equation%state%side = side
+   end subroutine find_last
 
    !> Part of the tolerance for the last term of a step.
    !>
@@ -105,8 +149,28 @@ contains
             lanes%sine_link(i, m) = geometry%sine_link(2*m - 3)
             lanes%sine_lever(i, m) = geometry%sine_lever(2*m - 3)
          end do
+         lanes%excited(i) = equation%floors%excited_mass_ratio
+         lanes%weight_share(i) = equation%uplift%weight_share
+         lanes%has_straight_cable = equation%cable%is_straight
          lanes%has_fuses = equation%has_fuses
          lanes%has_branches = equation%has_bilinear_springs
+         lanes%is_plain = .not. (equation%has_vertical .or. equation%has_fuses &
+            .or. equation%cable%is_straight) .and. abs(lanes%excited(i) - 1) <= 0
+         do m = 1, size(equation%scene%terms)
+            associate (coef => equation%state%coef(1, equation%scene%terms(m)%coef))
+               select case (equation%scene%terms(m)%effect)
+               case (damper_effect)
+                  lanes%damper(i) = 0.5_wp*coef
+                  lanes%is_plain = .false.
+               case (inerter_effect)
+                  lanes%inerter(i) = 0.5_wp*coef
+                  lanes%has_inerter = .true.
+                  lanes%is_plain = .false.
+               case default
+                  ! `load_branches` loads springs, gravity on the frame and cable
+               end select
+            end associate
+         end do
       end associate
       call load_branches(equation, i, batch)
    end subroutine load_coefficients
@@ -122,11 +186,19 @@ contains
 
       associate (lanes => batch%lanes, p => equation%p, state => equation%state)
          lanes%stiffness(i) = state%frame_slope
+         do m = 1, size(equation%scene%terms)
+            if (equation%scene%terms(m)%effect == p_delta_effect) lanes%stiffness(i) = &
+               lanes%stiffness(i) - state%coef(1, equation%scene%terms(m)%coef)/lanes%mass(i)
+         end do
          lanes%offset(i) = state%frame_offset/p%R
          do m = left, right
             row = 0
             if (equation%has_cable) row = cable_row(equation%cable, state%tendon, 2*m - 3, &
                p%g_over_R)
+            if (equation%cable%is_straight) then
+               lanes%straight(i, :) = row
+               row = 0
+            end if
             lanes%cable(i, m) = row(1)
             lanes%cable_slope(i, m) = row(2)
             lanes%uplift(i, m) = state%uplift_acceleration(2*m - 3)
@@ -166,8 +238,7 @@ contains
             state%side = -state%side
             m = (3 + state%side)/2
             call renew_window(equation%model_t, state)
-            lanes%upper(i, m) = min(lane%hybrid%overturning_angle, merge(state%high, -state%low, &
-               state%side > 0))
+            lanes%upper(i, m) = min(batch%last(i, m), merge(state%high, -state%low, state%side > 0))
             lanes%lower(i) = max(0.0_wp, merge(state%low, -state%high, state%side > 0))
          end do
          ahead = lanes%rate(i)
@@ -250,7 +321,7 @@ contains
    pure subroutine pass_plain_knots(last, lines, interval, lanes, left_over)
       integer, intent(in) :: last
       !! number of the last interval in the table
-      real(wp), intent(in) :: lines(4, 0:last)
+      real(wp), intent(in) :: lines(6, 0:last)
       !! see `series_batch_t`
       integer, intent(inout) :: interval(series_width)
       type(series_lanes_t), intent(inout) :: lanes
@@ -276,6 +347,8 @@ contains
          lanes%ground(i, 1) = lines(2, k)
          lanes%ground(i, 2) = lines(3, k)
          lanes%ground(i, 3) = lines(4, k)
+         lanes%upward(i, 1) = lines(5, k)
+         lanes%upward(i, 2) = lines(6, k)
       end do
    end subroutine pass_plain_knots
 
@@ -301,6 +374,9 @@ contains
             lanes%ground(i, 1) = line%a_0
             lanes%ground(i, 2) = line%slope
             lanes%ground(i, 3) = line%t_0
+            line = vertical_line_of(lane%equation%motion, k, line)
+            lanes%upward(i, 1) = line%a_0
+            lanes%upward(i, 2) = line%slope
             rest = limit - lanes%t(i)
             if (rest > 8*epsilon(limit)*limit) exit
             lanes%t(i) = max(limit, lanes%t(i))
@@ -318,7 +394,7 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(series_batch_t), intent(inout) :: batch
-      integer :: side, m
+      integer :: side
 
       associate (lanes => batch%lanes, hybrid => lane%hybrid, equation => lane%equation, &
                  recorder => lane%recorder)
@@ -335,15 +411,40 @@ contains
          recorder%impacts = recorder%impacts + nint(lanes%impacts(i), i8)
          lanes%impacts(i) = 0
          recorder%theta_dot_ends = max(recorder%theta_dot_ends, lanes%fastest(i))
+         recorder%theta_dot_max = max(recorder%theta_dot_max, lanes%top_speed(i))
          recorder%theta_max = max(recorder%theta_max, lanes%top(i, right))
          recorder%theta_min = min(recorder%theta_min, -lanes%top(i, left))
-         if (.not. equation%has_frame) return
-         do m = left, right
-            recorder%u_max = max(recorder%u_max, abs(frame_displacement(equation, 2*m - 3, &
-               [(2*m - 3)*lanes%top(i, m)])))
-         end do
+         call note_peaks(equation, lanes%top(i, :), lanes%t_top(i, :), recorder)
       end associate
    end subroutine leave_series
+
+   !> Update the maxima of cable and frame at the largest rotations on both sides.
+   !>
+   !> The force of a tendon that yields or has yielded is largest at the largest rotation so far.
+   subroutine note_peaks(equation, top, t_top, recorder)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: top(2)
+      !! by side [rad]
+      real(wp), intent(in) :: t_top(2)
+      !! their times [s]
+      type(recorder_t), intent(inout) :: recorder
+      type(cable_state_t) :: cable
+      real(wp) :: u
+      integer :: m, side
+
+      do m = left, right
+         side = 2*m - 3
+         if (equation%cable%is_tendon) then
+            cable = cable_at(equation, side*top(m), side)
+            recorder%cable_max = max(recorder%cable_max, cable%force)
+         end if
+         if (.not. equation%has_frame) cycle
+         u = abs(frame_displacement(equation, side, [side*top(m)]))
+         if (.not. u > recorder%u_max) cycle
+         recorder%u_max = u
+         recorder%t_u_max = t_top(m)
+      end do
+   end subroutine note_peaks
 
    !> Shorten the series of lanes whose terms do not decay. Fail if a series is below the resolution
    !> of the time.
