@@ -34,7 +34,7 @@ quadruple precision, over chatter, grazing, lift-off, overturning, springs with 
 `bench/hard_cases.py` makes it from the rows of [hard-cases.csv](hard-cases.csv), and
 `tests/robustness` tests every row.
 
-The **reference** is the same problem in quadruple precision (extrapolation of order 18, rtol
+The **reference** is the same problem in quadruple precision (Taylor series, rtol
 1e-19); a run at rtol 1e-16 differs from it by less than 1e-13 of the peak unless the problem
 amplifies errors. The sensitivity $\kappa$ is the relative change of the peak per relative change of
 the motion. The **bound** of the error is max(1e-7, 100 rtol $\kappa$). A row is *right* within its

@@ -1,9 +1,9 @@
 """A wall that its floors lift while the pull of the ground already decreases.
 
 The first step after such a lift-off is some 3e-15 s long. If a method returns the state at
-the beginning of so short a step, the ground moves on and the floors do not. The wall is then pressed
-down and lifted again some 1e5 times in a nanosecond. Found by
-`test_hard_combinations.py` (its number 4019).
+the beginning of so short a step, the ground moves on and the floors do not. The wall is then
+pressed down and lifted again some 1e5 times in a nanosecond. Found by `test_hard_combinations.py`
+(its number 4019).
 """
 
 from __future__ import annotations

@@ -71,7 +71,7 @@ def _of_scene(batch: Path, scene: Scene, number: int) -> Iterator[Row]:
             text = scenes.with_solver(scene.text, "auto", None)
             ask = partial(run_scene, batch, scene, text, threads)
             yield Row(f"{key}/auto/threads-{threads}", ask, is_quick)
-    methods = METHODS if is_special else (METHODS[number % 4], METHODS[4])
+    methods = METHODS if is_special else (METHODS[number % 3], METHODS[3])
     for method in methods:
         text = scenes.with_solver(scene.text, method, None)
         yield Row(f"{key}/{method}", partial(run_scene, batch, scene, text, 2), is_quick)

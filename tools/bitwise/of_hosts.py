@@ -42,8 +42,8 @@ def _questions(language: str, scene: Scene, number: int) -> Iterator[tuple[str, 
             yield from (("spectrum-1", None), ("spectrum-2", None))
         return
     yield "element", None
-    yield "stepping", "dop853"
-    yield "stepping", METHODS[number % 5 if number % 5 != 3 else 4]
+    yield "stepping", "taylor"
+    yield "stepping", METHODS[number % 3]
     if number % _WHOLE == 0 or scene.has_accuracy:
         yield "simulate", None
 

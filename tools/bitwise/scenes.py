@@ -9,7 +9,7 @@ from pathlib import Path
 REFERENCE = Path(__file__).parents[2] / "tests" / "reference"
 _SCENES = "bits_scenes.txt"
 
-METHODS = ("adams", "bdf", "taylor", "dop853")
+METHODS = ("adams", "bdf", "dop853", "taylor")
 RTOL = "1.0e-8"
 CASE = "case.nml"
 

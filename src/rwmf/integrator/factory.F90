@@ -40,7 +40,7 @@ contains
       character(16) :: name
 
       name = method
-      if (method == 'auto') name = 'taylor'
+      if (method == 'auto') name = 'dop853'
    end function run_method
 
    !> Create the integrator of `&solver method`.

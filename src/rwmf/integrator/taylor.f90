@@ -10,7 +10,7 @@ module rwmf_integrator_taylor
    use rwmf_model_effects_numbers, only: nl_damper_effect
    use rwmf_model_equation, only: equation_t, interval_of
    use rwmf_model_series_corner_series, only: negligible_rate
-   use rwmf_model_series_scene_series, only: expand_states, series_memory
+   use rwmf_model_series_scene_series, only: expand_states, series_memory, smooth_springs
    use rwmf_model_series_series_motion, only: highest_order, series_motion_t, set_ground
    use rwmf_motion_ground_motion, only: expand_ground
    implicit none
@@ -22,18 +22,26 @@ module rwmf_integrator_taylor
    !! part of the tolerance for the last term of a series [-]
    real(wp), parameter :: part = 0.1_wp
    !! part of the absolute tolerance beside that of the largest value so far [-]
+   real(wp), parameter :: weight = 0.1_wp
+   !! of the term before the last one [-]
+   integer, parameter :: least_order = 6
 
    !> Integrator with Taylor series.
    type, extends(integrator_t) :: taylor_t
       type(equation_t), pointer :: equation => null()
       type(tolerance_t) :: tolerance
-      integer :: order = 8
+      integer :: highest = 8
+      !! order beyond which steps become shorter instead
+      integer :: order = 0
+      !! order of the series of the last step
       integer :: damper = 0
       !! column of the first coefficient of nonlinear dampers; 0 for none
       real(wp) :: frequency = 1
       !! of the slowest vibration, over whose radian errors may reach the tolerance [rad/s]
       real(wp) :: span = huge(1.0_wp)
       !! longest next step [s]
+      integer, allocatable :: springs(:, :)
+      !! as of `smooth_springs`
       real(wp), allocatable :: largest(:)
       !! (states) largest magnitude so far at the ends of steps
       real(wp), allocatable :: series(:, :, :)
@@ -62,7 +70,7 @@ contains
       self%equation => equation
       self%tolerance = tolerance
       self%steps = 0_i8
-      self%order = order_for(tolerance%rtol)
+      self%highest = order_for(tolerance%rtol)
       self%damper = 0
       self%frequency = huge(1.0_wp)
       if (equation%has_frame) self%frequency = equation%p%omega_s
@@ -71,6 +79,7 @@ contains
          if (equation%scene%terms(i)%effect == nl_damper_effect) self%damper = &
             equation%scene%terms(i)%coef
       end do
+      self%springs = smooth_springs(equation%scene)
       allocate (self%y0(equation%n), stat=status)
       if (status == 0) allocate (self%y1(equation%n), stat=status)
       if (status == 0) allocate (self%largest(equation%n), source=0.0_wp, stat=status)
@@ -80,7 +89,7 @@ contains
       if (status /= 0) call fail(error, err_numerical, 'out of memory for the integrator')
    end subroutine create_taylor
 
-   !> Order of the series for a tolerance.
+   !> Highest order of the series for a tolerance.
    pure integer function order_for(rtol) result(order)
       real(wp), intent(in) :: rtol
       integer, parameter :: fewest = 8
@@ -114,8 +123,13 @@ contains
       longest = min(t_limit - self%t0, self%span)
       self%span = huge(longest)
       if (self%damper > 0) call approach_turn(self, longest)
-      call expand(self, self%order, longest)
-      h = even_share(t_limit - self%t0, allowed_length(self, longest))
+      call find_negligible_state(self)
+      call begin_series(self, longest)
+      do
+         call expand(self, min(max(self%order + 2, least_order), self%highest))
+         if (self%order == self%highest .or. is_accurate(self, longest)) exit
+      end do
+      h = even_share(t_limit - self%t0, length_near_zero(self, allowed_length(self, longest)))
       if (.not. h > 8*spacing(self%t0)) then
          call fail_step(self, 'integration', self%tolerance%rtol, step_too_small, error)
          return
@@ -137,62 +151,139 @@ contains
       !! longest step [s]
       real(wp) :: negligible, turn
 
-      self%motion%negligible_rate = 0
-      call expand(self, 1, longest)
+      self%motion%laws%negligible_rate = 0
+      call begin_series(self, longest)
+      call expand(self, 1)
       turn = abs(self%motion%turn(1, 0))
       negligible = negligible_rate(self%equation%state%coef(1, self%damper:self%damper + 2), turn, &
          self%motion%inertia(1, 0), share*(self%tolerance%rtol*self%largest(2) &
          + part*self%tolerance%atol(2)))
-      self%motion%negligible_rate = negligible
+      self%motion%laws%negligible_rate = negligible
       if (abs(self%y0(2)) <= negligible) longest = min(longest, 2*negligible/turn)
    end subroutine approach_turn
 
-   !> Expand the states at the begin of the step.
-   subroutine expand(self, order, span)
+   !> Drop the powers of small states of smooth springs, which have no series at 0. Until |z|, they
+   !> change z by factor*|z|**(exponent + 1)/(exponent + 1).
+   subroutine find_negligible_state(self)
       class(taylor_t), intent(inout) :: self
-      integer, intent(in) :: order
-      !! of the series
+      real(wp) :: power
+      integer :: i
+
+      self%motion%laws%negligible_state = huge(1.0_wp)
+      do i = 1, size(self%springs, 2)
+         associate (column => self%springs(:, i), coef => self%equation%state%coef)
+            power = coef(1, column(3)) + 1
+            if (abs(coef(1, column(2))) > 0) self%motion%laws%negligible_state = &
+               min(self%motion%laws%negligible_state, 0.5_wp*(allowed(self, column(1))*power &
+               /abs(coef(1, column(2))))**(1/power))
+         end associate
+      end do
+   end subroutine find_negligible_state
+
+   !> Length at which states that begin as negligible have at most doubled the limit [s].
+   pure real(wp) function length_near_zero(self, longest) result(h)
+      class(taylor_t), intent(in) :: self
+      real(wp), intent(in) :: longest
+      !! longest step [s]
+      real(wp), parameter :: shorter = 0.7_wp
+      real(wp) :: sum_of_terms
+      integer :: i, k
+
+      h = longest
+      do i = 1, size(self%springs, 2)
+         associate (z => self%series(1, :, self%springs(1, i)), &
+                    limit => self%motion%laws%negligible_state(1))
+            if (abs(z(1)) > limit) cycle
+            do
+               sum_of_terms = 0
+               do k = self%order, 0, -1
+                  sum_of_terms = sum_of_terms*h + abs(z(1 + k))
+               end do
+               if (.not. sum_of_terms > 2*limit) exit
+               h = shorter*h
+            end do
+         end associate
+      end do
+   end function length_near_zero
+
+   !> Begin series of order 0 with the states and the ground motion at the begin of the step.
+   subroutine begin_series(self, span)
+      class(taylor_t), intent(inout) :: self
       real(wp), intent(in) :: span
       !! length in which the series of a host's ground motion holds [s]
       real(wp) :: ground(0:highest_order), upward(0:highest_order)
       integer :: known
       !! order of the ground motion
 
+      known = self%highest
+      call expand_ground(self%equation%motion, interval_of(self%equation), self%t0, span, known, &
+         ground, upward)
+      call set_ground(known, ground, upward, self%motion)
+      self%series(1, 0, :) = self%y0
+      self%order = 0
+   end subroutine begin_series
+
+   !> Continue the series of the step to a higher order.
+   subroutine expand(self, order)
+      class(taylor_t), intent(inout) :: self
+      integer, intent(in) :: order
+
       associate (equation => self%equation)
-         known = order
-         call expand_ground(equation%motion, interval_of(equation), self%t0, span, known, ground, &
-            upward)
-         call set_ground(known, ground, upward, self%motion)
-         self%series(1, 0, :) = self%y0
-         call expand_states(equation%scene, equation%state%coef, order, self%motion, &
+         call expand_states(equation%scene, equation%state%coef, self%order, order, self%motion, &
             self%series, self%memory)
-         equation%rhs_evaluations = equation%rhs_evaluations + int(order, i8)
+         equation%rhs_evaluations = equation%rhs_evaluations + int(order - self%order, i8)
       end associate
+      self%order = order
    end subroutine expand
 
-   !> Length at which the last two terms are small parts of the tolerances [s]. Below a radian of
-   !> the slowest vibration the part shrinks with the length, so that errors do not add up.
+   !> Return whether the last two terms are small parts of the tolerances. Below a radian of the
+   !> slowest vibration the part shrinks with the length, so that errors do not add up.
+   pure logical function is_accurate(self, h)
+      class(taylor_t), intent(in) :: self
+      real(wp), intent(in) :: h
+      !! length of the step [s]
+      real(wp) :: power, radians, tol
+      integer :: i
+
+      power = h**(self%order - 1)
+      radians = min(1.0_wp, self%frequency*h)
+      is_accurate = .false.
+      do i = 1, size(self%y0)
+         tol = allowed(self, i)
+         if (.not. (weight*abs(self%series(1, self%order - 1, i))*power <= tol &
+            .and. abs(self%series(1, self%order, i))*(power*h) <= tol*radians)) return
+      end do
+      is_accurate = .true.
+   end function is_accurate
+
+   !> Largest last term of the series of a state, in the unit of the state.
+   pure real(wp) function allowed(self, i)
+      class(taylor_t), intent(in) :: self
+      integer, intent(in) :: i
+      !! number of the state
+
+      allowed = share*(self%tolerance%rtol*self%largest(i) + part*self%tolerance%atol(i))
+   end function allowed
+
+   !> Length at which the series is accurate [s].
    pure real(wp) function allowed_length(self, longest) result(h)
       class(taylor_t), intent(in) :: self
       real(wp), intent(in) :: longest
       !! longest step [s]
-      real(wp) :: tol(size(self%y0)), last(size(self%y0)), before(size(self%y0))
-      real(wp), parameter :: weight = 0.1_wp
-      !! of the term before the last one [-]
+      real(wp) :: tol, last, before
       integer :: i
 
       h = longest
+      if (is_accurate(self, h)) return
       associate (n => self%order)
-         tol = share*(self%tolerance%rtol*self%largest + part*self%tolerance%atol)
-         last = abs(self%series(1, n, :))
-         before = weight*abs(self%series(1, n - 1, :))
-         if (all(last*h**n <= tol*min(1.0_wp, self%frequency*h) .and. before*h**(n - 1) &
-            <= tol)) return
-         do i = 1, size(tol)
-            h = min(h, (tol(i)/max(before(i), tiny(h)/epsilon(h)))**(1.0_wp/(n - 1)))
-            if (last(i)*h**n <= tol(i)*min(1.0_wp, self%frequency*h)) cycle
-            h = (tol(i)/last(i))**(1.0_wp/n)
-            if (h*self%frequency < 1) h = (tol(i)*self%frequency/last(i))**(1.0_wp/(n - 1))
+         do i = 1, size(self%y0)
+            tol = allowed(self, i)
+            last = abs(self%series(1, n, i))
+            before = weight*abs(self%series(1, n - 1, i))
+            h = min(h, (tol/max(before, tiny(h)/epsilon(h)))**(1.0_wp/(n - 1)))
+            if (last*h**n <= tol*min(1.0_wp, self%frequency*h)) cycle
+            h = (tol/last)**(1.0_wp/n)
+            if (h*self%frequency < 1) h = (tol*self%frequency/last)**(1.0_wp/(n - 1))
          end do
       end associate
    end function allowed_length

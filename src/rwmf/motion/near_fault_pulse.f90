@@ -152,7 +152,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(out) :: series(0:)
-      !! (order)
+      !! (order) coefficients
       real(wp) :: bell(0:ubound(series, 1) + 3)
       !! series of exp(-x**2/2), of which both Ricker pulses are derivatives
       real(wp) :: x, part
@@ -186,11 +186,13 @@ contains
    !> Add the series of size*sin(phase + frequency*x) in x.
    pure subroutine add_sine(size, frequency, phase, series)
       real(wp), intent(in) :: size
+      !! unit of the series
       real(wp), intent(in) :: frequency
+      !! phase per unit of x [rad]
       real(wp), intent(in) :: phase
       !! [rad]
       real(wp), intent(inout) :: series(0:)
-      !! (order)
+      !! (order) coefficients
       real(wp) :: term(0:1)
       integer :: k
 

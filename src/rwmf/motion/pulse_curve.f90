@@ -110,7 +110,7 @@ contains
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(out) :: series(0:)
-      !! (order)
+      !! (order) coefficients [m/s2] per power of s
 
       if (curve%is_harmonic) then
          series = 0

@@ -18,9 +18,9 @@ program test_expansion
       //'xi_s=0.05 /', cable = ' &cable eta_0=1.0, eta_alpha=5.0 /', plain = wall//frame//cable, &
       smooth = " &yielding u_y=0.02, hardening=0.1, law='bouc_wen', ", &
       storeys = ' &frame xi_s=0.05 / &storeys m_over_m_w=3*0.5, k_over_m_w=300.0, 260.0, 200.0, ' &
-      //'height=1.5, 1.25, 1.25, coupling=', yields = " &yielding storey_u_y=0.01, hardening=0.1, " &
-      //"law='bouc_wen', exponent=", bending = ' &bending EI_over_m_w=5000.0, modes=2, ' &
-      //'xi=0.02 /'
+      //'height=1.5, 1.25, 1.25, coupling=', &
+      yields = " &yielding storey_u_y=0.01, hardening=0.1, law='bouc_wen', exponent=", &
+      bending = ' &bending EI_over_m_w=5000.0, modes=2, xi=0.02 /'
    character(*), parameter :: sine = "kind='sine', a_max_g=0.5, T_p=0.6, cycles=4"
    real(wp), parameter :: begin = 0.4_wp
    !! of the step [s]
@@ -126,7 +126,7 @@ contains
          upward)
       call set_ground(known, ground, upward, motion)
       series(1, 0, :) = y
-      call expand_states(equation%scene, equation%state%coef, order, motion, series, memory)
+      call expand_states(equation%scene, equation%state%coef, 0, order, motion, series, memory)
       at_h = series(1, order, :)
       slope = 0
       do k = order - 1, 0, -1

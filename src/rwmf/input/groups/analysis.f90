@@ -48,7 +48,7 @@ contains
       group%is_of_scene = .false.
       group%keys = [ &
          optional_key('solver', 'method', 'choice', '', 'auto', all_methods, &
-            'integrator; auto: taylor for runs, by scene and tolerance for spectra'), &
+            'integrator; auto: dop853 for runs, by scene and tolerance for spectra'), &
          unless('solver.accuracy', &
             optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '[1.0e-14, 0.1]', &
             'relative tolerance; below the lower limit round-off governs every method')), &

@@ -15,20 +15,20 @@ module rwmf_model_series_bending_series
    implicit none
    private
 
-   public :: bend_series, expand_modes, release_series, bending_memory
+   public :: bend_series, expand_modes, release_series, bending_memory, locate_floors
 
    integer, parameter :: tip = 1, tip_rate = 2, tip_spin = 3, lean = 4, drag = 5, spin = 6, &
       square = 7, link = 8, gain = 9, heavy = 10, mass_before = 11, linked_mass = 12, common = 12
-   !! series of the wall: displacement of the tip over R [-], its rate [1/s], its product with phi'
-   !! [1/s]; sum of A_i q_i [m]; half the rate of the inertia [m2/s]; phi'**2 [1/s2]; cos(phi)**2
-   !! [-]; force at the top [m/s2]; j cos(phi) [-]; g and vertical acceleration [m/s2]; inertia of
-   !! the wall [-]; mass that moves with the top over m_w [-], their number
+   !! series of the wall, and their number. Displacement of the tip over R [-], its rate [1/s], its
+   !! product with phi' [1/s]. Sum of A_i q_i [m]. Half the rate of the inertia [m2/s]. phi'**2
+   !! [1/s2]. cos(phi)**2 [-]. Force at the top [m/s2]. j cos(phi) [-]. g and vertical acceleration
+   !! [m/s2]. Inertia of the wall [-]. Mass that moves with the top over m_w [-].
    integer, parameter :: place = 1, slope = 2, rate = 3, bias = 4, spun = 5, mass = 6, load = 7, &
       coupling = 8, force = 9, own_coupling = 10, own_force = 11, share = 12, rest = 13, own = 13
-   !! series of each shape: displacement [m], its derivative by phi [m], rate [m/s] and acceleration
-   !! for phi'' = 0 and q'' = 0 [m/s2]; q phi' [m/s]; mass and force of linked floors; coupling
-   !! with phi'' [m] and force [m/s2] of the mode, both in the vectors V as well; accelerations per
-   !! phi'' [m] and for phi'' = 0 [m/s2]; their number
+   !! series of each shape, and their number. Displacement [m], its derivative by phi [m], rate
+   !! [m/s], acceleration for phi'' = 0 and q'' = 0 [m/s2]. q phi' [m/s]. Mass and force of linked
+   !! floors. Coupling with phi'' [m] and force [m/s2] of the mode, both in the vectors V as well.
+   !! Accelerations per phi'' [m] and for phi'' = 0 [m/s2].
 
 contains
 
@@ -47,12 +47,12 @@ contains
       !! number of the coefficient
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      !! as of `add_modes`
+      !! coefficients as of `add_modes`
       real(wp), intent(in) :: wall(lane_count, wall_coefficients)
-      !! as of `move_wall`
+      !! coefficients as of `move_wall`
       real(wp), intent(in) :: y(lane_count, 0:highest_order, 2*term%law)
       !! series of q_i [m] and q_i' [m/s]
-      real(wp), intent(inout) :: of(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: of(lane_count, 0:highest_order, bending_memory(term))
       !! (coefficients, `bending_memory`)
       type(series_motion_t), intent(inout) :: motion
       real(wp) :: spread(lane_count)
@@ -99,13 +99,13 @@ contains
       !! number of the coefficient
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      !! as of `add_modes`
-      real(wp), intent(in) :: y(lane_count, 0:highest_order, *)
+      !! coefficients as of `add_modes`
+      real(wp), intent(in) :: y(lane_count, 0:highest_order, term%state + term%n_states - 1)
       !! series of all states of the scene
-      real(wp), intent(inout) :: of(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: of(lane_count, 0:highest_order, bending_memory(term))
       !! (coefficients, `bending_memory`)
       type(series_motion_t), intent(inout) :: motion
-      real(wp), intent(inout) :: rates(lane_count, *)
+      real(wp), intent(inout) :: rates(lane_count, term%state + term%n_states - 1)
       !! coefficients n of the rates of all states
       real(wp) :: top(lane_count), linked(lane_count), weight(lane_count), pushed_back(lane_count)
       integer :: j, q
@@ -122,7 +122,8 @@ contains
          linked = (motion%inertia(:, 0) - of(:, 0, mass_before))/(motion%lever(:, 0)*motion%j(:, 0))
          if (n == 0) of(:, 0, linked_mass) = linked
          linked = of(:, 0, linked_mass)
-         motion%moment(:, n) = motion%moment(:, n) - 2*product_of(n, of(1, 0, drag), motion%rate)/R**2
+         motion%moment(:, n) = motion%moment(:, n) &
+            - 2*product_of(n, of(1, 0, drag), motion%rate)/R**2
          weight = product_of(n, of(1, 0, heavy), motion%sine) - R*product_of(n, motion%push, &
             motion%cosine)
          pushed_back = product_of(n, motion%cosine, of(1, 0, link))
@@ -163,7 +164,7 @@ contains
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
       real(wp), intent(in) :: y(lane_count, 0:highest_order, 2*term%law)
-      real(wp), intent(inout) :: of(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: of(lane_count, 0:highest_order, bending_memory(term))
       type(series_motion_t), intent(in) :: motion
       integer :: j
 
@@ -191,7 +192,7 @@ contains
       integer, intent(in) :: n
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      real(wp), intent(inout) :: of(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: of(lane_count, 0:highest_order, bending_memory(term))
       type(series_motion_t), intent(inout) :: motion
       integer :: j, k, row
 
@@ -229,7 +230,7 @@ contains
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
       real(wp), intent(in) :: y(lane_count, 0:highest_order, term%n_states)
       !! series of q_i [m], q_i' [m/s] and z [-]
-      real(wp), intent(inout) :: of(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: of(lane_count, 0:highest_order, bending_memory(term))
       type(series_motion_t), intent(inout) :: motion
       real(wp), intent(inout) :: rates(lane_count, term%n_states)
       integer :: first, drift, k, power, row, storey
@@ -245,7 +246,7 @@ contains
                of(:, n, drift) = of(:, n, drift) + coef(:, row + k*floors)*of(:, n, at(k, rate))
             end do
             call expand_power(n, 0, coef(1, first + 3*floors + storey), &
-               y(1, 0, 2*modes + storey), of(1, 0, power))
+               motion%laws%negligible_state, y(1, 0, 2*modes + storey), of(1, 0, power))
             rates(:, 2*modes + storey) = motion%side*coef(:, first + floors + storey) &
                *(of(:, n, drift) - coef(:, first + 2*floors + storey)*product_of(n, &
                of(1, 0, drift), of(1, 0, power)))
@@ -260,11 +261,11 @@ contains
       integer, intent(in) :: n
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      real(wp), intent(in) :: y(lane_count, 0:highest_order, *)
+      real(wp), intent(in) :: y(lane_count, 0:highest_order, term%state + term%n_states - 1)
       !! series of all states
-      real(wp), intent(inout) :: of(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: of(lane_count, 0:highest_order, bending_memory(term))
       type(series_motion_t), intent(inout) :: motion
-      real(wp), intent(inout) :: rates(lane_count, *)
+      real(wp), intent(inout) :: rates(lane_count, term%state + term%n_states - 1)
       !! coefficients n of the rates of all states
       real(wp) :: push(lane_count)
       integer :: floor, k, last, row
@@ -281,8 +282,8 @@ contains
             push = coef(:, row - 1)*push
             associate (place => at(modes, own) + 4*(floor - 1) + 1)
                of(:, n, place) = push
-               rates(:, last + term%n + floor) = rates(:, last + term%n + floor) + motion%side*push &
-                  *coef(:, row - 2)
+               rates(:, last + term%n + floor) = rates(:, last + term%n + floor) &
+                  + motion%side*push*coef(:, row - 2)
                call pull_shapes(n, modes, coef(1, row), 1, R, place, of, motion)
             end associate
          end do
@@ -301,7 +302,7 @@ contains
       !! [m]
       integer, intent(in) :: pull
       !! place of the force in the memory
-      real(wp), intent(inout) :: of(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: of(lane_count, 0:highest_order, max(pull, at(modes, own)))
       type(series_motion_t), intent(inout) :: motion
       integer :: k
 
@@ -319,7 +320,7 @@ contains
       integer, intent(in) :: n
       integer, intent(in) :: modes
       real(wp), intent(in) :: coef(lane_count, fixed_columns + (mode_columns + modes)*modes)
-      real(wp), intent(inout) :: of(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: of(lane_count, 0:highest_order, at(modes, own))
       type(series_motion_t), intent(inout) :: motion
       real(wp) :: divisor(lane_count, 0:highest_order)
       integer :: j, k, row
@@ -340,8 +341,8 @@ contains
             of(1, 0, at(j, share)))
          of(:, n, at(j, rest)) = quotient_of(n, of(:, n, at(j, own_force)), divisor, &
             of(1, 0, at(j, rest)))
-         motion%inertia(:, n) = motion%inertia(:, n) - product_of(n, of(1, 0, at(j, own_coupling)), &
-            of(1, 0, at(j, share)))/coef(:, 1)**2
+         motion%inertia(:, n) = motion%inertia(:, n) &
+            - product_of(n, of(1, 0, at(j, own_coupling)), of(1, 0, at(j, share)))/coef(:, 1)**2
          motion%moment(:, n) = motion%moment(:, n) - product_of(n, of(1, 0, at(j, own_force)), &
             of(1, 0, at(j, share)))/coef(:, 1)**2
       end do
@@ -353,10 +354,11 @@ contains
       !! number of the coefficient
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      !! as of `add_modes`
+      !! coefficients as of `add_modes`
       real(wp), intent(in) :: y(lane_count, 0:highest_order, 2*term%law)
       !! series of q_i [m] and q_i' [m/s]
-      real(wp), intent(in) :: of(lane_count, 0:highest_order, *)
+      real(wp), intent(in) :: of(lane_count, 0:highest_order, bending_memory(term))
+      !! (coefficients, series)
       type(series_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: rates(lane_count, 2*term%law)
       !! coefficients n of the rates of these states [m/s], [m/s2]
@@ -376,5 +378,18 @@ contains
          end do
       end associate
    end subroutine release_series
+
+   !> Locate the smooth storeys, as `locate_spring`.
+   pure subroutine locate_floors(term, n, first)
+      type(term_t), intent(in) :: term
+      integer, intent(out) :: n
+      !! number of storeys
+      integer, intent(out) :: first(3)
+      !! numbers for the lowest storey; those of the others follow
+
+      n = merge(term%n, 0, term%floors == 0 .and. term%n_states > 2*term%law)
+      first = term%coef + first_smooth(term) + [0, 2*term%n, 3*term%n]
+      first(1) = term%state + 2*term%law
+   end subroutine locate_floors
 
 end module rwmf_model_series_bending_series

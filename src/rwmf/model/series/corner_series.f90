@@ -1,5 +1,7 @@
-!> Taylor series of the effects that read the motion of the wall alone: devices at the corners, the
-!> vertical ground motion, gravity on a frame with one mass, and its excited mass.
+!> Taylor series of the effects that read the motion of the wall alone.
+!>
+!> They are the devices at the corners, the vertical ground motion, and gravity on a frame with one
+!> mass and its excited mass.
 module rwmf_model_series_corner_series
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count
@@ -15,8 +17,9 @@ contains
    !> Add the moment of the damper under the lifting corner.
    pure subroutine expand_damper(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count)
-      !! as of `add_damper`
+      !! coefficients as of `add_damper`
       type(series_motion_t), intent(inout) :: motion
 
       motion%moment(:, n) = motion%moment(:, n) - 0.5_wp*coef*(motion%rate(:, n) &
@@ -26,8 +29,9 @@ contains
    !> Add the inertia and moment of the inerter under the lifting corner.
    pure subroutine expand_inerter(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count)
-      !! as of `add_inerter`
+      !! coefficients as of `add_inerter`
       type(series_motion_t), intent(inout) :: motion
 
       motion%inertia(:, n) = motion%inertia(:, n) + 0.5_wp*coef*motion%cosine(:, n)
@@ -49,8 +53,9 @@ contains
    !> Add the force of the fuse, linear in the stroke.
    pure subroutine expand_fuse(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count, 3)
-      !! as of `add_fuse`
+      !! coefficients as of `add_fuse`
       type(series_motion_t), intent(inout) :: motion
 
       call expand_half_angle(n, motion)
@@ -61,21 +66,23 @@ contains
    !> Add the force of the nonlinear dampers, none up to a negligible velocity.
    pure subroutine expand_nl_damper(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count, 3)
-      !! as of `add_nl_damper`
+      !! coefficients as of `add_nl_damper`
       type(series_motion_t), intent(inout) :: motion
       integer, parameter :: speed = 1, power = 2
       !! velocity of the stroke [m/s]; its power with its sign [-]
 
       call expand_half_angle(n, motion)
-      associate (of => motion%power)
+      associate (of => motion%laws%power)
          of(:, n, speed) = coef(:, 1)*product_of(n, motion%half_cosine, motion%rate)
          if (n == 0) then
             of(:, 0, power) = sign(abs(of(:, 0, speed))**coef(:, 3), of(:, 0, speed))
-            where (abs(motion%rate(:, 0)) <= motion%negligible_rate) of(:, 0, power) = 0
+            where (abs(motion%rate(:, 0)) <= motion%laws%negligible_rate) of(:, 0, power) = 0
          else
             of(:, n, power) = power_of(n, of(1, 0, speed), coef(:, 3), of(1, 0, power))
          end if
+         where (abs(coef(:, 3) - 1) <= 0) of(:, n, power) = of(:, n, speed)
          motion%moment(:, n) = motion%moment(:, n) - coef(:, 2)*product_of(n, &
             motion%half_cosine, of(1, 0, power))
       end associate
@@ -85,7 +92,7 @@ contains
    !> far below the one at which they balance the moment.
    pure real(wp) function negligible_rate(coef, turn, inertia, impulse) result(rate)
       real(wp), intent(in) :: coef(3)
-      !! as of `add_nl_damper`
+      !! coefficients as of `add_nl_damper`
       real(wp), intent(in) :: turn
       !! |phi''| [rad/s2]
       real(wp), intent(in) :: inertia
@@ -103,8 +110,9 @@ contains
    !> Add the moment of the vertical ground motion.
    pure subroutine expand_vertical(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count)
-      !! as of `add_vertical`
+      !! coefficients as of `add_vertical`
       type(series_motion_t), intent(inout) :: motion
       integer :: k
 
@@ -116,6 +124,7 @@ contains
    !> Add the push of the leaning column to a frame of one coordinate.
    pure subroutine expand_leaning_column(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count)
       !! push per displacement over m_w [1/s2]
       type(series_motion_t), intent(inout) :: motion
@@ -126,6 +135,7 @@ contains
    !> Add the ground force on the excited mass that does not move with the roof (one mode).
    pure subroutine expand_excited_mass(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count)
       !! excited mass minus mass moving with the roof, over m_w [-]
       type(series_motion_t), intent(inout) :: motion

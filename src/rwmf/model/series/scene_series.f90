@@ -2,24 +2,26 @@
 !> scene, one coefficient after the other.
 module rwmf_model_series_scene_series
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_numbers, only: bending_effect, damper_effect, fuse_effect, inerter_effect, link_effect, &
-      nl_damper_effect, p_delta_effect, storeys_effect, vertical_effect, yielding_effect
+   use rwmf_model_effects_numbers, only: bending_effect, damper_effect, fuse_effect, &
+      inerter_effect, link_effect, nl_damper_effect, p_delta_effect, storeys_effect, &
+      vertical_effect, yielding_effect
    use rwmf_model_lanes, only: lane_count
    use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
       straight_cable_term, term_t
    use rwmf_model_series_bending_series, only: bend_series, bending_memory, expand_modes, &
-      release_series
+      locate_floors, release_series
    use rwmf_model_series_corner_series, only: expand_damper, expand_excited_mass, expand_fuse, &
       expand_inerter, expand_leaning_column, expand_nl_damper, expand_vertical
    use rwmf_model_series_series_motion, only: expand_bare_frame, expand_frame, expand_link, &
       expand_linear_cable, expand_straight_cable, expand_wall, highest_order, quotient_of, &
       series_motion_t
-   use rwmf_model_series_smooth_series, only: expand_bouc_wen
-   use rwmf_model_series_storey_series, only: expand_floors, expand_storey_columns, storey_memory
+   use rwmf_model_series_smooth_series, only: expand_bouc_wen, locate_spring
+   use rwmf_model_series_storey_series, only: expand_floors, expand_storey_columns, &
+      locate_storeys, storey_memory
    implicit none
    private
 
-   public :: expand_states, series_memory
+   public :: expand_states, series_memory, smooth_springs
 
 contains
 
@@ -43,28 +45,54 @@ contains
       if (term%effect == bending_effect) n = bending_memory(term)
    end function memory_of
 
-   !> Compute the series of all states from their values at the start of a step.
-   pure subroutine expand_states(scene, coef, order, motion, y, memory)
+   !> Continue the series of all states from one order to a higher one. Order 0 is their values at
+   !> the start of a step.
+   pure subroutine expand_states(scene, coef, known, order, motion, y, memory)
       type(scene_t), intent(in) :: scene
       real(wp), intent(in) :: coef(lane_count, scene%n_coef)
       !! coefficients of the terms, for the current side and the active branches
+      integer, intent(in) :: known
+      !! order of the series on entry
       integer, intent(in) :: order
-      !! of the series
+      !! order of the series on return
       type(series_motion_t), intent(inout) :: motion
-      !! with the series of the ground motion; on return with those of the kinematics
+      !! with the series of the ground motion, and of the kinematics to the same order
       real(wp), intent(inout) :: y(lane_count, 0:highest_order, scene%n)
-      !! (coefficients, states) series of the states; on entry their values, coefficients 0
-      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, *)
+      !! (coefficients, states) series of the states
+      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, series_memory(scene))
       !! (coefficients, `series_memory`)
       real(wp) :: rates(lane_count, scene%n)
       integer :: i, n
-      do n = 0, order - 1
+
+      do n = known, order - 1
          call expand_rates(scene, coef, n, y, memory, motion, rates)
          do i = 1, scene%n
             y(:, n + 1, i) = rates(:, i)/(n + 1)
          end do
       end do
    end subroutine expand_states
+
+   !> List the springs whose power of z has no series at 0: state, and columns of its factor and of
+   !> the exponent.
+   pure function smooth_springs(scene) result(found)
+      type(scene_t), intent(in) :: scene
+      integer, allocatable :: found(:, :)
+      !! (3, springs)
+      integer :: i, j, n, first(3)
+
+      allocate (found(3, 0))
+      do i = 1, size(scene%terms)
+         n = 0
+         associate (term => scene%terms(i))
+            if (term%effect == yielding_effect) call locate_spring(term, n, first)
+            if (term%effect == storeys_effect) call locate_storeys(term, n, first)
+            if (term%effect == bending_effect) call locate_floors(term, n, first)
+         end associate
+         do j = 0, n - 1
+            found = reshape([found, first + j], [3, size(found, 2) + 1])
+         end do
+      end do
+   end function smooth_springs
 
    !> Compute coefficient n of the rates of all states.
    pure subroutine expand_rates(scene, coef, n, y, memory, motion, rates)
@@ -73,7 +101,7 @@ contains
       integer, intent(in) :: n
       real(wp), intent(in) :: y(lane_count, 0:highest_order, scene%n)
       !! series of the states, up to coefficient n
-      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, series_memory(scene))
       type(series_motion_t), intent(inout) :: motion
       real(wp), intent(out) :: rates(lane_count, scene%n)
       integer :: i, next
@@ -93,61 +121,76 @@ contains
       end if
       next = 1
       do i = 1, size(scene%terms)
-         associate (term => scene%terms(i), own => scene%terms(i)%coef)
-            select case (term%effect)
-            case (frame_term)
-               call expand_frame(n, coef(1, own), motion)
-            case (linear_cable_term)
-               call expand_linear_cable(n, coef(1, own), motion)
-            case (straight_cable_term)
-               call expand_straight_cable(n, coef(1, own), motion)
-            case (storeys_effect)
-               if (term%n > 0) then
-                  call expand_floors(n, term, coef(1, own), y(1, 0, term%state), &
-                     memory(1, 0, next), motion, rates(1, term%state))
-                  next = next + memory_of(term)
-               else
-                  call expand_excited_mass(n, coef(1, own), motion)
-               end if
-            case (link_effect)
-               call expand_link(n, coef(1, own), motion)
-            case (damper_effect)
-               call expand_damper(n, coef(1, own), motion)
-            case (inerter_effect)
-               call expand_inerter(n, coef(1, own), motion)
-            case (fuse_effect)
-               call expand_fuse(n, coef(1, own), motion)
-            case (yielding_effect)
-               call expand_bouc_wen(n, term%law, coef(1, own), y(1, 0, term%state), motion, &
-                  rates(1, term%state))
-            case (vertical_effect)
-               call expand_vertical(n, coef(1, own), motion)
-            case (p_delta_effect)
-               if (term%n > 0) then
-                  call expand_storey_columns(n, term%n, term%n_states/2, coef(1, own), &
-                     y(1, 0, term%state), motion, rates(1, term%state))
-               else
-                  call expand_leaning_column(n, coef(1, own), motion)
-               end if
-            case (nl_damper_effect)
-               call expand_nl_damper(n, coef(1, own), motion)
-            case (bending_effect)
-               call expand_modes(n, term, coef(1, own), y, memory(1, 0, next), motion, rates)
-            case default
-               ! this effect has no loop and therefore no term
-            end select
-         end associate
+         call expand_term(n, scene%terms(i), coef(1, scene%terms(i)%coef), y, memory(1, 0, next), &
+            motion, rates)
+         next = next + memory_of(scene%terms(i))
       end do
       ! the first coefficient is 0 for a wall that is held
-      motion%turn(:, n) = coef(:, 1)*quotient_of(n, motion%moment(:, n), motion%inertia, motion%turn)
+      motion%turn(:, n) = coef(:, 1)*quotient_of(n, motion%moment(:, n), motion%inertia, &
+         motion%turn)
       rates(:, 1) = y(:, n, 2)
       rates(:, 2) = motion%side*motion%turn(:, n)
       if (scene%bent > 0) then
          associate (term => scene%terms(scene%bent))
+            next = next - memory_of(term)
             call release_series(n, term, coef(1, term%coef), y(1, 0, term%state), &
                memory(1, 0, next), motion, rates(1, term%state))
          end associate
       end if
    end subroutine expand_rates
+
+   !> Add coefficient n of a term to the series.
+   pure subroutine expand_term(n, term, coef, y, memory, motion, rates)
+      integer, intent(in) :: n
+      type(term_t), intent(in) :: term
+      real(wp), intent(in) :: coef(lane_count, term%n_coef)
+      real(wp), intent(in) :: y(lane_count, 0:highest_order, max(2, term%state + term%n_states - 1))
+      !! series of the states
+      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, memory_of(term))
+      type(series_motion_t), intent(inout) :: motion
+      real(wp), intent(inout) :: rates(lane_count, max(2, term%state + term%n_states - 1))
+
+      select case (term%effect)
+      case (frame_term)
+         call expand_frame(n, coef, motion)
+      case (linear_cable_term)
+         call expand_linear_cable(n, coef, motion)
+      case (straight_cable_term)
+         call expand_straight_cable(n, coef, motion)
+      case (storeys_effect)
+         if (term%n > 0) then
+            call expand_floors(n, term, coef, y(1, 0, term%state), memory, motion, &
+               rates(1, term%state))
+         else
+            call expand_excited_mass(n, coef, motion)
+         end if
+      case (link_effect)
+         call expand_link(n, coef, motion)
+      case (damper_effect)
+         call expand_damper(n, coef, motion)
+      case (inerter_effect)
+         call expand_inerter(n, coef, motion)
+      case (fuse_effect)
+         call expand_fuse(n, coef, motion)
+      case (yielding_effect)
+         call expand_bouc_wen(n, term%law, coef, y(1, 0, term%state), motion, &
+            rates(1, term%state))
+      case (vertical_effect)
+         call expand_vertical(n, coef, motion)
+      case (p_delta_effect)
+         if (term%n > 0) then
+            call expand_storey_columns(n, term%n, term%n_states/2, coef, &
+               y(1, 0, term%state), motion, rates(1, term%state))
+         else
+            call expand_leaning_column(n, coef, motion)
+         end if
+      case (nl_damper_effect)
+         call expand_nl_damper(n, coef, motion)
+      case (bending_effect)
+         call expand_modes(n, term, coef, y, memory, motion, rates)
+      case default
+         ! this effect has no loop and therefore no term
+      end select
+   end subroutine expand_term
 
 end module rwmf_model_series_scene_series

@@ -1,6 +1,6 @@
 !> Taylor series of the kinematics that all effects of a lane share, and of wall, frame and cable.
 !>
-!> The series are those of the time since the start of a step; index n is the coefficient of the
+!> The series are those of the time since the start of a step. Index n is the coefficient of the
 !> n-th power, in the unit of the quantity over s**n. Round n computes coefficient n of everything
 !> from coefficients 0 to n of the states. Coefficient 0 is the value at the start of the step.
 !> The first index of every array is the lane, as in `rwmf_model_lanes`, which explains the symbols.
@@ -13,14 +13,30 @@ module rwmf_model_series_series_motion
 
    public :: highest_order, series_motion_t, set_ground
    public :: product_of, root_of, quotient_of, power_of, pushed
-   public :: expand_weight, expand_wall, expand_bare_frame, expand_link, expand_frame, expand_linear_cable, &
-      expand_straight_cable
+   public :: expand_weight, expand_wall, expand_bare_frame, expand_link, expand_frame, &
+      expand_linear_cable, expand_straight_cable
 
 #ifdef RWMF_QUAD
    integer, parameter :: highest_order = 32
 #else
    integer, parameter :: highest_order = 16
 #endif
+
+   !> Series of single effects.
+   type :: law_series_t
+      real(wp) :: cable(lane_count, 0:highest_order, 3)
+      !! series of a straight cable in the units of `expand_straight_cable`
+      real(wp) :: tilt(lane_count, 0:highest_order, 8)
+      !! series of a link of finite length in the units of `expand_link`
+      real(wp) :: hysteresis(lane_count, 0:highest_order, 7)
+      !! powers of the state of a smooth frame, up to the eighth [-]
+      real(wp) :: power(lane_count, 0:highest_order, 2)
+      !! series of nonlinear dampers in the units of `expand_nl_damper`
+      real(wp) :: negligible_rate(lane_count) = 0
+      !! |phi'| up to which they exert no force [rad/s]
+      real(wp) :: negligible_state(lane_count) = 0
+      !! |z| up to which the power of z in a smooth law is 0 [-]
+   end type law_series_t
 
    !> Series of the motion of the lanes. Effects add to inertia and moment of the equation
    !> inertia*phi'' = moment, per m_w R**2. For a bare frame u replaces phi, R is 1 and m_s replaces
@@ -82,16 +98,7 @@ module rwmf_model_series_series_motion
       !! force of the frame with one mass at the link, over m_s R [1/s2]
       real(wp) :: turn(lane_count, 0:highest_order)
       !! phi'' [rad/s2]
-      real(wp) :: cable(lane_count, 0:highest_order, 3)
-      !! series of a straight cable, see `expand_straight_cable`
-      real(wp) :: tilt(lane_count, 0:highest_order, 8)
-      !! series of a link of finite length, see `expand_link`
-      real(wp) :: hysteresis(lane_count, 0:highest_order, 7)
-      !! powers of the state of a smooth frame, up to the eighth [-]
-      real(wp) :: power(lane_count, 0:highest_order, 2)
-      !! series of nonlinear dampers, see `expand_nl_damper`
-      real(wp) :: negligible_rate(lane_count) = 0
-      !! |phi'| up to which they exert no force [rad/s]
+      type(law_series_t) :: laws
    end type series_motion_t
 
 contains
@@ -116,11 +123,13 @@ contains
       end do
    end subroutine set_ground
 
-   !> Coefficient n of the product of two series. Even and odd terms have sums of their own, which
-   !> proceed at the same time.
+   !> Coefficient n of the product of two series. Even and odd terms have separate sums, which the
+   !> processor computes side by side.
    pure function product_of(n, a, b) result(c)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: a(lane_count, 0:n), b(lane_count, 0:n)
+      !! coefficients of the series
       real(wp) :: c(lane_count)
       real(wp) :: odd(lane_count)
       integer :: i, k
@@ -142,9 +151,11 @@ contains
    !> Coefficient n of a/b, with the coefficients below n of the quotient.
    pure function quotient_of(n, a, b, quotient) result(c)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: a(lane_count)
-      !! coefficient n of a
+      !! coefficient n of a, in the unit of a
       real(wp), intent(in) :: b(lane_count, 0:n), quotient(lane_count, 0:n)
+      !! coefficients of the series
       real(wp) :: c(lane_count)
       integer :: i, k
 
@@ -161,9 +172,11 @@ contains
    !> Coefficient n > 0 of the square root of a, with the coefficients below n of the root.
    pure function root_of(n, a, root) result(c)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: a(lane_count)
-      !! coefficient n of a
+      !! coefficient n of a, in the unit of a
       real(wp), intent(in) :: root(lane_count, 0:n)
+      !! coefficients of the series
       real(wp) :: c(lane_count)
       integer :: i, k
 
@@ -180,9 +193,13 @@ contains
    !> Coefficient n > 0 of a**exponent, with the coefficients below n of the power. Zero if a(0) is.
    pure function power_of(n, a, exponent, power) result(c)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: a(lane_count, 0:n)
+      !! coefficients of the series
       real(wp), intent(in) :: exponent(lane_count)
+      !! coefficients
       real(wp), intent(in) :: power(lane_count, 0:n)
+      !! coefficients of the series
       real(wp) :: c(lane_count)
       integer :: i, k
 
@@ -205,8 +222,9 @@ contains
    !> Expand the kinematics of a wall on a corner or on a hinge, its inertia and weight.
    pure subroutine expand_wall(n, coef, theta, theta_dot, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count, wall_coefficients)
-      !! as of `move_wall`
+      !! coefficients as of `move_wall`
       real(wp), intent(in) :: theta(lane_count), theta_dot(lane_count)
       !! coefficients n of theta [rad] and theta' [rad/s]
       type(series_motion_t), intent(inout) :: motion
@@ -265,8 +283,9 @@ contains
    !> Set the moment to that of the weight and of the ground motion on the wall.
    pure subroutine expand_weight(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count, wall_coefficients)
-      !! as of `move_wall`
+      !! coefficients as of `move_wall`
       type(series_motion_t), intent(inout) :: motion
 
       motion%moment(:, n) = -(coef(:, 8)*motion%s(:, n) + pushed(n, motion%c, motion))
@@ -276,7 +295,9 @@ contains
    !> Coefficient n of a series times the push of the ground [1/s2].
    pure function pushed(n, a, motion) result(c)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: a(lane_count, 0:n)
+      !! coefficients of the series
       type(series_motion_t), intent(in) :: motion
       real(wp) :: c(lane_count)
       integer :: k
@@ -290,6 +311,7 @@ contains
    !> Expand the kinematics of a frame without a wall: the rotation of an arm of one metre.
    pure subroutine expand_bare_frame(n, u, u_dot, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: u(lane_count), u_dot(lane_count)
       !! coefficients n of displacement [m] and velocity [m/s]
       type(series_motion_t), intent(inout) :: motion
@@ -310,12 +332,13 @@ contains
       motion%moment(:, n) = 0
    end subroutine expand_bare_frame
 
-   !> Add the tilt of a link of finite length l, Eqs (2), (3), as `tilt_link`. Its end rises by v, and
-   !> tilt = l - sqrt(l**2 - v**2).
+   !> Add the tilt of a link of finite length l, Eqs (2), (3), as `tilt_link`. Its end rises by v,
+   !> and tilt = l - sqrt(l**2 - v**2).
    pure subroutine expand_link(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count, link_coefficients)
-      !! as of `tilt_link`
+      !! coefficients as of `tilt_link`
       type(series_motion_t), intent(inout) :: motion
       integer, parameter :: rise = 1, root = 2, gain = 3, slope = 4, speed = 5, plain = 6, &
          spin = 7, bent = 8
@@ -323,7 +346,7 @@ contains
       !! phi'; tilt'' for phi'' = 0
       real(wp) :: tilt(lane_count), top(lane_count)
 
-      associate (of => motion%tilt)
+      associate (of => motion%laws%tilt)
          if (n == 0) then
             of(:, 0, rise) = motion%half_sine(:, 0)*(coef(:, 4)*motion%half_cosine(:, 0) &
                - coef(:, 3)*motion%half_sine(:, 0))
@@ -358,8 +381,9 @@ contains
    !> displacement.
    pure subroutine expand_frame(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count, frame_coefficients)
-      !! as of `add_frame`
+      !! coefficients as of `add_frame`
       type(series_motion_t), intent(inout) :: motion
 
       motion%force(:, n) = motion%bias(:, n) + coef(:, 2)*motion%u_rate(:, n) &
@@ -373,8 +397,9 @@ contains
    !> Add the cable of Eq. (1), whose force and moment are linear in the rotation.
    pure subroutine expand_linear_cable(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count, cable_coefficients)
-      !! as of `add_linear_cable`
+      !! coefficients as of `add_linear_cable`
       type(series_motion_t), intent(inout) :: motion
 
       motion%moment(:, n) = motion%moment(:, n) - coef(:, 2)*motion%phi(:, n)
@@ -385,15 +410,16 @@ contains
    !> `add_straight_cable`.
    pure subroutine expand_straight_cable(n, coef, motion)
       integer, intent(in) :: n
+      !! number of the coefficient
       real(wp), intent(in) :: coef(lane_count, cable_coefficients)
-      !! as of `add_straight_cable`
+      !! coefficients as of `add_straight_cable`
       type(series_motion_t), intent(inout) :: motion
       integer, parameter :: length = 1, arm = 2, force = 3
       !! length [m], arm [m] and force as its coefficients
       real(wp) :: rise(lane_count)
       !! change of the squared length [m2]
 
-      associate (h => coef(:, 3), b => coef(:, 4), of => motion%cable)
+      associate (h => coef(:, 3), b => coef(:, 4), of => motion%laws%cable)
          if (n == 0) then
             rise = 4*b*(b*motion%half_sine(:, 0)**2 + h*motion%sine(:, 0))
             of(:, 0, length) = sqrt(4*h*h + rise)

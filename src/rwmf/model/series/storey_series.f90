@@ -9,7 +9,7 @@ module rwmf_model_series_storey_series
    implicit none
    private
 
-   public :: expand_floors, expand_storey_columns, storey_memory
+   public :: expand_floors, expand_storey_columns, locate_storeys, storey_memory
 
 contains
 
@@ -22,17 +22,17 @@ contains
       if (term%law /= no_hysteresis) n = term%n*(1 + max(1, term%law - 1))
    end function storey_memory
 
-   !> Expand the rates of the floors with states, and add the force of the uppermost storey, or of
-   !> the link springs, to the moment, as `add_floors`.
+   !> Expand the rates of the floors with states, as `add_floors`. The force of the uppermost
+   !> storey, or of the link springs, adds to the moment.
    pure subroutine expand_floors(n, term, coef, y, memory, motion, rates)
       integer, intent(in) :: n
       !! number of the coefficient
       type(term_t), intent(in) :: term
       real(wp), intent(in) :: coef(lane_count, term%n_coef)
-      !! as of `add_floors`
+      !! coefficients as of `add_floors`
       real(wp), intent(in) :: y(lane_count, 0:highest_order, term%n_states)
       !! series of displacements [m] and velocities [m/s] of these floors, and of z [-]
-      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, *)
+      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, storey_memory(term))
       !! (`storey_memory`) drift rates [m/s] and powers of z [-] of smooth storeys
       type(series_motion_t), intent(inout) :: motion
       real(wp), intent(out) :: rates(lane_count, term%n_states)
@@ -45,8 +45,8 @@ contains
       damping = 3*storeys + 1
       u_roof = coef(:, 1)*motion%side*motion%u(:, n)
       v_roof = coef(:, 1)*motion%side*motion%u_rate(:, n)
-      if (term%law /= no_hysteresis) call expand_smooth_storeys(n, storeys, free, term%law, &
-         coef(1, 3*storeys + 2 + storeys**2), y, v_roof, memory, rates)
+      if (term%law /= no_hysteresis) call expand_smooth_storeys(n, term, &
+         coef(1, 3*storeys + 2 + storeys**2), y, v_roof, motion, memory, rates)
       below = 0
       call find_shear(1, below, shear)
       do j = 1, storeys
@@ -101,28 +101,32 @@ contains
    end subroutine expand_floors
 
    !> Expand the rates of the states of smooth storeys.
-   pure subroutine expand_smooth_storeys(n, storeys, free, factors, coef, y, v_roof, memory, rates)
+   pure subroutine expand_smooth_storeys(n, term, coef, y, v_roof, motion, memory, rates)
       integer, intent(in) :: n
-      integer, intent(in) :: storeys, free, factors
-      real(wp), intent(in) :: coef(lane_count, 4*storeys)
+      type(term_t), intent(in) :: term
+      real(wp), intent(in) :: coef(lane_count, 4*term%n)
       !! coefficients of smooth storeys, see `add_floors`
-      real(wp), intent(in) :: y(lane_count, 0:highest_order, 2*free + storeys)
+      real(wp), intent(in) :: y(lane_count, 0:highest_order, term%n_states)
       real(wp), intent(in) :: v_roof(lane_count)
       !! coefficient n of the velocity of the roof [m/s]
-      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, storeys, &
-         1 + max(1, factors - 1))
+      type(series_motion_t), intent(in) :: motion
+      real(wp), intent(inout) :: memory(lane_count, 0:highest_order, term%n, &
+         1 + max(1, term%law - 1))
       !! drift rates, then powers
-      real(wp), intent(inout) :: rates(lane_count, 2*free + storeys)
-      real(wp) :: powers(lane_count, 0:highest_order, max(1, factors - 1))
-      integer :: j, last
+      real(wp), intent(inout) :: rates(lane_count, term%n_states)
+      real(wp) :: powers(lane_count, 0:highest_order, max(1, term%law - 1))
+      integer :: free, j, last, storeys
 
-      last = max(1, factors - 1)
+      storeys = term%n
+      free = free_floors(term)
+      last = max(1, term%law - 1)
       do j = 1, storeys
          memory(:, n, j, 1) = v_roof
          if (j <= free) memory(:, n, j, 1) = y(:, n, free + j)
          if (j > 1) memory(:, n, j, 1) = memory(:, n, j, 1) - y(:, n, free + j - 1)
          powers(:, :n, :) = memory(:, :n, j, 2:)
-         call expand_power(n, factors, coef(1, 3*storeys + j), y(1, 0, 2*free + j), powers)
+         call expand_power(n, term%law, coef(1, 3*storeys + j), motion%laws%negligible_state, &
+            y(1, 0, 2*free + j), powers)
          memory(:, n, j, 2:) = powers(:, n, :)
          rates(:, 2*free + j) = coef(:, storeys + j)*(memory(:, n, j, 1) - coef(:, 2*storeys + j) &
             *product_of(n, memory(1, 0, j, 1), memory(1, 0, j, 1 + last)))
@@ -134,10 +138,11 @@ contains
       integer, intent(in) :: n
       !! number of the coefficient
       integer, intent(in) :: storeys
+      !! number of storeys
       integer, intent(in) :: free
       !! number of floors with states
       real(wp), intent(in) :: coef(lane_count, 1 + storeys + free)
-      !! as of `add_p_delta`
+      !! coefficients as of `add_p_delta`
       real(wp), intent(in) :: y(lane_count, 0:highest_order, 2*free)
       !! series of displacements [m] and velocities of these floors
       type(series_motion_t), intent(inout) :: motion
@@ -160,5 +165,18 @@ contains
       motion%column_push(:, n) = motion%side*push/coef(:, 1)
       motion%moment(:, n) = motion%moment(:, n) + product_of(n, motion%lever, motion%column_push)
    end subroutine expand_storey_columns
+
+   !> Locate the storeys, as `locate_spring`.
+   pure subroutine locate_storeys(term, n, first)
+      type(term_t), intent(in) :: term
+      integer, intent(out) :: n
+      !! number of storeys
+      integer, intent(out) :: first(3)
+      !! numbers for the lowest storey; those of the others follow
+
+      n = merge(term%n, 0, term%law == 0)
+      first = term%coef + 3*term%n + 1 + term%n**2 + [0, 2*term%n, 3*term%n]
+      first(1) = term%state + 2*free_floors(term)
+   end subroutine locate_storeys
 
 end module rwmf_model_series_storey_series

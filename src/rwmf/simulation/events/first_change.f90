@@ -6,7 +6,7 @@
 !> by the integrator.
 module rwmf_simulation_events_first_change
    use rwmf_core_error, only: error_t
-   use rwmf_core_kinds, only: wp
+   use rwmf_core_kinds, only: dp, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, close_in, keep_inside, narrow, &
       secant_between, secant_t
    use rwmf_math_sign_changes, only: change_at_begin, newton_root_of, no_change, one_change, root_of
@@ -340,7 +340,7 @@ contains
       type(watch_t), intent(in) :: watch
       type(span_t), intent(inout) :: span
       type(error_t), allocatable, intent(out) :: error
-      real(wp), parameter :: short = 2.0e-7_wp
+      real(wp), parameter :: short = 2.0e-7_wp*(epsilon(1.0_wp)/epsilon(1.0_dp))**0.4_wp
       !! fraction of the span whose third power times a rate is round-off [-]
       integer, parameter :: most_points = 200
       type(bracket_t) :: bracket

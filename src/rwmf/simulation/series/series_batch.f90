@@ -146,8 +146,8 @@ contains
       lanes%is_at_limit = 0
    end function idle_lanes
 
-   !> Return whether the series knows all terms of a scene: a rocking wall, and possibly a frame, a
-   !> cable, springs with memory, devices at the corners, vertical motion and gravity on the frame.
+   !> Return whether the series knows all terms of a scene. They are a rocking wall, a frame,
+   !> cables, springs with memory, devices at the corners, vertical motion and gravity on the frame.
    pure logical function is_served(equation)
       type(equation_t), intent(in) :: equation
       integer, parameter :: known(*) = [frame_term, linear_cable_term, straight_cable_term, &
