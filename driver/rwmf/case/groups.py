@@ -542,7 +542,7 @@ class Solver(Group):
     Attributes
     ----------
     method : str
-        Integrator; auto: dop853 for runs, a pair by tolerance for spectra; fast: auto.
+        Integrator; auto: dop853 for runs, by scene and tolerance for spectra.
     rtol : float
         Relative tolerance; below the lower limit round-off governs every method.
     accuracy : float
@@ -560,7 +560,7 @@ class Solver(Group):
     """
 
     __slots__ = ()
-    method: Literal["auto", "adams", "bdf", "taylor", "dop853"]
+    method: Literal["auto", "taylor", "adams", "bdf", "dop853"]
     rtol: float
     accuracy: float
     accuracy_of: str
