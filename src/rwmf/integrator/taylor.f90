@@ -156,14 +156,13 @@ contains
       call expand(self, 1)
       turn = abs(self%motion%turn(1, 0))
       negligible = negligible_rate(self%equation%state%coef(1, self%damper:self%damper + 2), turn, &
-         self%motion%inertia(1, 0), share*(self%tolerance%rtol*self%largest(2) &
-         + part*self%tolerance%atol(2)))
+         self%motion%inertia(1, 0), allowed(self, 2))
       self%motion%laws%negligible_rate = negligible
       if (abs(self%y0(2)) <= negligible) longest = min(longest, 2*negligible/turn)
    end subroutine approach_turn
 
-   !> Drop the powers of small states of smooth springs, which have no series at 0. Until |z|, they
-   !> change z by factor*|z|**(exponent + 1)/(exponent + 1).
+   !> Find the states of smooth springs at which their powers are negligible. Until |z|, they change
+   !> z by factor*|z|**(exponent + 1)/(exponent + 1).
    subroutine find_negligible_state(self)
       class(taylor_t), intent(inout) :: self
       real(wp) :: power
@@ -180,7 +179,8 @@ contains
       end do
    end subroutine find_negligible_state
 
-   !> Length at which states that begin as negligible have at most doubled the limit [s].
+   !> Length at which states that begin as negligible reach at most twice the limit [s]. Their power
+   !> has no series, or one that begins beyond the last term.
    pure real(wp) function length_near_zero(self, longest) result(h)
       class(taylor_t), intent(in) :: self
       real(wp), intent(in) :: longest

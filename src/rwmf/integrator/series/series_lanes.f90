@@ -46,7 +46,7 @@ module rwmf_integrator_series_series_lanes
       !! order of the root of phi - lower at the start of the step: 1 after an impact, 2 after a
       !! lift-off, 0 away from that bound [-]
       real(wp) :: above(series_width)
-      !! the same for the upper bound [-]
+      !! order of the root of upper - phi at the start of the step, 0 away from that bound [-]
       ! coefficients of the equation of motion, per m_w R**2
       real(wp) :: inverse_radius(series_width)
       !! 1/R [1/m]

@@ -72,8 +72,7 @@ contains
       end do
    end subroutine expand_states
 
-   !> List the springs whose power of z has no series at 0: state, and columns of its factor and of
-   !> the exponent.
+   !> List the smooth springs: state z, and columns of the factor of its power and of the exponent.
    pure function smooth_springs(scene) result(found)
       type(scene_t), intent(in) :: scene
       integer, allocatable :: found(:, :)

@@ -67,15 +67,15 @@ contains
          motion%u_rate, motion%laws%hysteresis(1, 0, max(1, factors - 1))))
    end subroutine expand_bouc_wen
 
-   !> Locate the spring of a frame if the power of its state has no series at 0.
+   !> Locate the smooth spring of a frame.
    pure subroutine locate_spring(term, n, first)
       type(term_t), intent(in) :: term
       integer, intent(out) :: n
-      !! 1 or 0 springs
+      !! number of springs: 1
       integer, intent(out) :: first(3)
       !! numbers of the state, and of the columns of its factor and of the exponent
 
-      n = merge(1, 0, term%law == 0)
+      n = 1
       first = [term%state, term%coef + 2, term%coef + 3]
    end subroutine locate_spring
 

@@ -174,7 +174,7 @@ contains
       integer, intent(out) :: first(3)
       !! numbers for the lowest storey; those of the others follow
 
-      n = merge(term%n, 0, term%law == 0)
+      n = merge(term%n, 0, term%law /= no_hysteresis)
       first = term%coef + 3*term%n + 1 + term%n**2 + [0, 2*term%n, 3*term%n]
       first(1) = term%state + 2*free_floors(term)
    end subroutine locate_storeys
