@@ -7,7 +7,7 @@ module rwmf_baseline_fixed_step
    use rwmf_baseline_problem, only: apply_impact, evaluate, observe, problem_t, try_lift_off
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_model_system_jacobian, only: jacobian
+   use rwmf_model_system_jacobian, only: find_jacobian
    use rwmf_text_strings, only: real_to_text
    implicit none
    private
@@ -107,8 +107,7 @@ contains
       real(wp) :: a_old
       real(wp) :: a_new
       !! [rad/s2]
-      real(wp) :: by_theta
-      real(wp) :: by_theta_dot
+      real(wp) :: jacobian(2, 2)
       real(wp) :: correction
       integer :: i
 
@@ -118,8 +117,8 @@ contains
       do i = 1, most_iterations
          y = average_acceleration(scene%y, a_old, a_new, h)
          call evaluate(scene, scene%t + h, y, f)
-         call jacobian(scene%equation, scene%t + h, y, by_theta, by_theta_dot)
-         correction = (f(2) - a_new)/(1 - h**2/4*by_theta - h/2*by_theta_dot)
+         call find_jacobian(scene%equation, scene%t + h, y, jacobian)
+         correction = (f(2) - a_new)/(1 - h**2/4*jacobian(2, 1) - h/2*jacobian(2, 2))
          a_new = a_new + correction
          if (abs(correction) <= enough*(abs(a_old) + abs(a_new))) exit
       end do

@@ -5,7 +5,7 @@ module rwmf_integrator_pairs
    private
 
    public :: pair_t, sum_t, most_stages, most_terms, sum_of, step_tolerance
-   public :: dormand_prince_853, tsitouras_papakostas_64, tsitouras_papakostas_75
+   public :: dormand_prince_853, tsitouras_papakostas_64
 
    integer, parameter :: most_stages = 12
    integer, parameter :: most_terms = 9
@@ -157,44 +157,5 @@ contains
       pair%e = sum_of(b - [2694253/26100360.0_wp, 0.0_wp, 83647323/535804360.0_wp, &
          691202281/1789061040.0_wp, -1275547648/10565208225.0_wp, 0.4_wp, 1891/25200.0_wp])
    end function tsitouras_papakostas_64
-
-   !> Tsitouras and Papakostas' pair 7(5) of nine stages.
-   pure type(pair_t) function tsitouras_papakostas_75() result(pair)
-      integer, parameter :: s = 9
-      !! stages
-      real(wp) :: b(s)
-
-      pair%stages = s
-      pair%order = 7
-      pair%error_order = 6
-      pair%c(:s) = [0.0_wp, 1/18.0_wp, 1/9.0_wp, 1/6.0_wp, 0.445_wp, 56482/115069.0_wp, &
-         74/95.0_wp, 8/9.0_wp, 1.0_wp]
-      pair%a(2) = sum_of([1/18.0_wp])
-      pair%a(3) = sum_of([0.0_wp, 1/9.0_wp])
-      pair%a(4) = sum_of([1/24.0_wp, 0.0_wp, 1/8.0_wp])
-      pair%a(5) = sum_of([2183971/4000000.0_wp, 0.0_wp, -8340813/4000000.0_wp, &
-         3968421/2000000.0_wp])
-      pair%a(6) = sum_of([695768212/7463744411.0_wp, 0.0_wp, -1803549175.0_wp/7007942496.0_wp, &
-         3474507053.0_wp/6790877290.0_wp, 2188198899.0_wp/15264927763.0_wp])
-      pair%a(7) = sum_of([-11894934857.0_wp/8390623634.0_wp, 0.0_wp, &
-         53094780276.0_wp/9800512003.0_wp, -8415376229.0_wp/2277049503.0_wp, &
-         -18647567697.0_wp/10138317907.0_wp, 27551494893.0_wp/11905950217.0_wp])
-      pair%a(8) = sum_of([30828057951.0_wp/7654644085.0_wp, 0.0_wp, -4511704/324729.0_wp, &
-         16217851618.0_wp/1651177175.0_wp, 282768186839.0_wp/40694064384.0_wp, &
-         -104400780537.0_wp/15869257619.0_wp, 5409241639.0_wp/9600177208.0_wp])
-      pair%a(9) = sum_of([-133775720546.0_wp/36753383835.0_wp, 0.0_wp, &
-         49608695511.0_wp/4066590848.0_wp, -59896475201.0_wp/7901259813.0_wp, &
-         -48035527651.0_wp/5727379426.0_wp, 86266718551.0_wp/10188951048.0_wp, &
-         -7751618114.0_wp/23575802495.0_wp, 2289274942.0_wp/8464405725.0_wp])
-      b = [597988726/12374436915.0_wp, 0.0_wp, 0.0_wp, 3138312158.0_wp/11968408119.0_wp, &
-         480882843/7850665645.0_wp, 988558885/3512253271.0_wp, 5302636961.0_wp/26425940286.0_wp, &
-         1259489433.0_wp/12163586030.0_wp, 1016647712.0_wp/23899101975.0_wp]
-      pair%b = sum_of(b)
-      pair%weight(:s) = b
-      pair%e = sum_of(b - [1421940313.0_wp/46193547077.0_wp, 0.0_wp, 0.0_wp, &
-         1943068601.0_wp/5911217046.0_wp, -3807140880.0_wp/8205366359.0_wp, &
-         9377220888.0_wp/11577671635.0_wp, 586186883/5187186385.0_wp, &
-         1114095023.0_wp/8014791121.0_wp, 1016647712.0_wp/23899101975.0_wp])
-   end function tsitouras_papakostas_75
 
 end module rwmf_integrator_pairs

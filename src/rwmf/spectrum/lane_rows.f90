@@ -12,7 +12,7 @@ module rwmf_spectrum_lane_rows
    use rwmf_integrator_series_series_kernels, only: series_order
    use rwmf_integrator_series_series_lanes, only: series_width
    use rwmf_integrator_pairs, only: dormand_prince_853, pair_t, &
-      tsitouras_papakostas_64, tsitouras_papakostas_75
+      tsitouras_papakostas_64
    use rwmf_model_scene, only: is_same_scene, scene_t
    use rwmf_model_system_assembly, only: build_equation, equation_t
    use rwmf_motion_ground_motion, only: is_piecewise_linear, motion_t, refined_motion, &
@@ -431,7 +431,7 @@ contains
    !>
    !> Some runs need the highest order: runs at several tolerances, motions without knots that limit
    !> the steps, and laws with a corner. Frames without a wall need it, too, because they accumulate
-   !> the errors of many steps. For the same reason smooth hysteresis gets at least one order more.
+   !> the errors of many steps. For the same reason smooth hysteresis and storeys need it.
    pure type(pair_t) function pair_for(case, equation) result(pair)
       type(case_t), intent(in) :: case
       type(equation_t), intent(in) :: equation
@@ -439,11 +439,9 @@ contains
       if (case%solver%rtol < 1.0e-11_wp .or. case%solver%method == 'dop853' &
           .or. allocated(case%solver%accuracy) &
           .or. .not. is_piecewise_linear(equation%motion) .or. equation%creep > 0 &
-          .or. .not. equation%has_wall) then
+          .or. .not. equation%has_wall .or. equation%has_loading_direction &
+          .or. equation%floors%free > 0) then
          pair = dormand_prince_853()
-      else if (case%solver%rtol < 1.0e-8_wp .or. equation%has_loading_direction &
-               .or. equation%floors%free > 0) then
-         pair = tsitouras_papakostas_75()
       else
          pair = tsitouras_papakostas_64()
       end if

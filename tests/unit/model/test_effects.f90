@@ -7,10 +7,9 @@ program test_effects
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
       query_state, stepping_t, wall_state_t
    use rwmf_model_kinematics, only: kinematics_t
-   use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
+   use rwmf_model_system_assembly, only: build_equation, enter_side, equation_t, &
       kinematics_at, second_derivative
-   use rwmf_model_system_jacobian, only: jacobian
-   use rwmf_motion_ground_motion, only: interval_at, motion_from_case, motion_t
+   use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_motion_record_lines, only: merged_times
    use rwmf_problem_case, only: case_t, damper_t, inerter_t, link_t
    use rwmf_simulation_simulate, only: simulate
@@ -21,18 +20,12 @@ program test_effects
    real(wp), parameter :: t = 0.3_wp
    type(checks_t) :: checks
 
-   call check_jacobian(linked('symmetric', 5.0_wp), 'link, symmetric')
-   call check_jacobian(linked('exact', 5.0_wp), 'link, exact')
-   call check_jacobian(pinned(), 'pinned wall')
    if (checks%wants('link_geometry')) call check_link_geometry()
    if (checks%wants('long_link')) call check_long_link()
    call check_energy(linked('exact', 5.0_wp), 'link')
    call check_energy(pinned(), 'pinned wall')
-   call check_jacobian(damped(2.0_wp), 'corner dampers')
    call check_energy(damped(2.0_wp), 'corner dampers')
-   call check_jacobian(with_inerter(0.5_wp), 'corner inerters')
    call check_energy(with_inerter(0.5_wp), 'corner inerters')
-   call check_jacobian(shaken_vertically(0.65_wp), 'vertical motion')
    call check_energy(shaken_vertically(0.65_wp), 'vertical motion')
    if (checks%wants('absent')) call check_absent()
    if (checks%wants('no_inerter')) call check_no_inerter()
@@ -220,35 +213,6 @@ contains
          - second_derivative(without, 20.0_wp, [phi, phi_dot]), -2*slope**2*phi_dot/mass, &
          'moment of a corner damper', rtol=1.0e-7_wp)
    end subroutine check_damping
-
-   !> Compare analytic derivatives with central differences, on both sides.
-   subroutine check_jacobian(case, name)
-      type(case_t), intent(in) :: case
-      character(*), intent(in) :: name
-      real(wp), parameter :: step = 1.0e-5_wp
-      type(motion_t), target :: motion
-      type(equation_t) :: equation
-      real(wp) :: y(2)
-      real(wp) :: by_theta
-      real(wp) :: by_theta_dot
-      integer :: side
-
-      if (.not. checks%wants('jacobian, '//name)) return
-      motion = motion_from_case(case)
-      call build_equation(case, motion, equation)
-      call enter_interval(equation%model_t, equation%state, interval_at(motion, t))
-      do side = -1, 1, 2
-         if (equation%has_impacts) call enter_side(equation%model_t, equation%state, side)
-         y = side*[0.06_wp, -0.4_wp]
-         call jacobian(equation, t, y, by_theta, by_theta_dot)
-         call checks%close_to(by_theta, (second_derivative(equation, t, y + [step, 0.0_wp]) &
-            - second_derivative(equation, t, y - [step, 0.0_wp]))/(2*step), &
-            'd theta_ddot/d theta, '//name, rtol=1.0e-7_wp)
-         call checks%close_to(by_theta_dot, (second_derivative(equation, t, y + [0.0_wp, step]) &
-            - second_derivative(equation, t, y - [0.0_wp, step]))/(2*step), &
-            'd theta_ddot/d theta_dot, '//name, rtol=1.0e-7_wp)
-      end do
-   end subroutine check_jacobian
 
    !> Compare the link geometry with Eq. (3), evaluated as printed, on both sides.
    subroutine check_link_geometry()

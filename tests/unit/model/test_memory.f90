@@ -11,12 +11,9 @@ program test_memory
    use rwmf_model_spring, only: branch_t, spring_t
    use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       second_derivative
-   use rwmf_model_system_jacobian, only: jacobian
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t, fuse_t
-   use rwmf_simulation_hybrid_hybrid_loop, only: start_hybrid
    use rwmf_simulation_simulate, only: simulate
-   use rwmf_simulation_state_hybrid_state, only: hybrid_t
    use rwmf_simulation_state_result, only: result_t
    use scenes, only: frame_scene, rwmf_scene
    implicit none
@@ -36,7 +33,6 @@ program test_memory
    if (checks%wants('limits')) call check_limits()
    if (checks%wants('fuse_moment')) call check_fuse_moment()
    if (checks%wants('frame_force')) call check_frame_force()
-   if (checks%wants('tendon_jacobian')) call check_tendon_jacobian()
    if (checks%wants('initial_beyond_yield')) call check_initial_beyond_yield()
    do i = 1, size(methods)
       if (checks%wants('ledger')) call check_ledger(trim(methods(i)), 'symmetric')
@@ -331,39 +327,6 @@ contains
       call checks%close_to(result%ductility, 2.5_wp, 'strength as yield acceleration', &
          rtol=1.0e-8_wp)
    end subroutine check_frame_force
-
-   !> Check analytic derivatives of the scene with a tendon only, on its elastic and yielding
-   !> branch.
-   subroutine check_tendon_jacobian()
-      type(case_t) :: case
-      type(motion_t), target :: motion
-      type(equation_t), target :: equation
-      type(hybrid_t) :: hybrid
-      real(wp), parameter :: step = 1.0e-5_wp
-      real(wp), parameter :: rotations(2) = [0.02_wp, 0.1_wp]
-      real(wp) :: y(2)
-      real(wp) :: by_theta
-      real(wp) :: by_theta_dot
-      integer :: n
-      integer :: side
-
-      case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-      case%cable%law = 'truss'
-      case%cable%eta_y = 1.4_wp
-      motion = motion_from_case(case)
-      call build_equation(case, motion, equation)
-      hybrid%overturning_angle = pi/2
-      do n = 1, size(rotations)
-         do side = -1, 1, 2
-            y = side*[rotations(n), 0.3_wp]
-            call start_hybrid(hybrid, equation, 0.1_wp, y)
-            call jacobian(equation, 0.1_wp, y, by_theta, by_theta_dot)
-            call checks%close_to(by_theta, (second_derivative(equation, 0.1_wp, &
-               y + [step, 0.0_wp]) - second_derivative(equation, 0.1_wp, y - [step, 0.0_wp])) &
-               /(2*step), 'd theta_ddot/d theta, tendon', rtol=1.0e-7_wp)
-         end do
-      end do
-   end subroutine check_tendon_jacobian
 
    !> Check a release from a rotation beyond yield, where the springs unload at once. The ledger
    !> closes, and no energy is dissipated before the first yield in the opposite direction.

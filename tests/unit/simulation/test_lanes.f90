@@ -9,13 +9,12 @@ program test_lanes
       batch_width
    use rwmf_integrator_lane_step, only: attempt_one => attempt_step
    use rwmf_integrator_pairs, only: dormand_prince_853, most_stages, pair_t, &
-      step_tolerance, tsitouras_papakostas_64, tsitouras_papakostas_75
+      step_tolerance, tsitouras_papakostas_64
    use rwmf_model_lanes, only: of_input, of_plastic, of_viscous, power_count
    use rwmf_model_system_assembly, only: build_equation, equation_t
    use rwmf_model_system_energy, only: mechanical_energy
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
-   use rwmf_simulation_events_step_quartic, only: at_high, at_low, cross_window, no_event
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: ending_name, result_t
    use rwmf_spectrum_ordinates, only: compute_spectrum, spectrum_t
@@ -37,13 +36,10 @@ program test_lanes
 
    ! the error of order 7 vanishes for linear equations
    call check_order(tsitouras_papakostas_64(), 7, 'Tsitouras-Papakostas 6(4)')
-   call check_order(tsitouras_papakostas_75(), 7, 'Tsitouras-Papakostas 7(5)')
    call check_order(dormand_prince_853(), 8, 'Dormand-Prince 8')
    call check_work(tsitouras_papakostas_64(), 6, 'Tsitouras-Papakostas 6(4)')
-   call check_work(tsitouras_papakostas_75(), 7, 'Tsitouras-Papakostas 7(5)')
    call check_work(dormand_prince_853(), 8, 'Dormand-Prince 8')
    call check_conditions(tsitouras_papakostas_64(), 6, 'Tsitouras-Papakostas 6(4)')
-   call check_conditions(tsitouras_papakostas_75(), 7, 'Tsitouras-Papakostas 7(5)')
    call check_conditions(dormand_prince_853(), 8, 'Dormand-Prince 8')
    call check_bits(wall//cable//loss//pulses//devices//fuse, 'devices')
    call check_bits(wall//cable//loss//pulses//yielding//", law='bouc_wen', exponent=1.7 /", &
@@ -62,36 +58,9 @@ program test_lanes
    call check_spectrum(storeys//cable//loss//pulses//'&yielding storey_u_y=0.01 /', &
       'yielding storeys')
    call check_spectrum('&frame T_s=1.0, xi_s=0.05 / '//pulses//yielding//' /', 'frame alone')
-   call check_crossing()
    call checks%finish()
 
 contains
-
-   !> The crossing of a level by a vibration: its position to the fourth order, in both directions,
-   !> and no event where the step ends inside the window.
-   subroutine check_crossing()
-      real(wp) :: error(2), x, way, rate(2), span
-      integer :: k, side, event
-
-      if (.not. checks%wants('crossing of a level')) return
-      do side = -1, 1, 2
-         do k = 1, 2
-            ! sin(t) from t = 0.3 over the span; the level is passed at 0.37 of the span
-            span = 0.4_wp/2**(k - 1)
-            way = side*(sin(0.3_wp + span) - sin(0.3_wp))
-            rate = side*span*cos([0.3_wp, 0.3_wp + span])
-            associate (level => sin(0.3_wp + 0.37_wp*span) - sin(0.3_wp))
-               call cross_window(rate, way, [-level, level], event, x)
-            end associate
-            call checks%that(event == merge(at_high, at_low, side > 0), 'end of the window')
-            error(k) = abs(x - 0.37_wp)
-         end do
-         ! the error of the position over the span falls with the third power of the span
-         call checks%that(error(1) < 2.0e-3_wp .and. error(2) < error(1)/7, 'position of an event')
-         call cross_window(rate, way, 2*[-abs(way), abs(way)], event, x)
-         call checks%that(event == no_event, 'step inside the window')
-      end do
-   end subroutine check_crossing
 
    subroutine read_scene(text, case)
       character(*), intent(in) :: text

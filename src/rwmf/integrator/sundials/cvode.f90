@@ -1,5 +1,5 @@
 !> CVODE behind the `integrator_t` interface: Adams with functional iteration, or BDF with Newton
-!> and the analytic Jacobian.
+!> and a Jacobian by central differences.
 module rwmf_integrator_sundials_cvode
    use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_funloc, c_int, &
       c_loc, c_null_ptr, c_ptr
@@ -21,7 +21,7 @@ module rwmf_integrator_sundials_cvode
    use rwmf_integrator_sundials_common, only: create_common, data_of, destroy_common, &
       evaluate_rhs, first_end, has_failed, made, stay_silent, step_end, sundials_t, too_small
    use rwmf_model_system_assembly, only: equation_t
-   use rwmf_model_system_jacobian, only: full_jacobian
+   use rwmf_model_system_jacobian, only: find_jacobian
    implicit none
    private
 
@@ -76,7 +76,7 @@ contains
       call data_of(vector, equation%n, y)
       first => FSUNDenseMatrix_Data(matrix)
       call c_f_pointer(c_loc(first(1)), values, [equation%n, equation%n])
-      call full_jacobian(equation, t, y, values)
+      call find_jacobian(equation, t, y, values)
       evaluate_jacobian = merge(0_c_int, 1_c_int, all(ieee_is_finite(values)))
    end function evaluate_jacobian
 

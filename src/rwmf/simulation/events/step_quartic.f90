@@ -8,7 +8,7 @@ module rwmf_simulation_events_step_quartic
    implicit none
    private
 
-   public :: quartic_t, quartic_of, cross_window, first_event, quintic_of, cubic_of, place_event
+   public :: quartic_t, quartic_of, first_event, quintic_of, cubic_of, place_event
    public :: no_event, at_low, at_high, at_turn, value_at, slope_at
 
    integer, parameter :: no_event = 0
@@ -119,31 +119,6 @@ contains
          if (is_found) return
       end do
    end subroutine place_event
-
-   !> Find the end of the window in a step without turns.
-   !>
-   !> The cubic through both ends of the inverse function gives the position.
-   pure subroutine cross_window(rise, way, level, event, x)
-      real(wp), intent(in) :: rise(2)
-      !! velocities at both ends times the length of the step [rad]
-      real(wp), intent(in) :: way
-      !! change of the rotation in the step [rad]
-      real(wp), intent(in) :: level(2)
-      !! ends of the window less the rotation at the start [rad]
-      integer, intent(out) :: event
-      !! `no_event`, `at_low` or `at_high`
-      real(wp), intent(out) :: x
-      !! position of the event in the step; not between 0 and 1 if the cubic does not show it [-]
-      real(wp) :: s
-
-      event = no_event
-      if (way <= level(1) .and. way < 0) event = at_low
-      if (way >= level(2) .and. way > 0) event = at_high
-      x = 1
-      if (event == no_event) return
-      s = merge(level(1), level(2), event == at_low)/way
-      x = s + s*(1 - s)*((way/rise(1) - 1)*(1 - s) - (way/rise(2) - 1)*s)
-   end subroutine cross_window
 
    !> Find the first event of a step: the end of the window, or a relevant turn.
    pure subroutine first_event(quartic, window, extremes, event, x)

@@ -26,7 +26,7 @@ module rwmf_simulation_lanes_batch
    public :: lane_state_t, storey_end_t, batch_t, create_batch, leave_batch, tabulate_lines
    public :: line_row
    public :: longest_step, find_steps_to_inspect, follow_curves, follow_interval
-   public :: first_acceleration, turns_in_step, may_shorten
+   public :: first_acceleration, turns_in_step
 
    real(wp), parameter :: longest_angle(2) = [0.7_wp, 1.4_wp]
    !! phase angle of the vibration in a step that still shows its events; second value for a motion
@@ -440,8 +440,6 @@ contains
       associate (h => batch%table(i, of_trial), y => batch%y, y_new => batch%y_new)
          noise = 8*epsilon(h)*(max(abs(y(i, 2)), abs(y_new(i, 2))) &
             + max(abs(y(i, 1)), abs(y_new(i, 1)))/h)
-         turns = plain_turns(batch, i, noise)
-         if (turns /= unclear) return
          rate = rate_in_step(batch, i)
          ! after a turn, the motion follows its acceleration
          if (abs(y(i, 2)) <= 0) rate%c(0) = sign(2*noise, rate%c(1))
@@ -449,52 +447,6 @@ contains
          turns = changes_of(rate, noise)
       end associate
    end function turns_in_step
-
-   !> Sign changes of theta' in a step: none, one or unclear.
-   !>
-   !> The answer is clear if all coefficients of `rate_in_step` exceed their margins. The same
-   !> numbers are written out here, because most steps need them.
-   pure integer function plain_turns(batch, i, noise) result(turns)
-      type(batch_t), intent(in) :: batch
-      integer, intent(in) :: i
-      real(wp), intent(in) :: noise
-      !! round-off of theta' [rad/s]
-      real(wp) :: rise, rise_new, way, bend(2), r(0:4), c(0:5), margin
-
-      associate (h => batch%table(i, of_trial), y => batch%y, y_new => batch%y_new, &
-                 last => batch%pair%stages)
-         rise = h*first_acceleration(batch, i)
-         rise_new = h*batch%k(i, 2, last)
-         r(0) = y(i, 2)
-         r(1) = r(0) + 0.25_wp*rise
-         r(4) = y_new(i, 2)
-         r(3) = r(4) - 0.25_wp*rise_new
-         way = (y_new(i, 1) - y(i, 1))/h
-         r(2) = 5*way - 2*(r(0) + r(4)) - 0.25_wp*(rise - rise_new)
-         ! fourth differences of the points of the quintic, over h
-         bend(1) = 0.2_wp*(r(3) - 3*r(2) + 3*r(1) - r(0))
-         bend(2) = 0.2_wp*(r(4) - 3*r(3) + 3*r(2) - r(1))
-         margin = longest_angle(2)*(abs(bend(2) - bend(1)) + longest_angle(2)*maxval(abs(bend)))/20
-         c(0) = r(0)
-         c(1) = 0.2_wp*(r(0) + 4*r(1))
-         c(2) = 0.2_wp*(2*r(1) + 3*r(2))
-         c(3) = 0.2_wp*(3*r(2) + 2*r(3))
-         c(4) = 0.2_wp*(4*r(3) + r(4))
-         c(5) = r(4)
-         turns = unclear
-         if (min(abs(c(0)), abs(c(1)), abs(c(2)) - margin, abs(c(3)) - margin, abs(c(4)), &
-            abs(c(5))) > 2*noise) turns = min(count(c(1:)*c(:4) < 0), unclear)
-         if (turns > one_change) turns = unclear
-      end associate
-   end function plain_turns
-
-   !> True for a spectrum of peaks by the pairs of `auto`; all others have the bits of single runs.
-   pure logical function may_shorten(lane, batch)
-      type(lane_state_t), intent(in) :: lane
-      type(batch_t), intent(in) :: batch
-
-      may_shorten = lane%hybrid%settled_angle > 0 .and. batch%pair%order < 8
-   end function may_shorten
 
    !> Update the run's interval of the motion.
    subroutine follow_interval(lane, i, batch)

@@ -11,13 +11,13 @@ module rwmf_simulation_lanes_lane_events
    use rwmf_model_system_assembly, only: enter_interval, interval_of, rates_at
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_simulation_events_first_change, only: ending_t
-   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, cross_window, &
+   use rwmf_simulation_events_step_quartic, only: at_high, at_low, at_turn, &
       cubic_of, first_event, no_event, place_event, quartic_of, quartic_t, quintic_of
    use rwmf_simulation_hybrid_free_vibration, only: long_rest
    use rwmf_simulation_hybrid_hybrid_loop, only: end_step
    use rwmf_simulation_hybrid_transitions, only: apply_event, observe_peak
    use rwmf_simulation_lanes_batch, only: at_storey, batch_t, first_acceleration, lane_state_t, &
-      may_shorten, turns_in_step
+      turns_in_step
    use rwmf_simulation_lanes_lane_loading, only: bound_work, catch_up, enter_batch, forget_target, &
       further_state, load_line
    use rwmf_simulation_lanes_lane_outputs, only: pass_step
@@ -134,10 +134,7 @@ contains
          quartic = quartic_of(table(i, of_trial), [y(i, 1), y_new(i, 1)], [y(i, 2), y_new(i, 2)], &
             first_acceleration(batch, i))
          turns = turns_in_step(batch, i)
-         if (turns == no_change .and. may_shorten(lane, batch)) call cross_window( &
-            table(i, of_trial)*[y(i, 2), y_new(i, 2)], y_new(i, 1) - y(i, 1), &
-            [table(i, of_low), table(i, of_high)] - y(i, 1), lane%target_event, x)
-         if (.not. (x > 0 .and. x <= 1)) call first_event(quartic, [table(i, of_low), &
+         call first_event(quartic, [table(i, of_low), &
             table(i, of_high)], [table(i, of_bottom), table(i, of_top)], lane%target_event, x)
          call compare_with_further(lane, i, batch, x)
          ! by round-off, a motion may turn beyond the limit of the branch that begins there
@@ -290,7 +287,7 @@ contains
          end do
          if (lane%target_event == at_storey) then
             rates = lane%storey%rates
-         else if (.not. last_stage_suffices(lane, i, y, rates, batch)) then
+         else
             call rates_at(lane%equation, t, y, rates)
             if (lane%equation%has_loading_direction) call choose_first(lane, i, rates, batch)
             if (lane%target_event == at_turn &
@@ -373,25 +370,6 @@ contains
 
       turns_at = v_a*v_b < 0 .or. abs(v_b) <= spacings*spacing(t)*abs(rate)
    end function turns_at
-
-   !> Return whether the last stage of a step is accurate enough as its rates at an end of the
-   !> window.
-   !>
-   !> Only outputs of peaks use it. The velocity at the event then changes by at most a few times
-   !> the tolerance. The error of the last stage is a small part of this change.
-   pure logical function last_stage_suffices(lane, i, y, rates, batch) result(suffices)
-      type(lane_state_t), intent(in) :: lane
-      integer, intent(in) :: i
-      !! number of the lane in the batch
-      real(wp), intent(in) :: y(:), rates(:)
-      !! (states) at the end of the step; rates of the last stage
-      type(batch_t), intent(in) :: batch
-      real(wp), parameter :: few = 10
-
-      suffices = may_shorten(lane, batch) .and. abs(lane%target_event) == 1
-      if (suffices) suffices = abs(time_to_event(lane, i, y, rates, batch)*rates(2)) &
-         <= few*lane%integrator%tolerance%rtol*abs(y(2))
-   end function last_stage_suffices
 
    !> Time from the end of the step to the target event, by one step of Newton's method [s].
    pure real(wp) function time_to_event(lane, i, y, rates, batch) result(rest)
