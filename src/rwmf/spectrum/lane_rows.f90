@@ -111,6 +111,8 @@ module rwmf_spectrum_lane_rows
       type(scene_t) :: scene
       logical :: has_vertical
       logical :: has_loading_direction
+      logical :: is_pulse
+      !! the motion is curved
       integer :: place
       !! place of the hysteretic state
       integer :: stages
@@ -348,7 +350,8 @@ contains
 
       pair = pair_for(run%case, run%equation)
       kind = kind_t(run%equation%scene, run%equation%has_vertical, &
-         run%equation%has_loading_direction, run%equation%hysteresis%place, pair%stages, &
+         run%equation%has_loading_direction, .not. is_piecewise_linear(run%equation%motion), &
+         run%equation%hysteresis%place, pair%stages, &
          order_for(request, run), run%case%solver%max_steps, run%case%solver%t_end)
    end function kind_of
 
@@ -378,6 +381,7 @@ contains
       is_of_kind = is_same_scene(own%scene, kind%scene) &
          .and. (own%has_vertical .eqv. kind%has_vertical) &
          .and. (own%has_loading_direction .eqv. kind%has_loading_direction) &
+         .and. (own%is_pulse .eqv. kind%is_pulse) &
          .and. own%place == kind%place .and. own%stages == kind%stages &
          .and. own%order == kind%order &
          .and. own%max_steps == kind%max_steps .and. abs(own%t_end - kind%t_end) <= 0

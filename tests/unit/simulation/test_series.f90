@@ -11,11 +11,12 @@ program test_series
    use rwmf_model_hysteresis_spring_set, only: load_to
    use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, &
       equation_t, second_derivative
-   use rwmf_motion_ground_motion, only: acceleration, interval_at, interval_end, motion_t, &
-      pass_lines_inside, piecewise_linear_motion, scan_lines
+   use rwmf_motion_ground_motion, only: acceleration, interval_at, interval_end, motion_from_case, &
+      motion_t, pass_lines_inside, piecewise_linear_motion, scan_lines
    use rwmf_problem_case, only: case_t
+   use rwmf_simulation_lanes_batch, only: lane_state_t
    use rwmf_simulation_series_series_batch, only: create_series_batch, is_served, series_batch_t
-   use rwmf_simulation_series_series_loading, only: load_coefficients
+   use rwmf_simulation_series_series_loading, only: load_coefficients, load_curves
    implicit none
 
    character(*), parameter :: wall = "&wall h=2.0, b=0.5 / &impact rule='constant', e=0.9 / " &
@@ -33,7 +34,8 @@ program test_series
       //"&cable eta_0=1.0, eta_alpha=5.0, law='truss', eta_y=1.1 / "]
    type(checks_t) :: checks
 
-   if (checks%wants('equation')) call check_equation()
+   if (checks%wants('equation')) call check_equation(is_pulse=.false.)
+   if (checks%wants('pulse')) call check_equation(is_pulse=.true.)
    if (checks%wants('bits')) call check_bits()
    if (checks%wants('scans')) call check_scans()
    call checks%finish()
@@ -41,12 +43,14 @@ program test_series
 contains
 
    !> The second derivative of the series satisfies the equation of motion along the step, on both
-   !> sides, in all formulations and with all effects.
-   subroutine check_equation()
+   !> sides, in all formulations and with all effects, under a straight line or inside a pulse.
+   subroutine check_equation(is_pulse)
+      logical, intent(in) :: is_pulse
       integer, parameter :: order = 10
       real(wp), parameter :: h = 0.02_wp
       type(motion_t), target :: motion
-      type(equation_t) :: equation
+      type(equation_t), target :: equation
+      type(lane_state_t) :: lanes(series_width)
       type(series_batch_t) :: batch
       real(wp) :: x, phi, rate, bend, known, error
       character(9) :: formulation
@@ -57,6 +61,7 @@ contains
          if (f > 2*size(scenes)) formulation = 'published'
          motion = piecewise_linear_motion([0.0_wp, 1.0_wp], [0.7_wp, -2.0_wp], &
             vertical_ratio=0.4_wp)
+         if (is_pulse) motion = pulse()
          call build(wall//trim(scenes(mod(f - 1, size(scenes)) + 1))//"&model formulation='" &
             //trim(formulation)//"' /", motion, equation)
          ! to the side of the yielded fuse and back
@@ -65,6 +70,11 @@ contains
          do side = -1, 1, 2
             call create_series_batch(1, order, batch)
             call fill(equation, side, h, batch)
+            batch%interval = 1
+            do i = 1, series_width
+               lanes(i)%equation => equation
+            end do
+            call load_curves(lanes, batch)
             call batch%kernels%expand_lanes(batch%lanes)
             call enter_side(equation%model_t, equation%state, side)
             error = 0
@@ -82,6 +92,17 @@ contains
          end do
       end do
    end subroutine check_equation
+
+   !> Motion of `wall`, with a vertical one.
+   function pulse() result(motion)
+      type(motion_t) :: motion
+      type(case_t) :: case
+      type(error_t), allocatable :: error
+
+      call read_case_text(wall//'&vertical ratio=0.4 / &solver t_end=4.0 /', 'pulse', case, error)
+      call checks%no_error(error, 'pulse')
+      motion = motion_from_case(case)
+   end function pulse
 
    !> Lanes at one level and in one order against those at other levels and in reverse, with and
    !> without the ends of branches.

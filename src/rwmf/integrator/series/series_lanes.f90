@@ -35,6 +35,9 @@ module rwmf_integrator_series_series_lanes
       !! line of the ground acceleration: a_0 [m/s2], slope [m/s3], t_0 [s]
       real(wp) :: upward(series_width, 2)
       !! line of the vertical acceleration: a_0 [m/s2], slope [m/s3], the same t_0
+      real(wp) :: curve(series_width, 2:most_terms_of_series, 2)
+      !! horizontal and vertical acceleration less these lines, inside a pulse: coefficients over
+      !! powers of the time since t_0 [m/s2/s**k]
       ! state
       real(wp) :: side(series_width)
       !! sign of theta: +1 or -1 [-]
@@ -89,8 +92,10 @@ module rwmf_integrator_series_series_lanes
       logical :: has_fuses = .false.
       logical :: has_inerter = .false.
       logical :: has_straight_cable = .false.
+      logical :: has_curves = .false.
+      !! the motion is a pulse
       logical :: is_plain = .true.
-      !! none of the terms since `fuse`, and no vertical motion
+      !! none of the terms since `fuse`, no vertical motion and no pulse
       ! control of the step
       real(wp) :: rtol(series_width)
       !! requested relative tolerance [-]

@@ -16,6 +16,8 @@ module rwmf_integrator_series_series_loops
 #endif
    integer, parameter :: order = SERIES_ORDER
    !! of the series
+   integer, parameter :: plain = 0, with_effects = 1, with_curves = 2
+   !! terms of the equation of motion
 
 contains
 
@@ -28,11 +30,13 @@ contains
    pure subroutine expand_lanes(lanes)
       type(series_lanes_t), intent(inout) :: lanes
 
-      ! the compiler makes a copy of the loop for either constant
+      ! the compiler makes a copy of the loop for each constant
       if (lanes%is_plain) then
-         call expand(.true., lanes)
+         call expand(plain, lanes)
+      else if (lanes%has_curves) then
+         call expand(with_curves, lanes)
       else
-         call expand(.false., lanes)
+         call expand(with_effects, lanes)
       end if
    end subroutine expand_lanes
 
@@ -40,23 +44,27 @@ contains
    !>
    !> Terms of some scenes are zero in the others: arrays that are written under conditions would
    !> prevent vectorisation.
-   pure subroutine expand(is_plain, lanes)
-      logical, intent(in), value :: is_plain
+   pure subroutine expand(terms, lanes)
+      integer, intent(in), value :: terms
+      !! `plain`, `with_effects`, or effects `with_curves` of the ground motion
       type(series_lanes_t), intent(inout) :: lanes
       real(wp), dimension(0:order) :: p, v, sp, cp, sv, hc, stretch, arm, lever, force
+      real(wp), dimension(0:order) :: curve, of_cosines, of_sines
       real(wp) :: h, rest, hh, side, ca, sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, &
          cable, slope, fuse, half, corner, mass, pull, tight, twin, b2, bh, a, b, d, u, w, m, &
          inverse, j, jv, q, gamma, of_cosine, of_sine, excited
       integer :: i, k, n
-      logical :: has_fuses, has_inerter, is_straight
+      logical :: is_plain, has_curves, has_fuses, has_inerter, is_straight
 
+      is_plain = terms == plain
+      has_curves = terms == with_curves
       has_fuses = lanes%has_fuses .and. .not. is_plain
       has_inerter = lanes%has_inerter .and. .not. is_plain
       is_straight = lanes%has_straight_cable .and. .not. is_plain
       !$omp simd private(p, v, sp, cp, sv, hc, stretch, arm, lever, force, h, rest, hh, side, ca) &
       !$omp& private(sw, sl, sr, x, y, z, push, ramp, damp, stiff, grav, cable, slope, fuse, half) &
       !$omp& private(corner, mass, pull, tight, twin, b2, bh, a, b, d, u, w, m, inverse, j, jv, q) &
-      !$omp& private(gamma, of_cosine, of_sine, excited, k, n)
+      !$omp& private(gamma, of_cosine, of_sine, excited, curve, of_cosines, of_sines, k, n)
       do i = 1, series_width
          rest = lanes%limit(i) - lanes%t(i)
          h = lanes%length(i)
@@ -114,6 +122,18 @@ contains
          if (.not. is_plain) then
             x = x + b2*sw
             y = y - b2*ca
+         end if
+         if (has_curves) then
+            z = hh*h*lanes%inverse_radius(i)
+            !GCC$ unroll 16
+            do k = 2, order
+               z = z*h
+               a = side*z*lanes%curve(i, k, 1)
+               b = z*lanes%curve(i, k, 2)
+               of_cosines(k) = a*ca + b*sw
+               of_sines(k) = a*sw - b*ca
+               curve(k) = lanes%excited(i)*a
+            end do
          end if
          ca = 2*ca
          sl = 2*sl
@@ -178,6 +198,13 @@ contains
                lever(n) = ca*cp(n) + sr*sp(n)
                m = (of_cosine*cp(n) + of_sine*sp(n)) + d
                w = merge(ramp, 0.0_wp, n == 1)
+               if (has_curves .and. n > 1) then
+                  w = curve(n)
+                  !GCC$ unroll 16
+                  do k = 2, n
+                     m = m + (of_cosines(k)*cp(n - k) + of_sines(k)*sp(n - k))
+                  end do
+               end if
                if (has_fuses) m = m + fuse*hc(n)
                if (is_straight) m = m + pull*arm(n)
             end if
@@ -506,11 +533,11 @@ contains
       !! shortest duration of a flight in spacings of the time [-]
       real(wp) :: moving, h, t, rate, after, speed, ground, rise, ahead, least, hit, care, size, &
          x, cares
-      integer :: i
+      integer :: i, k
 
       cares = 0
       !$omp simd private(moving, h, t, rate, after, speed, ground, rise, ahead, least, hit, care) &
-      !$omp& private(size, x) reduction(+:cares)
+      !$omp& private(size, x, k) reduction(+:cares)
       do i = 1, series_width
          moving = lanes%is_moving(i)
          h = lanes%h(i)
@@ -530,8 +557,19 @@ contains
          after = lanes%factor(i)*speed
          ! rest after the impact, or a flight too short to follow
          ground = lanes%ground(i, 1) + lanes%ground(i, 2)*(t - lanes%ground(i, 3))
-         rise = lanes%weight_share(i)*(lanes%upward(i, 1) + lanes%upward(i, 2)*(t &
-            - lanes%ground(i, 3)))
+         rise = lanes%upward(i, 1) + lanes%upward(i, 2)*(t - lanes%ground(i, 3))
+         if (lanes%has_curves) then
+            size = 0
+            ahead = 0
+            !GCC$ unroll 16
+            do k = order, 2, -1
+               size = (size + lanes%curve(i, k, 1))*(t - lanes%ground(i, 3))
+               ahead = (ahead + lanes%curve(i, k, 2))*(t - lanes%ground(i, 3))
+            end do
+            ground = ground + size*(t - lanes%ground(i, 3))
+            rise = rise + ahead*(t - lanes%ground(i, 3))
+         end if
+         rise = lanes%weight_share(i)*rise
          ahead = (lanes%uplift(i, left) + rise) - ground
          least = (lanes%uplift(i, right) + rise) + ground
          rise = max(ahead, least)

@@ -7,8 +7,8 @@ module rwmf_simulation_series_series_batch
       p_delta_effect, storeys_effect, vertical_effect
    use rwmf_model_equation, only: equation_t
    use rwmf_model_scene, only: frame_term, linear_cable_term, straight_cable_term
-   use rwmf_motion_ground_motion, only: interval_end, interval_last, is_piecewise_linear, line_of, &
-      line_t, motion_t, vertical_line_of
+   use rwmf_motion_ground_motion, only: interval_end, interval_last, is_curved, line_of, line_t, &
+      motion_t, vertical_line_of
    implicit none
    private
 
@@ -36,7 +36,7 @@ module rwmf_simulation_series_series_batch
       real(wp), allocatable :: lines(:, :)
       !! (6, intervals of the motion from 0) end [s], a_0 [m/s2], slope [m/s3], t_0 [s], vertical
       !! a_0 and slope. The end is negative where a lane has to enter the interval by itself: too
-      !! short, or the last one.
+      !! short, the last one, or inside a pulse.
       integer :: steps_left = 0
       !! number of common steps until the numbers of steps are checked
    end type series_batch_t
@@ -84,7 +84,8 @@ contains
          limit = interval_end(motion, i)
          upward = vertical_line_of(motion, i, line)
          lines(:, i) = [limit, line%a_0, line%slope, line%t_0, upward%a_0, upward%slope]
-         if (limit - begin <= 8*epsilon(limit)*limit .or. limit >= t_end) lines(1, i) = -1
+         if (limit - begin <= 8*epsilon(limit)*limit .or. limit >= t_end &
+             .or. is_curved(motion, i)) lines(1, i) = -1
          begin = limit
       end do
    end subroutine tabulate
@@ -98,6 +99,7 @@ contains
       lanes%longest = 1
       lanes%ground = 0
       lanes%upward = 0
+      lanes%curve = 0
       lanes%weight_share = 0
       lanes%side = 1
       lanes%phi = 1
@@ -156,8 +158,7 @@ contains
       integer :: i
 
       is_served = equation%has_impacts .and. equation%n == 2 .and. .not. ( &
-         equation%has_loading_direction .or. equation%creep > 0 .or. equation%geometry%link > 0) &
-         .and. is_piecewise_linear(equation%motion)
+         equation%has_loading_direction .or. equation%creep > 0 .or. equation%geometry%link > 0)
       do i = 1, size(equation%scene%terms)
          is_served = is_served .and. any(known == equation%scene%terms(i)%effect)
       end do

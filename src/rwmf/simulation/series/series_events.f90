@@ -12,7 +12,7 @@ module rwmf_simulation_series_series_events
    use rwmf_simulation_lanes_batch, only: lane_state_t
    use rwmf_simulation_series_series_batch, only: at_lower, at_turn, at_upper, series_batch_t
    use rwmf_simulation_series_series_loading, only: check_work, enter_series, &
-      leave_series, pass_knots, shorten_steps
+      leave_series, load_curves, pass_knots, shorten_steps
    use rwmf_simulation_state_result, only: event_branch, event_collapsed, &
       event_impact, event_overturned, event_peak
    implicit none
@@ -28,6 +28,7 @@ contains
       type(series_batch_t), intent(inout) :: batch
       integer :: i
 
+      if (batch%lanes%has_curves) call load_curves(lanes, batch)
       call batch%kernels%expand_lanes(batch%lanes)
       call batch%kernels%screen_lanes(batch%lanes)
       if (batch%lanes%some_short) call shorten_steps(lanes, batch)

@@ -5,8 +5,8 @@ module rwmf_simulation_series_series_loading
    use rwmf_core_error, only: err_numerical, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_integrator_interface_integrator, only: step_too_small
-   use rwmf_integrator_series_series_lanes, only: left, right, series_lanes_t, &
-      series_width
+   use rwmf_integrator_series_series_lanes, only: left, most_terms_of_series, right, &
+      series_lanes_t, series_width
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
    use rwmf_model_cable, only: cable_row, cable_state_t
    use rwmf_model_drift_limits, only: drift_ratios
@@ -17,8 +17,8 @@ module rwmf_simulation_series_series_loading
    use rwmf_model_system_assembly, only: second_derivative
    use rwmf_model_system_lift_off, only: find_uplift_acceleration
    use rwmf_model_system_rest_after_chatter, only: inverse_inertia
-   use rwmf_motion_ground_motion, only: interval_end, interval_last, line_of, line_t, &
-      vertical_line_of
+   use rwmf_motion_ground_motion, only: expand_ground, fastest_rate, interval_end, &
+      interval_last, is_curved, is_piecewise_linear, line_of, line_t, vertical_line_of
    use rwmf_simulation_hybrid_elastic_chatter, only: skip_chatter
    use rwmf_simulation_hybrid_hybrid_loop, only: check_steps, stay_at_rest
    use rwmf_simulation_hybrid_transitions, only: negligible
@@ -30,7 +30,7 @@ module rwmf_simulation_series_series_loading
    implicit none
    private
 
-   public :: join_series, load_coefficients, enter_series, leave_series, pass_knots, &
+   public :: join_series, load_coefficients, load_curves, enter_series, leave_series, pass_knots, &
       shorten_steps, check_work
 
 contains
@@ -57,7 +57,7 @@ contains
          lanes%least_size(i) = part*tolerance%atol(1)
          lanes%frequency(i) = max(equation%p%omega_s, sqrt(equation%p%g_over_R))
          lanes%allowance(i) = allowance_of(equation, lanes%frequency(i)*lane%t_end)
-         lanes%longest(i) = angle/lanes%frequency(i)
+         lanes%longest(i) = angle/max(lanes%frequency(i), fastest_rate(equation%motion))
          lanes%lower(i) = 0
          call find_last(equation, hybrid%drifts, hybrid%overturning_angle, batch%last(i, :))
          lanes%upper(i, :) = batch%last(i, :)
@@ -154,8 +154,11 @@ contains
          lanes%has_straight_cable = equation%cable%is_straight
          lanes%has_fuses = equation%has_fuses
          lanes%has_branches = equation%has_bilinear_springs
-         lanes%is_plain = .not. (equation%has_vertical .or. equation%has_fuses &
-            .or. equation%cable%is_straight) .and. abs(lanes%excited(i) - 1) <= 0
+         lanes%has_curves = .not. is_piecewise_linear(equation%motion)
+         lanes%curve(i, :, :) = 0
+         lanes%is_plain = .not. (lanes%has_curves .or. equation%has_vertical &
+            .or. equation%has_fuses .or. equation%cable%is_straight) &
+            .and. abs(lanes%excited(i) - 1) <= 0
          do m = 1, size(equation%scene%terms)
             associate (coef => equation%state%coef(1, equation%scene%terms(m)%coef))
                select case (equation%scene%terms(m)%effect)
@@ -214,6 +217,30 @@ contains
          end do
       end associate
    end subroutine load_branches
+
+   !> Load the series of a pulse at the times of all lanes inside it.
+   subroutine load_curves(lanes, batch)
+      type(lane_state_t), intent(in) :: lanes(:)
+      type(series_batch_t), intent(inout) :: batch
+      real(wp) :: ground(0:most_terms_of_series), upward(0:most_terms_of_series)
+      integer :: i, order
+
+      do i = 1, series_width
+         if (.not. batch%lanes%is_busy(i) > 0) cycle
+         associate (equation => lanes(i)%equation, series => batch%lanes)
+            series%curve(i, :, :) = 0
+            if (.not. is_curved(equation%motion, batch%interval(i))) cycle
+            order = batch%kernels%order
+            call expand_ground(equation%motion, batch%interval(i), series%t(i), 0.0_wp, order, &
+               ground, upward)
+            series%ground(i, :) = [ground(0:1), series%t(i)]
+            series%curve(i, 2:order, 1) = ground(2:order)
+            if (.not. equation%has_vertical) cycle
+            series%upward(i, :) = upward(0:1)
+            series%curve(i, 2:order, 2) = upward(2:order)
+         end associate
+      end do
+   end subroutine load_curves
 
    !> Load the branches of the springs and their window of the rotation.
    !>
