@@ -70,6 +70,7 @@ contains
       self%equation => equation
       self%tolerance = tolerance
       self%steps = 0_i8
+      self%has_polynomial = .true.
       self%highest = order_for(tolerance%rtol)
       self%damper = 0
       self%frequency = huge(1.0_wp)

@@ -535,8 +535,10 @@ contains
 
       if (interval < 1 .or. interval >= size(motion%knot)) return
       line%is_straight = motion%shape == shape_linear
-      if (line%is_straight) line = line_t(.true., motion%knot(interval), motion%a(interval), &
-         motion%slope(interval))
+      line%t_0 = motion%knot(interval)
+      if (.not. line%is_straight) return
+      line%a_0 = motion%a(interval)
+      line%slope = motion%slope(interval)
    end function line_of
 
    !> Vertical ground acceleration in an interval, positive upward [m/s2].

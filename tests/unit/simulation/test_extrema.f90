@@ -6,8 +6,6 @@ program test_extrema
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: case_t, output_t
-   use rwmf_simulation_recorder_reaction_estimates, only: largest_quotient, n_nodes, node, &
-      turns_of_quotient
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: result_t
    use scenes, only: rwmf_scene
@@ -21,7 +19,6 @@ program test_extrema
    if (checks%wants('extremes')) call check_extremes('taylor', 1.0e-6_wp, 'one_sine')
    if (checks%wants('extremes')) call check_extremes('dop853', 1.0e-9_wp, 'one_cosine')
    if (checks%wants('first_exceedance')) call check_first_exceedance()
-   if (checks%wants('turns_of_quotient')) call check_turns_of_quotient()
    if (checks%wants('energy_rows')) call check_energy_rows()
    if (checks%wants('only_if_asked')) call check_only_if_asked()
    call checks%finish()
@@ -73,40 +70,6 @@ contains
       call checks%that(extreme >= largest_row - 1.0e-13_wp*abs(largest_row), name//': not missed')
       call checks%close_to(extreme, largest_row, name, rtol=within_a_row)
    end subroutine compare
-
-   !> Check sharp peaks of H/N: at the smallest N, on both sides of it if H is zero there, and in a
-   !> piece that begins at the smallest N.
-   subroutine check_turns_of_quotient()
-      real(wp), parameter :: low(*) = [1.0e-2_wp, 1.0e-6_wp]
-      real(wp), parameter :: thrust(2, 4) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, &
-         1.0_wp, 1.0e-4_wp, -1.0_wp], [2, 4])
-      !! H and H' at the smallest N
-      real(wp), parameter :: begin(*) = [-0.3_wp, 0.0_wp]
-      real(wp) :: t(n_nodes), turn(2), width
-      integer :: i, j, k, m
-
-      do i = 1, size(low)
-         do j = 1, size(thrust, 2)
-            do k = 1, size(begin)
-               t = begin(k) + 0.7_wp*node
-               associate (n_at => low(i) + t**2, h_at => thrust(1, j) + thrust(2, j)*t)
-                  call turns_of_quotient(t, n_at, h_at, 0.0_wp, low(i), thrust(1, j), turn, width)
-                  call checks%close_to(width, sqrt(low(i)), 'width of a sharp peak', &
-                     rtol=1.0e-9_wp)
-                  call checks%that(any(abs(turn) < 1), 'a sharp peak turns')
-                  do m = 1, 2
-                     if (abs(turn(m)) > 1) cycle
-                     call checks%that(abs(thrust(2, j)*(low(i) + turn(m)**2) - 2*turn(m) &
-                        *(thrust(1, j) + thrust(2, j)*turn(m))) < 1.0e-9_wp*low(i), &
-                        'a sharp peak is stationary')
-                  end do
-                  call checks%that(largest_quotient(n_at, abs(h_at)) &
-                     >= maxval(abs(h_at)/n_at), 'no sample exceeds the bound')
-               end associate
-            end do
-         end do
-      end do
-   end subroutine check_turns_of_quotient
 
    !> Check the first exceedance of a limit, between two peaks of the demand.
    subroutine check_first_exceedance()

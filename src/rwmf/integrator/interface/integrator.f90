@@ -35,6 +35,8 @@ module rwmf_integrator_interface_integrator
       !! (states) at t1
       integer(i8) :: steps = 0
       !! number of accepted steps since `create`
+      logical :: has_polynomial = .false.
+      !! a state inside the last step is a polynomial; otherwise it costs a step
    contains
       procedure(create_i), deferred :: create
       procedure(start_i), deferred :: start

@@ -529,6 +529,18 @@ contains
    !> Move all lanes to the ends of their steps, and apply impacts after which the wall rocks on.
    pure subroutine end_steps(lanes)
       type(series_lanes_t), intent(inout) :: lanes
+
+      if (lanes%has_curves) then
+         call end_all(.true., lanes)
+      else
+         call end_all(.false., lanes)
+      end if
+   end subroutine end_steps
+
+   !> End the steps with or without a curved ground motion.
+   pure subroutine end_all(has_curves, lanes)
+      logical, intent(in), value :: has_curves
+      type(series_lanes_t), intent(inout) :: lanes
       real(wp), parameter :: followable = 64
       !! shortest duration of a flight in spacings of the time [-]
       real(wp) :: moving, h, t, rate, after, speed, ground, rise, ahead, least, hit, care, size, &
@@ -556,18 +568,19 @@ contains
          lanes%fastest(i) = merge(max(lanes%fastest(i), speed), lanes%fastest(i), moving > 0)
          after = lanes%factor(i)*speed
          ! rest after the impact, or a flight too short to follow
-         ground = lanes%ground(i, 1) + lanes%ground(i, 2)*(t - lanes%ground(i, 3))
-         rise = lanes%upward(i, 1) + lanes%upward(i, 2)*(t - lanes%ground(i, 3))
-         if (lanes%has_curves) then
+         h = t - lanes%ground(i, 3)
+         ground = lanes%ground(i, 1) + lanes%ground(i, 2)*h
+         rise = lanes%upward(i, 1) + lanes%upward(i, 2)*h
+         if (has_curves) then
             size = 0
             ahead = 0
             !GCC$ unroll 16
             do k = order, 2, -1
-               size = (size + lanes%curve(i, k, 1))*(t - lanes%ground(i, 3))
-               ahead = (ahead + lanes%curve(i, k, 2))*(t - lanes%ground(i, 3))
+               size = (size + lanes%curve(i, k, 1))*h
+               ahead = (ahead + lanes%curve(i, k, 2))*h
             end do
-            ground = ground + size*(t - lanes%ground(i, 3))
-            rise = rise + ahead*(t - lanes%ground(i, 3))
+            ground = ground + size*h
+            rise = rise + ahead*h
          end if
          rise = lanes%weight_share(i)*rise
          ahead = (lanes%uplift(i, left) + rise) - ground
@@ -593,14 +606,11 @@ contains
          rate = merge(after, rate, hit > 0)
          h = lanes%rate(i)
          lanes%rate(i) = merge(rate, h, moving > 0)
-         rate = lanes%phi_end(i)
          h = lanes%phi(i)
-         lanes%phi(i) = merge(rate, h, moving > 0)
+         lanes%phi(i) = merge(lanes%phi_end(i), h, moving > 0)
          rate = lanes%multiplicity(i)
-         rate = merge(hit, rate, moving > 0)
-         lanes%multiplicity(i) = rate
-         rate = lanes%above(i)
-         lanes%above(i) = merge(0.0_wp, rate, moving > 0)
+         lanes%multiplicity(i) = merge(hit, rate, moving > 0)
+         lanes%above(i) = (1 - moving)*lanes%above(i)
          ! the largest rotation on the side of this step
          rate = merge(lanes%phi_end(i), 0.0_wp, moving > 0)
          h = lanes%top(i, right)
@@ -618,6 +628,6 @@ contains
          lanes%length(i) = merge(rate, h, moving > 0)
       end do
       lanes%needs_some_care = cares > 0
-   end subroutine end_steps
+   end subroutine end_all
 
 end module rwmf_integrator_series_series_loops

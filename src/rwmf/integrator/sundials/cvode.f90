@@ -92,6 +92,7 @@ contains
       share = merge(bdf_share, adams_share, self%is_stiff)
       shared%rtol = max(share*tolerance%rtol, least_rtol)
       shared%atol = shared%rtol/tolerance%rtol*tolerance%atol
+      self%has_polynomial = .true.
       call create_common(self, equation, shared, error)
       if (allocated(error)) return
       self%memory = FCVodeCreate(merge(CV_BDF, CV_ADAMS, self%is_stiff), self%context)

@@ -12,6 +12,7 @@ module rwmf_simulation_lanes_output_screen
    use rwmf_simulation_lanes_batch, only: lane_state_t, batch_t
    use rwmf_simulation_recorder_demand_extremes, only: lanes_find, put_constants
    use rwmf_simulation_recorder_peak_search, only: has_search
+   use rwmf_simulation_recorder_reaction_extremes, only: extremes_for_lanes
    implicit none
    private
 
@@ -56,7 +57,7 @@ contains
       associate (screen => batch%screen, recorder => lane%recorder, equation => lane%equation)
          allocate (screen%has_search(reaction_count), source=.false.)
          screen%has_reactions = allocated(recorder%forces)
-         if (screen%has_reactions) screen%has_search = recorder%forces%is_sought
+         if (screen%has_reactions) screen%has_search = recorder%forces%leader(:reaction_count) > 0
          screen%has_demands = allocated(recorder%demands)
          if (screen%has_demands) screen%has_demands = any(recorder%demands%leader > 0)
          batch%seeks_demands = screen%has_demands
@@ -88,8 +89,8 @@ contains
       integer :: q
 
       if (batch%screen%has_reactions) then
-         batch%values(i, :reaction_count, so_far) = lane%recorder%forces%largest
-         batch%values(i, :reaction_count, least_so_far) = lane%recorder%forces%smallest
+         call extremes_for_lanes(lane%recorder%forces, batch%values(i, :reaction_count, so_far), &
+            batch%values(i, :reaction_count, least_so_far))
       end if
       if (batch%screen%has_demands) then
          associate (values => batch%values(i, reaction_count + 1:batch%screen%n, :))

@@ -4,19 +4,18 @@ module rwmf_simulation_recorder_demand_extremes
    use rwmf_model_floor_motion, only: follows_roof
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_scene, only: demand_list_t
-   use rwmf_model_system_assembly, only: equation_t, interval_of
+   use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_system_demands, only: building_of, building_t, demands_at, demands_t
-   use rwmf_motion_ground_motion, only: turning_point
    use rwmf_problem_case, only: case_t, output_t, seeks
    use rwmf_problem_frame_strength, only: has_strength, storeys_have_strengths
    use rwmf_problem_quantity_table, only: id
-   use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_state
+   use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t
    use rwmf_simulation_state_result, only: demand_extremes_t
    implicit none
    private
 
    public :: demand_recorder_t, create_demands
-   public :: observe_demands_at_rest, put_storeys, put_demands, demand_extremes
+   public :: put_storeys, put_demands, demand_extremes
    public :: put_constants, lanes_find
 
    !> Running maxima of the magnitudes of the demands.
@@ -163,31 +162,6 @@ contains
          if (q == n) self%z_moment = wall%z_moment
       end associate
    end subroutine note_height
-
-   !> Update the demands over the current interval of the motion, with the wall at rest.
-   !>
-   !> All demands are then linear in the ground acceleration, and largest at its turning points or
-   !> at the ends.
-   subroutine observe_demands_at_rest(recorder, equation, y, t_a, t_b)
-      type(demand_recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: t_a
-      !! [s]
-      real(wp), intent(in) :: t_b
-      !! [s]
-      real(wp) :: t, still(size(y))
-
-      if (all(recorder%leader == 0)) return
-      still = 0
-      t = t_a
-      call search_state(recorder, equation, t, y, still)
-      do while (t < t_b)
-         t = min(turning_point(equation%motion, interval_of(equation), t), t_b)
-         call search_state(recorder, equation, t, y, still)
-      end do
-   end subroutine observe_demands_at_rest
 
    !> Compute the demands, and fill in storey columns that only a history with demands has.
    subroutine put_storeys(row, recorder, equation, t, y, y_dot)

@@ -5,8 +5,7 @@
 module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_math_roots, only: close_in, secant_between, secant_t
-   use rwmf_model_equation, only: corner_share, frame_motion, ground, kinematics_at
+   use rwmf_model_equation, only: corner_share, frame_motion, kinematics_at
    use rwmf_model_floor_motion, only: floor_motion, follows_roof
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_no_tension_strip, only: contact_length, settlement_stress, strip_t
@@ -15,21 +14,19 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_model_system_demands, only: building_of, building_t, links_of
    use rwmf_model_system_reactions, only: reactions_at, reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
-   use rwmf_motion_ground_motion, only: interval_at, turning_point, velocities_at_knots, &
-      velocity
+   use rwmf_motion_ground_motion, only: interval_at, velocities_at_knots, velocity
    use rwmf_problem_case, only: case_t, has_numbers, numbers_of
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_first_change, only: stop_at_change
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
    use rwmf_simulation_events_watched_spans, only: moment_t, span_between, span_of, span_t, watch_t
-   use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece, &
-      search_state
+   use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece
    use rwmf_simulation_state_result, only: envelope_extremes_t
    implicit none
    private
 
-   public :: envelope_recorder_t, create_envelopes, observe_envelopes, observe_envelopes_at_rest
+   public :: envelope_recorder_t, create_envelopes, observe_envelopes
    public :: put_envelopes, envelope_extremes
    public :: place_sections, lay_strip, find_sections, put_strip, fuse_stroke
 
@@ -113,7 +110,6 @@ contains
             if (allocated(recorder%strip)) least = [least, -huge(1.0_wp), -1.0_wp]
          end if
          call begin_search(recorder, equation, y, least)
-         recorder%has_middle = .true.
          if (equation%has_wall) call mark_equal_sections(recorder, equation)
       end associate
    end subroutine create_envelopes
@@ -377,39 +373,6 @@ contains
 
       stroke = corner_share(equation)*4*equation%p%R*equation%p%sin_alpha*sin(theta/2)
    end function fuse_stroke
-
-   !> Update the envelopes over an interval of the motion with the wall at rest.
-   !>
-   !> Forces are linear in the ground acceleration. Velocities have their extrema at its zeros.
-   subroutine observe_envelopes_at_rest(recorder, equation, y, t_a, t_b)
-      type(envelope_recorder_t), intent(inout) :: recorder
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! (states)
-      real(wp), intent(in) :: t_a
-      !! [s]
-      real(wp), intent(in) :: t_b
-      !! [s]
-      type(secant_t) :: search
-      real(wp) :: t, next, still(size(y))
-
-      still = 0
-      t = t_a
-      call search_state(recorder, equation, t, y, still)
-      do while (t < t_b)
-         next = min(turning_point(equation%motion, interval_of(equation), t), t_b)
-         if (ground(equation, t)*ground(equation, next) < 0) then
-            search = secant_between([t, next], [ground(equation, t), ground(equation, next)])
-            do while (search%is_open)
-               t = search%next
-               call close_in(search, ground(equation, t))
-            end do
-            call search_state(recorder, equation, t, y, still)
-         end if
-         t = next
-         call search_state(recorder, equation, t, y, still)
-      end do
-   end subroutine observe_envelopes_at_rest
 
    !> Fill in the columns of the history at one instant.
    subroutine put_envelopes(row, recorder, equation, t, y, y_dot)

@@ -9,18 +9,21 @@
 module rwmf_simulation_recorder_peak_search
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_math_roots, only: climb, maximum_between, maximum_t, vertex_of_parabola
-   use rwmf_model_system_assembly, only: equation_t, rates_at
+   use rwmf_math_roots, only: climb, close_bracket => close_in, maximum_between, maximum_t, &
+      secant_between, secant_t, vertex_of_parabola
+   use rwmf_model_equation, only: ground, has_further_effects
+   use rwmf_model_system_assembly, only: equation_t, interval_of, rates_at
+   use rwmf_motion_ground_motion, only: turning_point
    use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, &
       step_view_t, turning_frequency
-   use rwmf_simulation_recorder_reaction_estimates, only: frequency_with_springs, inside, &
-      n_nodes, node, place_of_peak
+   use rwmf_simulation_recorder_peak_place, only: has_peak_inside, n_nodes, node
    use rwmf_simulation_recorder_step_states, only: fit_states, may_interpolate, state_inside, &
       step_states_t
    implicit none
    private
 
-   public :: peak_search_t, begin_search, has_search, search_piece, search_state
+   public :: peak_search_t, begin_search, has_search, search_piece, search_rest, search_state
+   public :: find_at
 
    !> Running maxima of quantities, each in its unit.
    type, abstract :: peak_search_t
@@ -38,8 +41,6 @@ module rwmf_simulation_recorder_peak_search
       !! drifts of all storeys; its own number otherwise
       real(wp), allocatable :: level(:)
       !! (quantities) largest value of the pool, which a new maximum has to exceed [unit of each]
-      logical :: has_middle = .false.
-      !! a sample in the middle of a step may exclude a larger value in it
       real(wp) :: frequency = 0
       !! frequency of the fastest vibration before yielding [rad/s]
       real(wp) :: t_end = -1
@@ -177,12 +178,11 @@ contains
       angle = (piece%t_b - piece%t_a)*max(self%frequency, turning_frequency(piece))
       if (may_interpolate(piece, self%frequency)) then
          if (is_plain(self, angle, max(self%at_ends(:, 1), self%at_ends(:, 2)))) return
-         if (self%has_middle) then
-            if (is_flat(self, piece, angle)) return
+         if (.not. piece%integrator%has_polynomial) then
+            allocate (states)
+            call fit_states(piece, self%rates, states, error)
+            if (allocated(error)) return
          end if
-         allocate (states)
-         call fit_states(piece, self%rates, states, error)
-         if (allocated(error)) return
       else
          n = max(count_parts(piece), ceiling(min(2*angle/pi, most_parts)))
       end if
@@ -253,51 +253,6 @@ contains
       is_plain = .true.
    end function is_plain
 
-   !> Return true if both ends and the middle of a step of up to 1.5 rad exclude a larger value.
-   !>
-   !> A peak rises above the samples by a quarter of their range at most. A demand that falls or
-   !> grows along the parabola through them has no peak inside. Unlike the screens of lanes
-   !> (`rwmf_integrator_lane_screens`), the samples are magnitudes without their signs.
-   logical function is_flat(self, piece, angle)
-      class(peak_search_t), intent(inout) :: self
-      type(step_view_t), intent(in) :: piece
-      real(wp), intent(in) :: angle
-      !! phase of the fastest vibration over the step [rad]
-      real(wp), parameter :: longest_slope = 0.75_wp
-      !! largest phase at which the samples give slopes: forces contain squares of velocities, which
-      !! vary at twice the frequency [rad]
-      real(wp), parameter :: rise = 0.25_wp
-      !! possible rise over the range of the samples [-]
-      real(wp), parameter :: steep = 0.6_wp
-      !! least change over a step by the slope at an end, over the range of the samples [-]
-      real(wp), parameter :: slack = 0.01_wp
-      !! tolerance over the range so far [-]
-      real(wp), dimension(size(piece%y_b)) :: y, y_dot
-      real(wp) :: middle(size(self%largest)), low
-      integer :: q
-
-      associate (h => piece%t_b - piece%t_a)
-         y = (piece%y_a + piece%y_b)/2 + h/8*(self%rates(:, 1) - self%rates(:, 2))
-         call rates_at(piece%equation, piece%t_a + h/2, y, y_dot)
-         call self%find(piece%equation, piece%t_a + h/2, y, y_dot, middle)
-      end associate
-      is_flat = .false.
-      do q = 1, size(middle)
-         if (.not. has_search(self, q)) cycle
-         associate (a => self%at_ends(q, 1), b => middle(q), c => self%at_ends(q, 2))
-            ! most values are magnitudes, whose sign may change between the samples
-            low = min(a, b, c)
-            low = max(max(a, b, c) - low, a + b + c - low)
-            if (max(a, b, c) + rise*low + slack*(self%level(q) - self%smallest(q)) &
-                <= self%level(q)) cycle
-            if (angle > longest_slope) return
-            if (min(4*b - 3*a - c, 3*c - 4*b - abs(a)) > steep*low) cycle
-            if (.not. max(4*b - 3*a + abs(c), 3*c - 4*b + abs(a)) < -steep*low) return
-         end associate
-      end do
-      is_flat = .true.
-   end function is_flat
-
    !> Update the maxima over a part of at most a quarter of the shortest period.
    subroutine search_part(self, piece, states, t, found, error)
       class(peak_search_t), intent(inout) :: self
@@ -323,7 +278,7 @@ contains
       end do
       do q = 1, size(found, 1)
          if (.not. has_search(self, q)) cycle
-         if (place_of_peak(found(q, :), self%level(q)) /= inside) cycle
+         if (.not. has_peak_inside(found(q, :), self%level(q))) cycle
          call close_in(self, piece, states, q, times, found(q, :), error)
          if (allocated(error)) return
       end do
@@ -362,7 +317,31 @@ contains
       if (allocated(states)) call sample(self, piece, no_states, search%x(1), at_point, error, q)
    end subroutine close_in
 
-   !> Compute the quantities inside a piece.
+   !> Compute the quantities inside a piece, or while the wall rests, from the solution of the
+   !> integrator.
+   subroutine find_at(self, piece, t, found, error)
+      class(peak_search_t), intent(inout) :: self
+      type(step_view_t), intent(in) :: piece
+      !! without an integrator at rest
+      real(wp), intent(in) :: t
+      !! [s]
+      real(wp), intent(out) :: found(:)
+      !! (quantities)
+      type(error_t), allocatable, intent(out) :: error
+      real(wp), dimension(size(piece%y_a)) :: y, y_dot
+
+      if (associated(piece%integrator)) then
+         call sample_state(piece, t, y, error)
+         if (allocated(error)) return
+         call rates_at(piece%equation, t, y, y_dot)
+      else
+         y = piece%y_a
+         y_dot = 0
+      end if
+      call self%find(piece%equation, t, y, y_dot, found)
+   end subroutine find_at
+
+   !> Compute the quantities inside a piece for a search.
    !>
    !> They update the maxima only if the state comes from the integrator.
    subroutine sample(self, piece, states, t, found, error, leader)
@@ -375,17 +354,90 @@ contains
       type(error_t), allocatable, intent(out) :: error
       integer, intent(in), optional :: leader
       !! as in `keep_largest`
-      real(wp), dimension(size(piece%y_b)) :: y, y_dot
+      real(wp), dimension(size(piece%y_a)) :: y, y_dot
 
       if (allocated(states)) then
          call state_inside(states, t, y)
+         call rates_at(piece%equation, t, y, y_dot)
+         call self%find(piece%equation, t, y, y_dot, found)
       else
-         call sample_state(piece, t, y, error)
-         if (allocated(error)) return
+         call find_at(self, piece, t, found, error)
+         if (.not. allocated(error)) call keep_largest(self, t, found, leader)
       end if
-      call rates_at(piece%equation, t, y, y_dot)
-      call self%find(piece%equation, t, y, y_dot, found)
-      if (.not. allocated(states)) call keep_largest(self, t, found, leader)
    end subroutine sample
+
+   !> Update the maxima over the current interval of the motion, with the wall at rest.
+   !>
+   !> Forces and accelerations are linear in the ground acceleration, so they are largest at its
+   !> turning points or at the ends. Velocities are largest at its zeros. A quotient of forces may
+   !> be largest elsewhere if a vertical motion accompanies a pulse.
+   subroutine search_rest(self, equation, y, t_a, t_b)
+      class(peak_search_t), intent(inout) :: self
+      type(equation_t), intent(in), target :: equation
+      real(wp), intent(in), contiguous, target :: y(:)
+      !! (states)
+      real(wp), intent(in) :: t_a
+      !! [s]
+      real(wp), intent(in) :: t_b
+      !! [s]
+      type(error_t), allocatable :: error
+      !! never set: no integrator is involved
+      type(step_states_t), allocatable :: no_states
+      type(secant_t) :: search
+      type(step_view_t) :: rest
+      real(wp) :: t, next, still(size(y)), found(size(self%largest), n_nodes)
+
+      if (all(self%leader == 0)) return
+      rest%equation => equation
+      rest%y_a => y
+      rest%t_b = huge(t)
+      still = 0
+      t = t_a
+      call search_state(self, equation, t, y, still)
+      do while (t < t_b)
+         next = min(turning_point(equation%motion, interval_of(equation), t), t_b)
+         if (has_further_effects(equation) .and. .not. equation%state%line%is_straight) then
+            call self%find(equation, t, y, still, found(:, 1))
+            call search_part(self, rest, no_states, [t, next], found, error)
+         end if
+         if (ground(equation, t)*ground(equation, next) < 0) then
+            search = secant_between([t, next], [ground(equation, t), ground(equation, next)])
+            do while (search%is_open)
+               t = search%next
+               call close_bracket(search, ground(equation, t))
+            end do
+            call search_state(self, equation, t, y, still)
+         end if
+         t = next
+         call search_state(self, equation, t, y, still)
+      end do
+   end subroutine search_rest
+
+   !> Highest natural frequency of a scene [rad/s].
+   pure real(wp) function fastest_of(equation) result(frequency)
+      type(equation_t), intent(in) :: equation
+
+      frequency = max(equation%p%omega_s, equation%floors%max_frequency, sqrt(equation%p%g &
+         /equation%p%R))
+   end function fastest_of
+
+   !> Highest natural frequency, including that of the wall on its springs and cable [rad/s].
+   real(wp) function frequency_with_springs(equation, y) result(frequency)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp), parameter :: small = 1.0e-6_wp
+      !! [rad]
+      real(wp), dimension(size(y)) :: beside, rates, rates_beside
+
+      frequency = fastest_of(equation)
+      if (.not. equation%has_wall) return
+      beside = y
+      beside(1) = y(1) + sign(small, y(1))
+      call rates_at(equation, 0.0_wp, y, rates)
+      call rates_at(equation, 0.0_wp, beside, rates_beside)
+      frequency = max(frequency, sqrt(max(0.0_wp, (rates(2) - rates_beside(2)) &
+         /(beside(1) - y(1)))))
+   end function frequency_with_springs
 
 end module rwmf_simulation_recorder_peak_search

@@ -5,7 +5,7 @@ module rwmf_simulation_recorder_reaction_columns
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_system_reactions, only: friction_demand, reactions_at, reactions_t, wall_drift
-   use rwmf_model_system_reactions_loop, only: demand, low_normal, shear
+   use rwmf_model_system_reactions_loop, only: low_normal, shear
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_recorder_reaction_extremes, only: first_exceedance, &
       reaction_extremes_recorder_t
@@ -74,13 +74,13 @@ contains
       extremes%t_normal_min = forces%t_largest(low_normal)
       extremes%pivot_lifts = extremes%normal_min <= 0
       if (equation%parts%has_shear_key) then
-         extremes%shear_key_max = forces%largest(demand)/equation%p%g
-         extremes%t_shear_key_max = forces%t_largest(demand)
+         extremes%shear_key_max = forces%largest_demand/equation%p%g
+         extremes%t_shear_key_max = forces%t_demand
       else
-         largest_demand = forces%largest(demand)
+         largest_demand = forces%largest_demand
          if (extremes%pivot_lifts) largest_demand = huge(largest_demand)
          extremes%demand_max = infinite_where_lifted(largest_demand)
-         if (.not. extremes%pivot_lifts) extremes%t_demand_max = forces%t_largest(demand)
+         if (.not. extremes%pivot_lifts) extremes%t_demand_max = forces%t_demand
          if (equation%has_impacts) extremes%impact_demand_max = forces%impact_demand
       end if
       if (allocated(forces%limit)) then

@@ -27,14 +27,14 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_events_watched_spans, only: changes_in, functions_t, moment_t, &
       span_between, span_of, span_t, watch_t
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
-      observe_demands_at_rest, put_demands, put_storeys
+      put_demands, put_storeys
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
    use rwmf_simulation_recorder_force_envelopes, only: create_envelopes, envelope_recorder_t, &
-      observe_envelopes, observe_envelopes_at_rest, put_envelopes
-   use rwmf_simulation_recorder_peak_search, only: search_piece, search_state
+      observe_envelopes, put_envelopes
+   use rwmf_simulation_recorder_peak_search, only: search_piece, search_rest, search_state
    use rwmf_simulation_recorder_reaction_columns, only: put_reactions
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
-      observe_instant, observe_last, observe_moving, observe_resting, reaction_extremes_recorder_t
+      observe_moving, observe_resting, reaction_extremes_recorder_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
    use rwmf_simulation_recorder_top_motion, only: top_count, top_displacements, &
       top_motion_t
@@ -530,10 +530,9 @@ contains
       t = max(t_a, recorder%t_settled)
       if (t <= t_b) then
          if (allocated(recorder%forces)) call observe_resting(recorder%forces, equation, y, t, t_b)
-         if (allocated(recorder%demands)) call observe_demands_at_rest(recorder%demands, &
-            equation, y, t, t_b)
-         if (allocated(recorder%envelopes)) call observe_envelopes_at_rest(recorder%envelopes, &
-            equation, y, t, t_b)
+         if (allocated(recorder%demands)) call search_rest(recorder%demands, equation, y, t, t_b)
+         if (allocated(recorder%envelopes)) call search_rest(recorder%envelopes, equation, y, &
+            t, t_b)
       end if
       if (.not. recorder%keeps_history) return
       do while (recorder%next_row <= size(recorder%history%values, 1))
@@ -555,7 +554,7 @@ contains
       real(wp) :: y_dot(size(y))
 
       call rates_at(equation, t, y, y_dot)
-      if (allocated(recorder%forces)) call observe_instant(recorder%forces, equation, t, y, y_dot)
+      if (allocated(recorder%forces)) call search_state(recorder%forces, equation, t, y, y_dot)
       if (allocated(recorder%demands)) call search_state(recorder%demands, equation, t, y, y_dot)
       if (allocated(recorder%envelopes)) call search_state(recorder%envelopes, equation, t, y, &
          y_dot)
@@ -810,7 +809,7 @@ contains
       !! parts of the energy
 
       call observe_state(recorder, equation, t, y)
-      if (allocated(recorder%forces)) call observe_last(recorder%forces, equation, t, y, y_dot)
+      if (allocated(recorder%forces)) call search_state(recorder%forces, equation, t, y, y_dot)
       if (allocated(recorder%demands)) call search_state(recorder%demands, equation, t, y, y_dot)
       if (allocated(recorder%envelopes)) call search_state(recorder%envelopes, equation, t, y, &
          y_dot)

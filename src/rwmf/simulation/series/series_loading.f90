@@ -122,11 +122,13 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: angle
       !! phase angle of the vibration over the whole run [rad]
-      real(wp), parameter :: most = 0.3_wp
+      real(wp), parameter :: most = 0.3_wp, most_with_pulse = 0.05_wp
+      !! the knots of a record shorten most steps beyond need, those of a pulse do not
       real(wp), parameter :: span = 30
       !! phase angle over which errors may add up with this part [rad]
 
-      part = most*min(1.0_wp, span*max(equation%p%xi_s, 1/angle))
+      part = merge(most, most_with_pulse, is_piecewise_linear(equation%motion)) &
+         *min(1.0_wp, span*max(equation%p%xi_s, 1/angle))
    end function allowance_of
 
    !> Load the coefficients of the equation of motion, for both sides.
