@@ -608,8 +608,7 @@ contains
          lanes%rate(i) = merge(rate, h, moving > 0)
          h = lanes%phi(i)
          lanes%phi(i) = merge(lanes%phi_end(i), h, moving > 0)
-         rate = lanes%multiplicity(i)
-         lanes%multiplicity(i) = merge(hit, rate, moving > 0)
+         lanes%multiplicity(i) = moving*hit + (1 - moving)*lanes%multiplicity(i)
          lanes%above(i) = (1 - moving)*lanes%above(i)
          ! the largest rotation on the side of this step
          rate = merge(lanes%phi_end(i), 0.0_wp, moving > 0)
