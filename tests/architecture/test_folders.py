@@ -47,7 +47,7 @@ LARGE: dict[str, str] = {
     "rwmf_integrator_lane_step:attempt_step": "a block of lanes as plain arrays",
     "rwmf_integrator_lane_quiet:find_quiet_steps": "a block of lanes as plain arrays",
     "rwmf_integrator_lane_screens:screen_steps": "a block of lanes as plain arrays",
-    "rwmf_integrator_series_series_loops:end_steps": "a vectorised loop: a call would end it",
+    "rwmf_integrator_series_series_loops:end_all": "a vectorised loop: a call would end it",
     "rwmf_integrator_series_series_loops:expand": "a vectorised loop: a call would end it",
     "rwmf_integrator_series_series_loops:screen": "a vectorised loop: a call would end it",
     "rwmf_embedding_element_events:next_impact": _STEP_OF_A_HOST,
