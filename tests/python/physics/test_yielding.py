@@ -184,3 +184,16 @@ def test_history_of_the_force() -> None:
     yields = np.abs(f[1:] + f[:-1]) / 2 > strength * (1 - 1e-9)
     assert dissipated == pytest.approx(strength * np.sum(np.abs(np.diff(u))[yields]), rel=1e-4)
     assert float(run["energy_balance_relative"]) < 1e-9
+
+
+def test_high_powers_of_the_smooth_law_limit_the_step() -> None:
+    """The eighth power of z is 0 in all terms of a series that begins at z = 0."""
+    case = bare_frame(
+        frame={"T_s": 0.813, "xi_s": 0.05},
+        motion={"kind": "type_c", "n_pulses": 2, "a_max_g": 0.4, "T_p": 0.7},
+        solver={"t_end": 4.0, "rtol": 1e-9, "method": "taylor"},
+        yielding={"u_y": 0.00108, "law": "bouc_wen", "exponent": 8.0, "beta": 0.5},
+    )
+    trusted = case.replace(solver={"method": "dop853", "rtol": 1e-12})
+    expected = float(rwmf.simulate(trusted).u_s_max)
+    assert float(rwmf.simulate(case).u_s_max) == pytest.approx(expected, rel=1e-7)

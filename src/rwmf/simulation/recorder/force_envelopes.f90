@@ -22,6 +22,7 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
    use rwmf_simulation_events_watched_spans, only: moment_t, span_between, span_of, span_t, watch_t
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece
+   use rwmf_simulation_recorder_step_states, only: step_states_t
    use rwmf_simulation_state_result, only: envelope_extremes_t
    implicit none
    private
@@ -300,13 +301,15 @@ contains
    end function floor_velocities
 
    !> Update the envelopes over smooth motion inside the last step of the integrator.
-   subroutine observe_envelopes(recorder, piece, error)
+   subroutine observe_envelopes(recorder, piece, states, error)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
+      type(step_states_t), allocatable, intent(inout) :: states
+      !! as for `search_piece`
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
 
-      call search_piece(recorder, piece, error)
+      call search_piece(recorder, piece, states, error)
       if (.not. allocated(error) .and. recorder%has_fuses) call follow_fuses(recorder, piece, error)
    end subroutine observe_envelopes
 

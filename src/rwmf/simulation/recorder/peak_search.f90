@@ -14,8 +14,8 @@ module rwmf_simulation_recorder_peak_search
    use rwmf_model_equation, only: ground, has_further_effects
    use rwmf_model_system_assembly, only: equation_t, interval_of, rates_at
    use rwmf_motion_ground_motion, only: turning_point
-   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, sample_state, &
-      step_view_t, turning_frequency
+   use rwmf_simulation_events_step_view, only: count_parts, end_of_part, rates_in, &
+      sample_state, step_view_t, turning_frequency
    use rwmf_simulation_recorder_peak_place, only: has_peak_inside, n_nodes, node
    use rwmf_simulation_recorder_step_states, only: fit_states, may_interpolate, state_inside, &
       step_states_t
@@ -161,12 +161,13 @@ contains
    end subroutine keep_largest
 
    !> Update the maxima over smooth motion inside the last step of the integrator.
-   subroutine search_piece(self, piece, error)
+   subroutine search_piece(self, piece, states, error)
       class(peak_search_t), intent(inout) :: self
       type(step_view_t), intent(in) :: piece
+      type(step_states_t), allocatable, intent(inout) :: states
+      !! polynomials of the piece, if another search has needed them
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
-      type(step_states_t), allocatable :: states
       real(wp) :: found(size(self%largest), n_nodes)
       real(wp), parameter :: most_parts = 1000
       real(wp) :: t(2), angle
@@ -178,7 +179,7 @@ contains
       angle = (piece%t_b - piece%t_a)*max(self%frequency, turning_frequency(piece))
       if (may_interpolate(piece, self%frequency)) then
          if (is_plain(self, angle, max(self%at_ends(:, 1), self%at_ends(:, 2)))) return
-         if (.not. piece%integrator%has_polynomial) then
+         if (.not. (allocated(states) .or. piece%integrator%has_polynomial)) then
             allocate (states)
             call fit_states(piece, self%rates, states, error)
             if (allocated(error)) return
@@ -208,7 +209,7 @@ contains
       associate (found => self%at_ends, rates => self%rates)
          goes_on = abs(self%t_end - piece%t_a) <= 0
          if (goes_on) goes_on = all(abs(self%y_end - piece%y_a) <= 0)
-         call rates_at(piece%equation, piece%t_a, piece%y_a, rates(:, 1))
+         call rates_in(piece, piece%t_a, piece%y_a, rates(:, 1))
          if (goes_on) goes_on = all(abs(rates(:, 1) - rates(:, 2)) <= slack*abs(rates(:, 1)))
          if (goes_on) then
             found(:, 1) = found(:, 2)
@@ -217,7 +218,7 @@ contains
                found(:, 1))
             call keep_largest(self, piece%t_a, found(:, 1))
          end if
-         call rates_at(piece%equation, piece%t_b, piece%y_b, rates(:, 2))
+         call rates_in(piece, piece%t_b, piece%y_b, rates(:, 2))
          call self%find(piece%equation, piece%t_b, piece%y_b, rates(:, 2), found(:, 2))
          call keep_largest(self, piece%t_b, found(:, 2))
       end associate

@@ -14,7 +14,8 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_problem_quantity_table, only: id
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_recorder_peak_search, only: begin_search, find_at, peak_search_t, &
-      search_piece, search_rest, search_state
+      search_piece, search_rest
+   use rwmf_simulation_recorder_step_states, only: step_states_t
    implicit none
    private
 
@@ -150,14 +151,16 @@ contains
    end subroutine note_demand
 
    !> Update the extrema over smooth motion inside the last step of the integrator.
-   subroutine observe_moving(forces, piece, error)
+   subroutine observe_moving(forces, piece, states, error)
       type(reaction_extremes_recorder_t), intent(inout) :: forces
       type(step_view_t), intent(in) :: piece
+      type(step_states_t), allocatable, intent(inout) :: states
+      !! as for `search_piece`
       type(error_t), allocatable, intent(out) :: error
       !! the integrator fails
 
       forces%t_above = huge(forces%t_above)
-      call search_piece(forces, piece, error)
+      call search_piece(forces, piece, states, error)
       if (.not. allocated(error)) call find_exceedance(forces, piece, error)
    end subroutine observe_moving
 

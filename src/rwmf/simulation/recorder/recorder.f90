@@ -35,6 +35,7 @@ module rwmf_simulation_recorder_recorder
    use rwmf_simulation_recorder_reaction_columns, only: put_reactions
    use rwmf_simulation_recorder_reaction_extremes, only: create_reaction_extremes, &
       observe_moving, observe_resting, reaction_extremes_recorder_t
+   use rwmf_simulation_recorder_step_states, only: step_states_t
    use rwmf_simulation_recorder_storey_drifts, only: observe_drifts, observe_turns
    use rwmf_simulation_recorder_top_motion, only: top_count, top_displacements, &
       top_motion_t
@@ -325,8 +326,9 @@ contains
       type(displacements_t) :: floors
       type(step_view_t) :: seen
       !! part of the piece with its own forces
-      real(wp), target :: y_seen(size(piece%y_b))
-      logical :: is_left, is_seen
+      type(step_states_t), allocatable :: states
+      real(wp), target :: y_seen(size(piece%y_b)), rates(size(piece%y_b), 2)
+      logical :: is_seen, has_forces, has_demands, has_envelopes
 
       seen = piece
       is_seen = piece%t_b > recorder%t_settled
@@ -335,23 +337,29 @@ contains
          if (allocated(error)) return
          seen = from(piece, recorder%t_settled, y_seen)
       end if
-      is_left = allocated(recorder%forces) .and. is_seen
-      if (present(has_plain_reactions)) is_left = is_left .and. .not. has_plain_reactions
+      has_forces = allocated(recorder%forces) .and. is_seen
+      if (present(has_plain_reactions)) has_forces = has_forces .and. .not. has_plain_reactions
+      has_demands = allocated(recorder%demands) .and. is_seen
+      if (present(has_calm_demands)) has_demands = has_demands .and. .not. has_calm_demands
+      has_envelopes = allocated(recorder%envelopes) .and. is_seen
+      if (has_forces .or. has_demands .or. has_envelopes) then
+         call rates_at(seen%equation, seen%t_a, seen%y_a, rates(:, 1))
+         call rates_at(seen%equation, seen%t_b, seen%y_b, rates(:, 2))
+         seen%rates_a => rates(:, 1)
+         seen%rates_b => rates(:, 2)
+      end if
       call observe_fastest(recorder, piece, error)
       if (allocated(error)) return
-      if (is_left) call observe_moving(recorder%forces, seen, error)
+      if (has_forces) call observe_moving(recorder%forces, seen, states, error)
       if (allocated(error)) return
       if (allocated(recorder%drifts)) call observe_turns(recorder%drifts, &
          recorder%t_drifts, floors, piece, error)
       if (allocated(error)) return
       if (allocated(recorder%top)) call observe_top(recorder, piece, error)
       if (allocated(error)) return
-      is_left = allocated(recorder%demands) .and. is_seen
-      if (present(has_calm_demands)) is_left = is_left .and. .not. has_calm_demands
-      if (is_left) call search_piece(recorder%demands, seen, error)
+      if (has_demands) call search_piece(recorder%demands, seen, states, error)
       if (allocated(error)) return
-      is_left = allocated(recorder%envelopes) .and. is_seen
-      if (is_left) call observe_envelopes(recorder%envelopes, seen, error)
+      if (has_envelopes) call observe_envelopes(recorder%envelopes, seen, states, error)
       if (allocated(error)) return
       if (recorder%keeps_history) call sample_piece(recorder, piece, error)
       if (allocated(error)) return
