@@ -133,7 +133,7 @@ def test_no_circles(tree: Tree) -> None:
     _none(tree.cycle)
 
 
-def test_only_its_own_folder_names_sundials(tree: Tree) -> None:
+def test_only_two_folders_name_sundials(tree: Tree) -> None:
     _none(rules.foreign_sundials(tree))
 
 

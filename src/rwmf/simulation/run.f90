@@ -3,7 +3,7 @@ module rwmf_simulation_run
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, pi, wp
-   use rwmf_integrator_factory, only: new_integrator, run_method
+   use rwmf_simulation_factory, only: new_integrator, run_method
    use rwmf_integrator_interface_integrator, only: integrator_t, tolerance_t
    use rwmf_model_system_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t, cable_strain

@@ -38,7 +38,8 @@ module rwmf_simulation_hybrid_hybrid_loop
    implicit none
    private
 
-   public :: start_hybrid, advance_hybrid, begin_step, end_step, stay_at_rest, check_steps
+   public :: start_hybrid, advance_hybrid, begin_step, end_step, stay_at_rest, check_steps, &
+      check_work
 
 contains
 
