@@ -127,23 +127,12 @@ contains
       type(error_t), allocatable, intent(out) :: error
 
       self%t_stop = t
-      self%t_first = t + first_span(t, span)
+      ! A first step has a low order. Across a whole flight below the tolerance it returns a
+      ! velocity of the wrong sign, and the wall would hit its base again and again. Before the top
+      ! of the flight this is impossible.
+      self%t_first = t + max(0.4_wp*span, 16*spacing(t))
       call restart(self, t, y, error)
    end subroutine start_cvode
-
-   !> Longest first step of a flight [s].
-   !>
-   !> A first step has a low order. Across a whole flight below the tolerance it returns a velocity
-   !> of the wrong sign. The wall would then hit its base again and again. Before the top of the
-   !> flight this is impossible.
-   pure real(wp) function first_span(t, span)
-      real(wp), intent(in) :: t
-      !! [s]
-      real(wp), intent(in) :: span
-      !! as in `start` [s]
-
-      first_span = max(0.4_wp*span, 16*spacing(t))
-   end function first_span
 
    subroutine step_cvode(self, t_limit, error)
       class(cvode_t), intent(inout) :: self

@@ -1,7 +1,5 @@
-!> Loop of the paper's procedure (`rwmf_paper_paper_run`): rest, steps and impacts, recorded as in
-!> any other run.
-module rwmf_simulation_hybrid_paper_loop
-   use rwmf_core_control, only: control_t
+!> Steps of the paper's procedure (`rwmf_paper_paper_run`) in the hybrid loop.
+module rwmf_simulation_hybrid_paper_step
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_model_system_assembly, only: equation_t, interval_of
@@ -9,56 +7,32 @@ module rwmf_simulation_hybrid_paper_loop
    use rwmf_motion_ground_motion, only: interval_end
    use rwmf_paper_paper_run, only: at_impact, at_overturning, at_peak, paper_t
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
-   use rwmf_simulation_hybrid_hybrid_loop, only: check_work, stay_at_rest
    use rwmf_simulation_recorder_reaction_extremes, only: observe_impulse
    use rwmf_simulation_recorder_recorder, only: observe_event, observe_impact, observe_piece, &
       observe_state, recorder_t, sees_impulses
-   use rwmf_simulation_state_hybrid_state, only: advance_interval, has_ended, hybrid_t, &
-      mode_overturned, mode_rest, progress_t
+   use rwmf_simulation_state_hybrid_state, only: advance_interval, hybrid_t, mode_overturned, &
+      mode_rest
    use rwmf_simulation_state_result, only: event_impact, event_overturned, event_peak, event_rest
    implicit none
    private
 
-   public :: advance_paper
+   public :: follow_paper_step
 
 contains
 
-   !> Integrate the system up to t_target or overturning.
-   subroutine advance_paper(hybrid, equation, paper, recorder, t_target, control, error)
-      type(hybrid_t), intent(inout) :: hybrid
-      type(equation_t), intent(inout) :: equation
-      type(paper_t), intent(inout) :: paper
-      type(recorder_t), intent(inout) :: recorder
-      real(wp), intent(in) :: t_target
-      !! [s]
-      type(control_t), intent(in) :: control
-      type(error_t), allocatable, intent(out) :: error
-      !! CVODE fails, too many steps, or an interrupt
-
-      paper%scene%overturning_angle = hybrid%overturning_angle
-      hybrid%progress = progress_t()
-      do while (hybrid%t < t_target .and. .not. has_ended(hybrid))
-         if (hybrid%mode == mode_rest) then
-            call stay_at_rest(hybrid, equation, recorder, t_target, error)
-         else
-            call follow_step(hybrid, equation, paper, recorder, t_target, error)
-         end if
-         if (allocated(error)) return
-         call check_work(hybrid, paper, control, error)
-         if (allocated(error)) return
-      end do
-   end subroutine advance_paper
-
    !> Take a step, record it, and apply the event at its end.
-   subroutine follow_step(hybrid, equation, paper, recorder, t_target, error)
+   subroutine follow_paper_step(hybrid, equation, paper, recorder, t_target, error)
       type(hybrid_t), intent(inout) :: hybrid
       type(equation_t), intent(inout), target :: equation
       type(paper_t), intent(inout), target :: paper
       type(recorder_t), intent(inout) :: recorder
       real(wp), intent(in) :: t_target
+      !! [s]
       type(error_t), allocatable, intent(out) :: error
+      !! CVODE fails, or its root search misses an impact
       type(step_view_t) :: step
 
+      paper%scene%overturning_angle = hybrid%overturning_angle
       if (hybrid%must_restart) call paper%start(hybrid%t, hybrid%y, huge(t_target), error)
       if (allocated(error)) return
       hybrid%must_restart = .false.
@@ -82,7 +56,7 @@ contains
          ! no event
       end select
       call advance_interval(hybrid, equation, paper%steps)
-   end subroutine follow_step
+   end subroutine follow_paper_step
 
    !> Apply and record an impact.
    subroutine follow_impact(hybrid, equation, paper, recorder)
@@ -107,4 +81,4 @@ contains
       call observe_event(recorder, event_rest, hybrid%t, hybrid%y)
    end subroutine follow_impact
 
-end module rwmf_simulation_hybrid_paper_loop
+end module rwmf_simulation_hybrid_paper_step

@@ -1,5 +1,4 @@
-!> Advance a run: explicit pairs as a batch of one lane, the paper's procedure in its own loop,
-!> other methods in the hybrid loop.
+!> Advance a run: explicit pairs as a batch of one lane, other methods in the hybrid loop.
 module rwmf_simulation_advance
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
@@ -7,10 +6,6 @@ module rwmf_simulation_advance
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_model_system_assembly, only: equation_t
-#ifndef RWMF_QUAD
-   use rwmf_paper_paper_run, only: paper_t
-   use rwmf_simulation_hybrid_paper_loop, only: advance_paper
-#endif
    use rwmf_simulation_hybrid_hybrid_loop, only: advance_hybrid
    use rwmf_simulation_lanes_batch, only: create_batch, tabulate_lines, batch_t
    use rwmf_simulation_lanes_loop, only: advance_lane
@@ -56,10 +51,6 @@ contains
       select type (integrator)
       type is (explicit_pair_t)
          call advance_lane(hybrid, equation, integrator, recorder, t_target, control, batch, error)
-#ifndef RWMF_QUAD
-      type is (paper_t)
-         call advance_paper(hybrid, equation, integrator, recorder, t_target, control, error)
-#endif
       class default
          call advance_hybrid(hybrid, equation, integrator, recorder, t_target, control, error)
       end select
