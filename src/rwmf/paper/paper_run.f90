@@ -10,15 +10,15 @@
 !>
 !> * Rest: Eq. (15) holds for theta /= 0. A wall rests until the acceleration of (15a) or (15b) at
 !>   theta = 0 leads off its base (`rwmf_model_system_lift_off`).
-!> * Chatter: infinitely many impacts precede rest. An impact ends in rest if the next flight would
-!>   stay below the resolution, ten times the absolute tolerance.
+!> * Chatter: infinitely many impacts precede rest. An impact ends in rest if all that follows is
+!>   negligible (`rwmf_model_system_rest_after_chatter`).
 !> * Two impacts in one step, which a root search does not see: theta has the wrong sign at the end.
-!>   Below the resolution this counts as an impact; otherwise the run fails.
+!>   Up to ten times the absolute tolerance this counts as an impact; otherwise the run fails.
 module rwmf_paper_paper_run
    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_funloc, c_int, c_loc, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use fcvode_mod, only: CV_ADAMS, CV_ONE_STEP, CV_ROOT_RETURN, FCVode, FCVodeGetRootInfo, &
-      FCVodeRootInit, FCVodeSetInitStep, FCVodeSetRootDirection, FCVodeSetStopTime, &
+      FCVodeRootInit, FCVodeSetMaxStep, FCVodeSetRootDirection, FCVodeSetStopTime, &
       FCVodeSetUserData
    use fsundials_nvector_mod, only: N_Vector
    use rwmf_core_error, only: error_t
@@ -28,6 +28,7 @@ module rwmf_paper_paper_run
       is_tiny, iterate_functionally, restart, step_by_hand, sundials_t
    use rwmf_model_system_assembly, only: enter_side, equation_t
    use rwmf_model_equation, only: ground
+   use rwmf_model_system_rest_after_chatter, only: decelerations, may_rest
    use rwmf_paper_coefficients, only: coefficients_a, coefficients_b
    implicit none
    private
@@ -53,8 +54,6 @@ module rwmf_paper_paper_run
    type, extends(sundials_t) :: paper_t
       integer :: root = 0
       !! root at the end of the last step, one of the `at_` numbers; 0 without one
-      real(wp) :: resolution = 0
-      !! largest rotation that counts as contact [rad]
       type(paper_scene_t), pointer :: scene => null()
    contains
       procedure :: create => create_paper
@@ -125,7 +124,6 @@ contains
       call self%destroy()
       call create_common(self, CV_ADAMS, c_funloc(evaluate_rates), equation, tolerance, error)
       if (allocated(error)) return
-      self%resolution = 10*tolerance%atol(1)
       allocate (self%scene)
       self%scene%equation => equation
       if (has_failed(self, FCVodeSetUserData(self%memory, c_loc(self%scene)), &
@@ -136,7 +134,8 @@ contains
          'CVodeRootInit', error)) return
    end subroutine create_paper
 
-   !> Start a flight. Its first step, of order 1, is short compared with a flight from theta = 0.
+   !> Start a flight. From theta = 0 its steps are short compared with the expected flight, which
+   !> may rise less than the absolute tolerance.
    subroutine start_paper(self, t, y, span, error)
       class(paper_t), intent(inout) :: self
       real(wp), intent(in) :: t
@@ -145,17 +144,17 @@ contains
       !! not used
       type(error_t), allocatable, intent(out) :: error
       integer(c_int) :: directions(n_roots)
-      real(wp) :: first
-      !! [s]; 0 leaves the choice to CVODE
+      real(wp) :: longest
+      !! longest step [s]; 0 for no limit
       real(wp) :: pull
       !! deceleration [rad/s2]
 
       call restart(self, t, y, error)
       if (allocated(error)) return
       pull = -self%equation%state%side*acceleration_of(self%equation, t, y)
-      first = 0
-      if (abs(y(1)) <= 0 .and. 0.05_wp*abs(y(2)) < pull) first = 0.05_wp*abs(y(2))/pull
-      if (has_failed(self, FCVodeSetInitStep(self%memory, first), 'first step', error)) return
+      longest = 0
+      if (abs(y(1)) <= 0 .and. abs(y(2)) < pull) longest = 0.1_wp*abs(y(2))/pull
+      if (has_failed(self, FCVodeSetMaxStep(self%memory, longest), 'longest step', error)) return
       directions = [-self%equation%state%side, 0, 1]
       if (has_failed(self, FCVodeSetRootDirection(self%memory, directions), &
          'root direction', error)) return
@@ -188,7 +187,7 @@ contains
          self%root = findloc(found /= 0, .true., dim=1)
       end if
       if (self%root == at_impact .or. self%equation%state%side*self%y1(1) >= 0) return
-      if (abs(self%y1(1)) > self%resolution) call fail_step(self, 'method ''paper''', self%rtol, &
+      if (abs(self%y1(1)) > 10*self%atol(1)) call fail_step(self, 'method ''paper''', self%rtol, &
          'the root search of CVODE has missed an impact: lower rtol or use another method', error)
       ! a peak on the wrong side, as round-off gives at lift-off, is none
       self%root = merge(at_impact, 0, self%root == 0)
@@ -196,20 +195,20 @@ contains
 
    !> Apply an impact at the end of the last step: multiply the velocity by sqrt(r).
    !>
-   !> The wall changes its corner, or rests if the next flight would stay below the resolution.
+   !> The wall changes its corner, or rests if the flights that follow are negligible.
    subroutine land(self, root_of_r, y)
       class(paper_t), intent(inout) :: self
       real(wp), intent(in) :: root_of_r
       !! sqrt(r), angular velocity after over before the impact [-]
       real(wp), intent(out) :: y(:)
       !! theta [rad] and theta' [rad/s] after the impact; both are 0 if the wall rests
-      real(wp) :: pull
-      !! deceleration of the next flight [rad/s2]
 
       y = [0.0_wp, root_of_r*self%y1(2)]
-      call enter_side(self%equation%model_t, self%equation%state, int(sign(1.0_wp, y(2))))
-      pull = -self%equation%state%side*acceleration_of(self%equation, self%t1, y)
-      if (y(2)**2 <= 2*pull*self%resolution) y = 0
+      associate (equation => self%equation, small => 0.01_wp*self%atol)
+         call enter_side(equation%model_t, equation%state, int(sign(1.0_wp, y(2))))
+         if (may_rest(equation, self%t1, y, abs(y(2)), root_of_r, small(1), small(2), &
+            decelerations(equation, self%t1))) y = 0
+      end associate
    end subroutine land
 
    subroutine destroy_paper(self)
