@@ -35,6 +35,10 @@ module rwmf
    use rwmf_simulation_state_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
       event_collapsed, event_impact, event_lift_off, event_name, event_overturned, event_peak, &
       event_rest, event_branch, event_rupture, event_t, history_t, reaction_extremes_t, result_t
+   ! coefficients of the paper's equation of motion
+   use rwmf_model_parameters, only: parameters_t
+   use rwmf_model_system_assembly, only: parameters_of
+   use rwmf_paper_coefficients, only: coefficients_a, coefficients_b
    ! spectra: maxima over frame period, mass ratio and wall width, in parallel
    use rwmf_spectrum_ordinates, only: compute_rows, compute_spectrum, spectrum_t, status_of
    ! a wall inside the time loop of a host program
@@ -84,6 +88,7 @@ module rwmf
    public :: create_member, query_member, respond_member, query_links
    public :: commit_member, revert_member, restart_member, place_member
    public :: next_member_event, land_member, member_settles
+   public :: parameters_t, parameters_of, coefficients_a, coefficients_b
    public :: spectrum_t, compute_spectrum, compute_rows, status_of
    public :: static_curve_t, mark_t, protocol_t, push_over
    public :: write_result, write_spectrum

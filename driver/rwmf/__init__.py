@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         WallSnapshot,
         WallState,
     )
+    from rwmf._paper import paper_coefficients
     from rwmf._pushover import pushover
     from rwmf._response import Response
     from rwmf._risk import cloud, fragility, ida, risk, stripes
@@ -99,6 +100,7 @@ __all__ = [
     "intensity",
     "loops",
     "merge",
+    "paper_coefficients",
     "plot",
     "pushover",
     "quantile",
@@ -153,6 +155,7 @@ _HOMES = {
     "ida": "_risk",
     "intensity": "_sweep.intensity",
     "merge": "_sweep",
+    "paper_coefficients": "_paper",
     "pushover": "_pushover",
     "quantile": "studies.statistics",
     "risk": "_risk",

@@ -22,7 +22,7 @@ from fortran import (
 PACKAGE = "rwmf"  # name of the facade, of the folder below it, and prefix of all modules
 MODEL_FOLDER = PurePosixPath("rwmf/model")
 EFFECTS = MODEL_FOLDER / "effects"
-SUNDIALS_FOLDER = PurePosixPath("rwmf/integrator/sundials")
+SUNDIALS_FOLDERS = [PurePosixPath("rwmf/integrator/sundials"), PurePosixPath("rwmf/paper")]
 # Modules that name all effects: the list, and the loops over lanes.
 NAMES_EFFECTS = {"list", "loops"}
 
@@ -234,11 +234,11 @@ def naming_modules(tree: Tree, effect: str) -> list[str]:
 
 
 def foreign_sundials(tree: Tree) -> list[str]:
-    """Files that use SUNDIALS outside its folder."""
+    """Files that use SUNDIALS outside its folders."""
     return [
         f"{source.path}:{line}: uses {name}"
         for source in tree.sources
-        if PurePosixPath(source.path.parent.as_posix()) != SUNDIALS_FOLDER
+        if PurePosixPath(source.path.parent.as_posix()) not in SUNDIALS_FOLDERS
         for name, line in source.used.items()
         if SUNDIALS.match(name)
     ]

@@ -56,7 +56,7 @@ LARGE: dict[str, str] = {
     "rwmf_bindings_c_member:c_member_settles": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_c_member:c_next_member_event": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,
-    "rwmf_bindings_python_cost:measure_baseline": _CALLER_IS_NO_FORTRAN,
+    "rwmf_bindings_python_cost:measure_fixed_steps": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_kernel:result_write": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_kernel:rows": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_static_curve:pushover": _CALLER_IS_NO_FORTRAN,
@@ -133,7 +133,7 @@ def test_no_circles(tree: Tree) -> None:
     _none(tree.cycle)
 
 
-def test_only_its_own_folder_names_sundials(tree: Tree) -> None:
+def test_only_two_folders_name_sundials(tree: Tree) -> None:
     _none(rules.foreign_sundials(tree))
 
 

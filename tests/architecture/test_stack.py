@@ -18,7 +18,7 @@ from checkout import ROOT
 
 BUILD = ROOT / "build" / "src"
 # a row of states or less
-OF_STATES = ("model", "integrator", "simulation")
+OF_STATES = ("model", "integrator", "paper", "simulation")
 # procedures elsewhere, and why their frames are small
 ALLOWED = {"input/schema_check.f90:suggest": "a name of the table of keys"}
 # fixed frames: the largest that the deepest calls leave room for [bytes]

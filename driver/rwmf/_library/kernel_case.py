@@ -276,6 +276,31 @@ class KernelCase:
         """
         return self.warnings(("u_s_max_m",))
 
+    def paper_coefficients(self, theta: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Compute the coefficients of Eq. (15).
+
+        Parameters
+        ----------
+        theta : numpy.ndarray, shape (n,)
+            Rotations [rad].
+
+        Returns
+        -------
+        numpy.ndarray, shape (n, 4)
+            A_1 to A_4 where the sign of theta is negative, else B_1 to B_4.
+
+        Raises
+        ------
+        InputError
+            When the case has no wall or no period.
+        """
+        found = np.empty((theta.size, 4), order="F")
+        message = message_buffer()
+        status, n = _kernel.paper_coefficients(self.handle, theta, found, message)
+        with self.own_lines():
+            raise_for(status, message, n, source=self._source)
+        return found
+
     def _ask(self, procedure: Callable[..., tuple[int, int, int]]) -> str:
         """Fetch a text, and raise the error of the kernel if there is one."""
 

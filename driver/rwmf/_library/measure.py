@@ -1,4 +1,4 @@
-"""Measurements by the kernel: methods, procedures of practice, quadruple-precision reference."""
+"""Measurements by the kernel: methods, fixed steps, quadruple-precision reference."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Measurement",
     "Reference",
-    "measure_baseline",
+    "measure_fixed_steps",
     "measure_method",
     "requested_peak",
     "solve_reference",
@@ -74,14 +74,9 @@ class Reference(Measurement):
     ----------
     differences : dict
         Difference of each value from that at a looser tolerance.
-    impact_differences : numpy.ndarray, shape (impacts,)
-        Difference of each impact time [s].
     """
 
     differences: dict[str, float] = dataclasses.field(default_factory=dict)
-    impact_differences: npt.NDArray[np.float64] = dataclasses.field(
-        default_factory=lambda: np.zeros(0)
-    )
 
 
 def requested_peak(case: Case) -> str | None:
@@ -145,15 +140,15 @@ def measure_method(case: Case, method: str, rtol: float, budget: float) -> Measu
     return Measurement(**buffers.content(found["impacts"], case), **found)
 
 
-def measure_baseline(case: Case, name: str, divisor: float, budget: float) -> Measurement:
-    """Measure repeated runs of a case with a procedure of practice.
+def measure_fixed_steps(case: Case, name: str, divisor: float, budget: float) -> Measurement:
+    """Measure repeated runs of a case with fixed steps.
 
     Parameters
     ----------
     case : Case
         The case.
     name : str
-        'ode45', 'rk4' or 'newmark'.
+        'rk4' or 'newmark'.
     divisor : float
         Ratio of the usual sampling interval to the step [-].
     budget : float
@@ -173,9 +168,9 @@ def measure_baseline(case: Case, name: str, divisor: float, budget: float) -> Me
     def call(
         _: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
     ) -> tuple[dict[str, Any], int, int]:
-        seconds, dt, counts, status, n = _cost.measure_baseline(
+        seconds, dt, counts, status, n = _cost.measure_fixed_steps(
             case.kernel.handle,
-            encode(name),
+            name == "newmark",
             divisor,
             budget,
             buffers.values,
@@ -222,7 +217,6 @@ def solve_reference(
     if case.motions:
         raise InputError("the quadruple kernel reads records from files: case.to_namelist(path)")
     differences = np.full(_n_values(), np.nan)
-    impact_differences = np.zeros(_MOST_IMPACTS)
 
     def call(
         control: npt.NDArray[np.int64], buffers: _Buffers, message: npt.NDArray[np.int8]
@@ -236,7 +230,6 @@ def solve_reference(
             buffers.values,
             differences,
             buffers.impact_times,
-            impact_differences,
             message,
         )
         return {"seconds": seconds} | _counts(counts), status, n
@@ -246,7 +239,6 @@ def solve_reference(
         **buffers.content(found["impacts"], case),
         **found,
         differences=_by_name(differences, case),
-        impact_differences=impact_differences[: found["impacts"]].copy(),
     )
 
 
@@ -294,7 +286,7 @@ def _run(
 
 
 def _counts(counts: npt.NDArray[np.int64]) -> dict[str, Any]:
-    steps, rhs_evaluations, impacts, overturned = (int(count) for count in counts[:4])
+    steps, rhs_evaluations, impacts, overturned = (int(count) for count in counts)
     return {
         "steps": steps,
         "rhs_evaluations": rhs_evaluations,

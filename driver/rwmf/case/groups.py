@@ -542,7 +542,8 @@ class Solver(Group):
     Attributes
     ----------
     method : str
-        Integrator; auto: dop853 for runs, by scene and tolerance for spectra.
+        Integrator; auto: dop853 for runs, by scene and tolerance for spectra; paper: Eq. (15) by
+        CVODE.
     rtol : float
         Relative tolerance; below the lower limit round-off governs every method.
     accuracy : float
@@ -560,7 +561,7 @@ class Solver(Group):
     """
 
     __slots__ = ()
-    method: Literal["auto", "taylor", "adams", "bdf", "dop853"]
+    method: Literal["auto", "taylor", "adams", "bdf", "dop853", "paper"]
     rtol: float
     accuracy: float
     accuracy_of: str

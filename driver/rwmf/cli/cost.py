@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import math
 
-from rwmf._cost import Cost, Row, cost, count_tasks
+from rwmf._cost import Cost, Row, cost
 from rwmf._files import files
-from rwmf._progress import progress_bar
+from rwmf._progress import progress
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.plotting import cost_figure as plot_cost
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     case = Case.from_namelist(options.case)
     files.check_outputs([options.plot], case.inputs)
     figures.check_formats(options.plot)
-    with progress_bar(count_tasks()) as report:
+    with progress() as report:
         found = cost(case, options.target, report, options.quantity)
     if options.plot:
         with new_figure(4.2) as figure:

@@ -28,10 +28,9 @@ if TYPE_CHECKING:
 
 __all__ = ["work_precision"]
 
-_METHODS = ("adams", "bdf", "taylor", "dop853")
+_METHODS = ("adams", "bdf", "taylor", "dop853", "paper")
 # procedures of practice: marker, and True for filled (dt), False for open (dt/10)
 _PRACTICES = {
-    "ode45, default": ("*", True),
     "RK4, dt": ("P", True),
     "RK4, dt/10": ("P", False),
     "Newmark, dt": ("X", True),
@@ -79,6 +78,8 @@ def work_precision(
     axes: Axes = make_panels(ax, 1)[0]
     for method, colour, marker in zip(_METHODS, COLOURS, MARKERS, strict=False):
         rows = [row for row in cost.rows if row.method == method and _is_drawn(row)]
+        if not rows:
+            continue
         axes.plot(
             [getattr(row, over) for row in rows],
             [_height(row) for row in rows],

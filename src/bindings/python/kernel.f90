@@ -17,20 +17,24 @@ module rwmf_bindings_python_kernel
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_bindings_python_handles, only: complete_case, find, free, keep, kept_t, &
       make_control, motion_of, put_error, put_text, sampled_case, split_names
-   use rwmf_core_error, only: error_t
+   use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_version, only: kernel_version => version
    use rwmf_input_describe, only: describe_case
    use rwmf_input_schema, only: write_groups, write_schema
    use rwmf_integrator_lane_kernels, only: kernel_instructions => instruction_set
    use rwmf_model_no_tension_strip, only: base_moment, contact_length, settlement_stress, &
       strip_t, toe_stress
+   use rwmf_model_parameters, only: parameters_t
+   use rwmf_model_system_assembly, only: parameters_of
    use rwmf_motion_ground_motion, only: motion_end, motion_t, peak_acceleration
    use rwmf_output_csv, only: case_name, file_names, write_result, write_spectrum
    use rwmf_output_preview, only: preview_text
    use rwmf_output_summary, only: joined, summarise, summary_item_t, summary_text
+   use rwmf_paper_coefficients, only: coefficients_a, coefficients_b
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: all_quantities, key_length, quantities_text
    use rwmf_problem_scene_axes, only: axis_t, list_axes
+   use rwmf_problem_single_run, only: check_single_run
    use rwmf_problem_usual_ranges, only: text_of_unusual => unusual_record
    use rwmf_simulation_peak_sensitivity, only: count_digits => digits_of
    use rwmf_simulation_quantity_words, only: find_meant => meant_quantity
@@ -446,6 +450,36 @@ contains
       found(:, 3) = base_moment(strip, normal, phi)
       found(:, 4) = settlement_stress(strip, normal, phi)
    end subroutine strip_under
+
+   !> Coefficients of Eq. (15): `found(i, :)` is A_1 to A_4 if theta(i) [rad] is negative, -0
+   !> included, otherwise B_1 to B_4.
+   subroutine paper_coefficients(handle, theta, found, status, message, message_length)
+      integer(c_int64_t), intent(in) :: handle
+      real(c_double), intent(in) :: theta(:)
+      real(c_double), intent(inout) :: found(:, :)
+      integer(c_int), intent(out) :: status
+      integer(c_int8_t), intent(inout) :: message(:)
+      integer(c_int), intent(out) :: message_length
+      type(kept_t), pointer :: kept
+      type(parameters_t) :: p
+      type(error_t), allocatable :: error
+      integer :: i
+
+      kept => find(handle)
+      call check_single_run(kept%case, error)
+      if (.not. allocated(kept%case%wall)) call fail(error, err_input, 'Eq. (15) needs &wall')
+      if (.not. allocated(error)) then
+         p = parameters_of(kept%case)
+         do i = 1, size(theta)
+            if (sign(1.0_c_double, theta(i)) < 0) then
+               found(i, :) = coefficients_a(p, theta(i))
+            else
+               found(i, :) = coefficients_b(p, theta(i))
+            end if
+         end do
+      end if
+      call put_error(error, status, message, message_length)
+   end subroutine paper_coefficients
 
    !> Largest number of threads for a spectrum on this machine.
    subroutine most_threads(n)

@@ -6,9 +6,9 @@
 !> precision.
 module rwmf_bindings_python_reference
    use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_int8_t
-   use rwmf_baseline_timed_run, only: empty_measured, halve_intervals, measure_method, &
-      put_differences, put_measured, timed_run_t
    use rwmf_bindings_python_handles, only: add_source, make_control, put_error
+   use rwmf_bindings_python_timed_run, only: empty_measured, halve_intervals, measure_method, &
+      put_measured, timed_run_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_input_reader, only: read_case_text
@@ -20,13 +20,12 @@ contains
 
    !> Run a case at two tolerances, the second time with the intervals of a record halved as well.
    !> Return the results of the second run and their differences from the first. The differences
-   !> bound the error, because it decreases with tolerance and interval. Each impact is compared
-   !> with the nearest one.
+   !> bound the error, because it decreases with tolerance and interval.
    !>
-   !> `counts` is (steps, right-hand sides, impacts, overturned, impacts at the looser tolerance).
+   !> `counts` is (steps, right-hand sides, impacts, overturned).
    !> `control` is (finished runs, cancel).
    subroutine solve(text, source, rtol_loose, rtol, control, values, differences, seconds, &
-      counts, impact_times, impact_differences, status, message, message_length)
+      counts, impact_times, status, message, message_length)
       character(*), intent(in) :: text
       character(*), intent(in) :: source
       real(c_double), intent(in) :: rtol_loose
@@ -35,9 +34,8 @@ contains
       real(c_double), intent(inout) :: values(:)
       real(c_double), intent(inout) :: differences(:)
       real(c_double), intent(out) :: seconds
-      integer(c_int64_t), intent(out) :: counts(5)
+      integer(c_int64_t), intent(out) :: counts(4)
       real(c_double), intent(inout) :: impact_times(:)
-      real(c_double), intent(inout) :: impact_differences(:)
       integer(c_int), intent(out) :: status
       integer(c_int8_t), intent(inout) :: message(:)
       ! f2py declares the C types of int8 and int64 only when they are written this way
@@ -70,8 +68,7 @@ contains
       end if
       seconds = real(loose%seconds + tight%seconds, c_double)
       call put_measured(tight, values, counts, impact_times)
-      call put_differences(tight, loose, differences, impact_differences)
-      counts(5) = size(loose%impact_times, kind=c_int64_t)
+      differences = real(abs(tight%values - loose%values), c_double)
       call put_error(error, status, message, message_length)
    end subroutine solve
 

@@ -16,7 +16,7 @@ module rwmf_embedding_stepping
       require_number
    use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
       restore_state, save_state, snapshot_t, start_instance, use_host_motion, wall_instance_t
-   use rwmf_integrator_factory, only: new_integrator
+   use rwmf_simulation_factory, only: new_integrator
    use rwmf_model_cable, only: cable_state_t
    use rwmf_model_equation, only: frame_acceleration, frame_motion
    use rwmf_model_floor_motion, only: storey_motion
@@ -31,6 +31,7 @@ module rwmf_embedding_stepping
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_group_values, only: has_key
    use rwmf_problem_record, only: upward_group
+   use rwmf_problem_rules, only: fail_key
    use rwmf_problem_single_run, only: check_single_run
    use rwmf_simulation_state_hybrid_state, only: is_at_rest, mode_collapsed, mode_overturned
    use rwmf_simulation_state_result, only: event_t
@@ -156,6 +157,9 @@ contains
          call fail(error, err_input, 'this handle holds a wall already: destroy it first')
       else if (allocated(case%solver%accuracy)) then
          call fail(error, err_input, '&solver: accuracy needs the whole motion; give rtol')
+      else if (case%solver%method == 'paper') then
+         call fail_key(case%values, 'solver', 'method', 'integrates whole runs; a host needs ' &
+            //'another method', error)
       else
          call check_single_run(case, error)
       end if

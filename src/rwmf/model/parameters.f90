@@ -6,7 +6,7 @@ module rwmf_model_parameters
 
    public :: parameters_t
 
-   !> Parameters of Eq. (15).
+   !> Parameters of the paper's equation of motion (15).
    type :: parameters_t
       real(wp) :: alpha
       !! slenderness [rad]

@@ -3,7 +3,7 @@ module rwmf_simulation_run
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, pi, wp
-   use rwmf_integrator_factory, only: new_integrator, run_method
+   use rwmf_simulation_factory, only: new_integrator, run_method
    use rwmf_integrator_interface_integrator, only: integrator_t, tolerance_t
    use rwmf_model_system_assembly, only: build_equation, cable_at, equation_t
    use rwmf_model_cable, only: cable_state_t, cable_strain
@@ -19,6 +19,7 @@ module rwmf_simulation_run
    use rwmf_model_impact_rule, only: balanced_restitution, impact_law
    use rwmf_model_system_rest_after_chatter, only: inverse_inertia
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
+   use rwmf_paper_paper_scene, only: check_paper_scene
    use rwmf_problem_case, only: case_t
    use rwmf_problem_frame_strength, only: has_strength, storey_strengths, yield_displacement, &
       storeys_have_strengths
@@ -65,6 +66,8 @@ contains
       integer(i8) :: rate
 
       call check_single_run(case, error)
+      if (allocated(error)) return
+      if (case%solver%method == 'paper') call check_paper_scene(case, error)
       if (allocated(error)) return
       call system_clock(started, rate)
       call build_equation(case, motion, equation)

@@ -173,6 +173,7 @@ def _calls(folder: Path) -> dict[str, dict[str, Any]]:
         "Element": {"case": case},
         "Wall": {"case": case, "t_begin": 0.0, "peak": None},
         "Walls": {"cases": case, "n": 1, "t_begin": 0.0, "peak": None, "threads": 1},
+        "paper_coefficients": {"case": case, "theta": [0.01]},
         "base_section": {"N": [1e6], "theta": [0.01], "width": 4.0, "thickness": 0.3, "k": 1e10,
                          "E": None, "f_c": 4e7},
         "checks": {"case": limited, "result": found["run"]},

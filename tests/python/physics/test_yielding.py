@@ -190,7 +190,7 @@ def test_high_powers_of_the_smooth_law_limit_the_step() -> None:
     """The eighth power of z is 0 in all terms of a series that begins at z = 0."""
     case = bare_frame(
         frame={"T_s": 0.813, "xi_s": 0.05},
-        motion={"kind": "type_c", "n_pulses": 2, "a_max_g": 0.4, "T_p": 0.7},
+        motion={"kind": "type_c", "n_pulses": 2, "a_max_g": 0.4, "omega_p": 9.0},
         solver={"t_end": 4.0, "rtol": 1e-9, "method": "taylor"},
         yielding={"u_y": 0.00108, "law": "bouc_wen", "exponent": 8.0, "beta": 0.5},
     )

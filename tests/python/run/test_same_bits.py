@@ -15,7 +15,7 @@ from scenes import bare_frame, block, coupled, read_table, record
 _TIMING = "seconds"
 
 
-@pytest.fixture(params=["coupled", "bare", "block", "record"])
+@pytest.fixture(params=["coupled", "bare", "block", "record", "paper"])
 def case_file(request: pytest.FixtureRequest, tmp_path: Path, elcentro: Path) -> Path:
     """Write one of several scenes with a history."""
     output = {"dt": 0.02}
@@ -23,6 +23,9 @@ def case_file(request: pytest.FixtureRequest, tmp_path: Path, elcentro: Path) ->
         "coupled": lambda: coupled(wall={"m_w": 1920.0}, output=output | {"energy": True}),
         "bare": lambda: bare_frame(output=output),
         "block": lambda: block(initial={"theta_over_alpha": 0.4}, output=output),
+        "paper": lambda: coupled(
+            model={"formulation": "published"}, solver={"method": "paper"}, output=output
+        ),
         "record": lambda: coupled(
             motion=record(elcentro), solver={"t_end": None, "method": "dop853"}, output=output
         ),

@@ -27,7 +27,7 @@ WAYS: dict[str, Callable[[rwmf.Case], object]] = {
     "verify": lambda case: rwmf.simulate(case.replace(solver={"verify": True})),
     "cost": rwmf.cost,
     "a method": lambda case: _measure.measure_method(case, "dop853", 1e-6, 0.0),
-    "a practice": lambda case: _measure.measure_baseline(case, "rk4", 1.0, 0.0),
+    "a practice": lambda case: _measure.measure_fixed_steps(case, "rk4", 1.0, 0.0),
     "the reference": lambda case: _measure.solve_reference(case, 1e-18, 1e-20),
 }
 

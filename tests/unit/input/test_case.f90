@@ -184,7 +184,7 @@ contains
       call refuse('&solver max_steps = 1.5 /', 'must be an integer >= 1')
       call refuse('&solver max_steps = 3000000000 /', 'must be an integer >= 1')
       call refuse('&solver method = ''rk4'' /', &
-         "must be 'auto', 'taylor', 'adams', 'bdf' or 'dop853'")
+         "must be 'auto', 'taylor', 'adams', 'bdf', 'dop853' or 'paper'")
       call refuse('&solver method = adams /', 'in quotes')
       call refuse('&solver method = ''adams bdf'' /', "method = 'adams bdf'")
       call refuse('&model overturning_angle = 1.6 /', 'must be a number in (0, pi/2] [rad]')

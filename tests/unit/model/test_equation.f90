@@ -1,4 +1,4 @@
-!> Equation of motion compared with the printed coefficients, its Jacobian and its other forms.
+!> Equation of motion compared with the printed coefficients and its other forms.
 program test_equation
    use check, only: checks_t
    use rwmf_core_kinds, only: wp
@@ -7,8 +7,7 @@ program test_equation
    use rwmf_model_parameters, only: parameters_t
    use rwmf_model_system_assembly, only: build_equation, cable_at, enter_interval, enter_side, &
       equation_t, interval_of, kinematics_at, second_derivative
-   use rwmf_model_system_jacobian, only: jacobian
-   use published, only: coefficients_a, coefficients_b
+   use rwmf_paper_coefficients, only: coefficients_a, coefficients_b
    use rwmf_motion_ground_motion, only: acceleration, interval_at, motion_from_case, motion_t
    use rwmf_problem_case, only: case_t
    use scenes, only: block_scene, rwmf_scene
@@ -22,11 +21,6 @@ program test_equation
    if (checks%wants('published_form')) call check_published_form()
    if (checks%wants('displacement_form')) call check_displacement_form()
    if (checks%wants('reductions')) call check_reductions()
-   if (checks%wants('jacobian')) call check_jacobian('published', 'linear')
-   if (checks%wants('jacobian')) call check_jacobian('symmetric', 'linear')
-   if (checks%wants('jacobian')) call check_jacobian('symmetric', 'truss')
-   if (checks%wants('jacobian')) call check_jacobian('exact', 'linear')
-   if (checks%wants('jacobian')) call check_jacobian('exact', 'truss')
    if (checks%wants('truss')) call check_truss()
    call checks%finish()
 
@@ -187,34 +181,6 @@ contains
             rtol=1.0e-13_wp)
       end associate
    end subroutine check_reductions
-
-   !> Compare analytic derivatives with central differences.
-   subroutine check_jacobian(formulation, law)
-      character(*), intent(in) :: formulation
-      character(*), intent(in) :: law
-      real(wp), parameter :: step = 1.0e-5_wp
-      type(case_t) :: case
-      type(motion_t), target :: motion
-      type(equation_t) :: equation
-      real(wp) :: y(2)
-      real(wp) :: by_theta
-      real(wp) :: by_theta_dot
-      integer :: side
-
-      case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, 'adams')
-      case%cable%law = law
-      do side = -1, 1, 2
-         call build(case, motion, side, equation)
-         y = side*[0.06_wp, -0.4_wp]
-         call jacobian(equation, t, y, by_theta, by_theta_dot)
-         call checks%close_to(by_theta, (second_derivative(equation, t, y + [step, 0.0_wp]) &
-            - second_derivative(equation, t, y - [step, 0.0_wp]))/(2*step), &
-            'd theta_ddot/d theta, '//formulation//' '//law, rtol=1.0e-7_wp)
-         call checks%close_to(by_theta_dot, (second_derivative(equation, t, y + [0.0_wp, step]) &
-            - second_derivative(equation, t, y - [0.0_wp, step]))/(2*step), &
-            'd theta_ddot/d theta_dot, '//formulation//' '//law, rtol=1.0e-7_wp)
-      end do
-   end subroutine check_jacobian
 
    !> Check the truss law: it keeps P(0) and P(alpha), and its moment is the derivative of its
    !> energy.

@@ -48,7 +48,7 @@ program test_collapse
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_integrator_factory, only: new_integrator
+   use rwmf_simulation_factory, only: new_integrator
    use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_model_system_assembly, only: build_equation, equation_t
    use rwmf_model_impact_rule, only: impact_law

@@ -1,7 +1,8 @@
 !> Groups of the numerical model, the integration and the output: `&model`, `&solver`, `&output`.
 module rwmf_input_groups_analysis
    use rwmf_core_error, only: err_input, error_t, fail
-   use rwmf_integrator_factory, only: all_methods, current_method, old_methods
+   use rwmf_simulation_factory, only: all_methods, current_method, old_methods
+   use rwmf_paper_paper_scene, only: check_paper_scene
    use rwmf_problem_case, only: case_t, output_t
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: get_real, group_values_t, has_group, has_key, integer_of, &
@@ -48,7 +49,8 @@ contains
       group%is_of_scene = .false.
       group%keys = [ &
          optional_key('solver', 'method', 'choice', '', 'auto', all_methods, &
-            'integrator; auto: dop853 for runs, by scene and tolerance for spectra'), &
+            'integrator; auto: dop853 for runs, by scene and tolerance for spectra; paper: Eq. ' &
+            //'(15) by CVODE'), &
          unless('solver.accuracy', &
             optional_key('solver', 'rtol', 'real', '-', '1.0e-9', '[1.0e-14, 0.1]', &
             'relative tolerance; below the lower limit round-off governs every method')), &
@@ -151,6 +153,7 @@ contains
          canonical_key(text_of(case%values, 'solver', 'accuracy_of'))
       call get_real(case%values, 'solver', 'atol', case%solver%atol)
       call get_real(case%values, 'solver', 't_end', case%solver%t_end)
+      if (case%solver%method == 'paper') call check_paper_scene(case, error)
    end subroutine fill_solver
 
    !> Group `&output` with its keys and hooks.

@@ -1,25 +1,21 @@
 !> CVODE behind the `integrator_t` interface: Adams with functional iteration, or BDF with Newton
 !> and a Jacobian by central differences.
 module rwmf_integrator_sundials_cvode
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_funloc, c_int, &
-      c_loc, c_null_ptr, c_ptr
+   use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_funloc, c_int, c_loc, c_ptr
    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-   use fcvode_mod, only: CV_ADAMS, CV_BDF, CV_ONE_STEP, FCVode, FCVodeCreate, FCVodeFree, &
-      FCVodeGetDky, FCVodeInit, FCVodeReInit, FCVodeSetErrHandlerFn, FCVodeSetJacFn, &
-      FCVodeSetLinearSolver, FCVodeSetNonlinConvCoef, FCVodeSetNonlinearSolver, &
-      FCVodeSetStopTime, FCVodeSetUserData, FCVodeSVtolerances
+   use fcvode_mod, only: CV_ADAMS, CV_BDF, CV_ONE_STEP, FCVode, FCVodeSetJacFn, &
+      FCVodeSetLinearSolver, FCVodeSetNonlinConvCoef, FCVodeSetStopTime
    use fsundials_linearsolver_mod, only: FSUNLinSolFree, SUNLinearSolver
    use fsundials_matrix_mod, only: FSUNMatDestroy, SUNMatrix
-   use fsundials_nonlinearsolver_mod, only: FSUNNonlinSolFree, SUNNonlinearSolver
    use fsundials_nvector_mod, only: N_Vector
    use fsunlinsol_dense_mod, only: FSUNLinSol_Dense
    use fsunmatrix_dense_mod, only: FSUNDenseMatrix, FSUNDenseMatrix_Data
-   use fsunnonlinsol_fixedpoint_mod, only: FSUNNonlinSol_FixedPoint
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: i8, wp
-   use rwmf_integrator_interface_integrator, only: taylor_step, tolerance_t
+   use rwmf_integrator_interface_integrator, only: tolerance_t
    use rwmf_integrator_sundials_common, only: create_common, data_of, destroy_common, &
-      evaluate_rhs, first_end, has_failed, made, stay_silent, step_end, sundials_t, too_small
+      evaluate_rhs, has_failed, is_tiny, iterate_functionally, made, restart, step_by_hand, &
+      sundials_t, too_small
    use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_system_jacobian, only: find_jacobian
    implicit none
@@ -45,14 +41,16 @@ module rwmf_integrator_sundials_cvode
       private
       logical, public :: is_stiff = .false.
       !! BDF with Newton iteration instead of Adams with functional iteration
-      type(SUNNonlinearSolver), pointer :: iteration => null()
+      real(wp) :: t_stop = 0
+      !! stop time set in CVODE, which clears it on arrival [s]
+      real(wp) :: t_first
+      !! latest end of the first step after a start [s]
       type(SUNMatrix), pointer :: matrix => null()
       type(SUNLinearSolver), pointer :: linear_solver => null()
    contains
       procedure :: create => create_cvode
       procedure :: start => start_cvode
       procedure :: step => step_cvode
-      procedure :: state_at => state_at_cvode
       procedure :: destroy => destroy_cvode
    end type cvode_t
 
@@ -92,41 +90,18 @@ contains
       share = merge(bdf_share, adams_share, self%is_stiff)
       shared%rtol = max(share*tolerance%rtol, least_rtol)
       shared%atol = shared%rtol/tolerance%rtol*tolerance%atol
-      self%has_polynomial = .true.
-      call create_common(self, equation, shared, error)
+      call create_common(self, merge(CV_BDF, CV_ADAMS, self%is_stiff), c_funloc(evaluate_rhs), &
+         equation, shared, error)
       if (allocated(error)) return
-      self%memory = FCVodeCreate(merge(CV_BDF, CV_ADAMS, self%is_stiff), self%context)
-      if (has_failed(self, made(c_associated(self%memory)), 'CVodeCreate', error)) return
-   end subroutine create_cvode
-
-   !> Set up CVODE at its first use, in the order required after CVodeInit.
-   subroutine initialise_cvode(self, t, error)
-      class(cvode_t), intent(inout) :: self
-      real(wp), intent(in) :: t
-      !! [s]
-      type(error_t), allocatable, intent(out) :: error
-
-      associate (memory => self%memory)
-         if (has_failed(self, FCVodeSetErrHandlerFn(memory, c_funloc(stay_silent), c_null_ptr), &
-            'error handler', error)) return
-         if (has_failed(self, FCVodeInit(memory, c_funloc(evaluate_rhs), t, self%vector), &
-            'CVodeInit', error)) return
-         if (has_failed(self, FCVodeSetUserData(memory, c_loc(self%equation)), &
-            'user data', error)) return
-         if (has_failed(self, FCVodeSVtolerances(memory, self%rtol, self%tolerances), &
-            'tolerances', error)) return
-      end associate
       if (self%is_stiff) then
          call attach_newton(self, error)
          return
       end if
-      self%iteration => FSUNNonlinSol_FixedPoint(self%vector, 0_c_int, self%context)
-      if (has_failed(self, made(associated(self%iteration)), 'fixed point', error)) return
-      if (has_failed(self, FCVodeSetNonlinearSolver(self%memory, self%iteration), &
-         'functional iteration', error)) return
+      call iterate_functionally(self, error)
+      if (allocated(error)) return
       if (has_failed(self, FCVodeSetNonlinConvCoef(self%memory, adams_iteration), &
          'end of the functional iteration', error)) return
-   end subroutine initialise_cvode
+   end subroutine create_cvode
 
    subroutine attach_newton(self, error)
       class(cvode_t), intent(inout) :: self
@@ -151,18 +126,12 @@ contains
       real(wp), intent(in) :: span
       type(error_t), allocatable, intent(out) :: error
 
-      self%t1 = t
-      self%y1(:) = y
-      self%state = y
       self%t_stop = t
-      self%t_first = first_end(t, span)
-      if (self%is_initialised) then
-         if (has_failed(self, FCVodeReInit(self%memory, t, self%vector), &
-            'CVodeReInit', error)) return
-      else
-         call initialise_cvode(self, t, error)
-         self%is_initialised = .not. allocated(error)
-      end if
+      ! A first step has a low order. Across a whole flight below the tolerance it returns a
+      ! velocity of the wrong sign, and the wall would hit its base again and again. Before the top
+      ! of the flight this is impossible.
+      self%t_first = t + max(0.4_wp*span, 16*spacing(t))
+      call restart(self, t, y, error)
    end subroutine start_cvode
 
    subroutine step_cvode(self, t_limit, error)
@@ -173,9 +142,11 @@ contains
       real(wp) :: t_end
       integer :: stuck
 
-      t_end = step_end(self, t_limit)
+      t_end = t_limit
+      if (self%t1 < self%t_first) t_end = min(t_limit, self%t_first)
       if (is_tiny(self%t1, t_end)) then
          call step_by_hand(self, t_end, error)
+         self%t_stop = t_end
          return
       end if
       if (abs(t_end - self%t_stop) > 0 .or. self%t1 >= self%t_stop) then
@@ -196,66 +167,12 @@ contains
       self%steps = self%steps + 1_i8
    end subroutine step_cvode
 
-   !> Return whether a step is so short that CVODE may return the time of its end with an earlier
-   !> state. It ends a step early where the stop time is within a hundred round-offs.
-   elemental logical function is_tiny(t_a, t_b)
-      real(wp), intent(in) :: t_a, t_b
-      !! [s]
-
-      is_tiny = t_b - t_a <= 150*epsilon(t_b)*abs(t_b)
-   end function is_tiny
-
-   !> Take a tiny step by Taylor's formula, which is exact there.
-   subroutine step_by_hand(self, t_end, error)
-      class(cvode_t), intent(inout) :: self
-      real(wp), intent(in) :: t_end
-      !! [s]
-      type(error_t), allocatable, intent(out) :: error
-
-      self%t0 = self%t1
-      self%y0(:) = self%y1
-      call taylor_step(self%equation, self%t0, t_end - self%t0, self%y1)
-      self%t1 = t_end
-      self%t_stop = t_end
-      self%state = self%y1
-      self%steps = self%steps + 1_i8
-      if (has_failed(self, FCVodeReInit(self%memory, t_end, self%vector), &
-         'CVodeReInit', error)) return
-   end subroutine step_by_hand
-
-   !> Evaluate CVODE's own interpolant, which has the order of the step.
-   subroutine state_at_cvode(self, t, y, error)
-      class(cvode_t), intent(inout) :: self
-      real(wp), intent(in) :: t
-      real(wp), intent(out) :: y(:)
-      type(error_t), allocatable, intent(out) :: error
-
-      y = self%y1
-      if (t >= self%t1) return
-      if (t <= self%t0) then
-         y = self%y0
-         return
-      end if
-      if (is_tiny(self%t0, self%t1)) then
-         y = self%y0
-         call taylor_step(self%equation, self%t0, t - self%t0, y)
-         return
-      end if
-      if (has_failed(self, FCVodeGetDky(self%memory, t, 0_c_int, self%vector), &
-         'CVodeGetDky', error)) return
-      y = self%state
-   end subroutine state_at_cvode
-
    subroutine destroy_cvode(self)
       class(cvode_t), intent(inout) :: self
       integer(c_int) :: flag
 
-      if (c_associated(self%memory)) call FCVodeFree(self%memory)
-      self%memory = c_null_ptr
-      if (associated(self%iteration)) flag = FSUNNonlinSolFree(self%iteration)
       if (associated(self%linear_solver)) flag = FSUNLinSolFree(self%linear_solver)
       if (associated(self%matrix)) call FSUNMatDestroy(self%matrix)
-      self%iteration => null()
       self%linear_solver => null()
       self%matrix => null()
       call destroy_common(self)

@@ -30,7 +30,7 @@ module rwmf_model_system_assembly
    implicit none
    private
 
-   public :: equation_t, build_equation, enter_interval, enter_side, interval_of
+   public :: equation_t, build_equation, parameters_of, enter_interval, enter_side, interval_of
    public :: rhs, rates_at, ground_at, moment_at_rest, second_derivative, kinematics_at, cable_at
    public :: uplift_demand, frame_displacement
 
@@ -118,7 +118,8 @@ contains
       equation%scene%n_coef = first_wall + wall_coefficients - 1
    end subroutine add_wall
 
-   !> Parameters of Eq. (15). Those of absent effects are zero, which gives Eqs (11) and (12).
+   !> Parameters of the equation of motion (15). Those of absent effects are zero, which gives (11)
+   !> and (12).
    pure type(parameters_t) function parameters_of(case) result(p)
       type(case_t), intent(in) :: case
 

@@ -1,12 +1,11 @@
-!> Coefficients A_i and B_i of Eq. (15) in the paper's notation, for comparison with the sum of the
-!> loops over lanes (tests/unit/model/test_equation.f90).
+!> Coefficients A_i and B_i of Eq. (15) with the paper's symbols.
 !>
 !>    theta'' = A_1 theta'**2 + A_2 theta' + A_3 u_g'' + A_4   for theta < 0   (15a)
 !>    theta'' = B_1 theta'**2 + B_2 theta' + B_3 u_g'' + B_4   for theta > 0   (15b)
 !>
 !> Differences of sines are written in an equivalent form, because the printed one loses all digits
 !> at a small rotation. This is sin(alpha) - sin(alpha - phi) in b_5 and a_7, with phi = |theta|.
-module published
+module rwmf_paper_coefficients
    use rwmf_core_kinds, only: wp
    use rwmf_model_parameters, only: parameters_t
    implicit none
@@ -16,7 +15,7 @@ module published
 
 contains
 
-   !> A_1 to A_4 of Eq. (15a), theta < 0.
+   !> A_1 to A_4 of (15a), theta < 0.
    pure function coefficients_a(p, theta) result(A)
       type(parameters_t), intent(in) :: p
       real(wp), intent(in) :: theta
@@ -48,7 +47,7 @@ contains
       A(4) = a_1*(a_2*a_7 - p%g_over_R*(a_6 - a_4))
    end function coefficients_a
 
-   !> B_1 to B_4 of Eq. (15b), theta > 0.
+   !> B_1 to B_4 of (15b), theta > 0.
    pure function coefficients_b(p, theta) result(B)
       type(parameters_t), intent(in) :: p
       real(wp), intent(in) :: theta
@@ -99,4 +98,4 @@ contains
       cosine = 1 - 2*half_sine**2
    end subroutine half_angle_kinematics
 
-end module published
+end module rwmf_paper_coefficients

@@ -2,20 +2,21 @@
 !>
 !> The quadruple-precision build has only the project's own integrators: SUNDIALS computes in double
 !> precision.
-module rwmf_integrator_factory
+module rwmf_simulation_factory
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
    use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_integrator_pairs, only: dormand_prince_853
    use rwmf_integrator_taylor, only: taylor_t
 #ifndef RWMF_QUAD
    use rwmf_integrator_sundials_cvode, only: cvode_t
+   use rwmf_paper_paper_run, only: paper_t
 #endif
    implicit none
    private
 
    public :: all_methods, old_methods, current_method, new_integrator, run_method
 
-   character(*), parameter :: all_methods = 'auto taylor adams bdf dop853'
+   character(*), parameter :: all_methods = 'auto taylor adams bdf dop853 paper'
    !! values of `&solver method`; `run_method` and spectra define 'auto'
    character(*), parameter :: old_methods = 'fast erk54 extrapolation'
    !! former values, which still select 'auto'
@@ -63,10 +64,12 @@ contains
          type is (cvode_t)
             integrator%is_stiff = method == 'bdf'
          end select
+      case ('paper')
+         allocate (paper_t :: integrator)
 #endif
       case default
          allocate (taylor_t :: integrator)
       end select
    end subroutine new_integrator
 
-end module rwmf_integrator_factory
+end module rwmf_simulation_factory

@@ -1,8 +1,7 @@
 !> Results of one simulation for a comparison of methods: numbers, impact times and cost, in one
 !> form for every method and for the reference.
-module rwmf_baseline_timed_run
+module rwmf_bindings_python_timed_run
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use rwmf_baseline_baseline_run, only: baseline_t, ode45_atol, ode45_rtol, run_baseline
    use rwmf_core_control, only: control_t
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: dp, i8, wp
@@ -20,8 +19,8 @@ module rwmf_baseline_timed_run
    private
 
    public :: timed_run_t, measure_method, value_names, empty_measured
-   public :: put_measured, put_differences, halve_intervals
-   public :: repeat_baseline
+   public :: put_measured, halve_intervals
+   public :: at_u_s_max, at_theta_max, at_theta_end, at_theta_dot_end, at_t_end
 
    integer, parameter :: n_values = 8
    integer, parameter :: at_u_s_max = 1
@@ -44,12 +43,11 @@ module rwmf_baseline_timed_run
       !! in the order and the units of `value_names`; NaN if not applicable to the scene
       real(wp), allocatable :: impact_times(:)
       !! (impacts) [s]
-      integer(i8) :: steps
-      integer(i8) :: rhs_evaluations
-      logical :: overturned
-      real(wp) :: seconds
+      integer(i8) :: steps = 0_i8
+      integer(i8) :: rhs_evaluations = 0_i8
+      logical :: overturned = .false.
+      real(wp) :: seconds = huge(1.0_wp)
       !! processor time of one run without stored results, the fastest of all repeats [s]
-      integer :: repeats
    end type timed_run_t
 
 contains
@@ -59,11 +57,6 @@ contains
 
       measured%values = ieee_value(1.0_wp, ieee_quiet_nan)
       allocate (measured%impact_times(0))
-      measured%steps = 0_i8
-      measured%rhs_evaluations = 0_i8
-      measured%overturned = .false.
-      measured%seconds = huge(1.0_wp)
-      measured%repeats = 0
    end function empty_measured
 
    !> Run a case with another method and tolerance.
@@ -87,6 +80,7 @@ contains
       real(wp) :: spent
       real(wp) :: started
       real(wp) :: finished
+      integer :: repeats
 
       measured = empty_measured()
       call check_measurable(case, rtol, budget, error)
@@ -106,14 +100,14 @@ contains
       call take_result(trial, result, measured)
       trial = plain_case(case, method, rtol)
       spent = measured%seconds
-      do while (budget > 0 .and. measured%repeats < most_repeats)
-         if (spent > budget .and. measured%repeats >= least_repeats) exit
-         if (spent > 3*budget .and. measured%repeats >= 1) exit
+      if (.not. budget > 0) return
+      do repeats = 0, most_repeats - 1
+         if (spent > budget .and. repeats >= least_repeats) exit
+         if (spent > 3*budget .and. repeats >= 1) exit
          call cpu_time(started)
          call run_once(trial, motion, control, result, error)
          if (allocated(error)) return
          call cpu_time(finished)
-         measured%repeats = measured%repeats + 1
          measured%seconds = min(measured%seconds, finished - started)
          spent = spent + finished - started
       end do
@@ -189,8 +183,8 @@ contains
       type(timed_run_t), intent(in) :: measured
       real(dp), intent(inout) :: values(:)
       !! in the order and the units of `value_names`; values beyond the eighth are unchanged
-      integer(i8), intent(out) :: counts(5)
-      !! steps, right-hand sides, impacts, overturned, repeats
+      integer(i8), intent(out) :: counts(4)
+      !! steps, right-hand sides, impacts, overturned
       real(dp), intent(inout) :: impact_times(:)
       !! [s]
       integer :: n
@@ -200,37 +194,8 @@ contains
       n = min(size(impact_times), size(measured%impact_times))
       impact_times(:n) = real(measured%impact_times(:n), dp)
       counts = [measured%steps, measured%rhs_evaluations, size(measured%impact_times, kind=i8), &
-         merge(1_i8, 0_i8, measured%overturned), int(measured%repeats, i8)]
+         merge(1_i8, 0_i8, measured%overturned)]
    end subroutine put_measured
-
-   !> Compute the differences of two measurements. Each impact of the first is compared with the
-   !> nearest impact of the other, because chatter changes their numbers.
-   pure subroutine put_differences(one, other, differences, impact_differences)
-      type(timed_run_t), intent(in) :: one
-      type(timed_run_t), intent(in) :: other
-      real(dp), intent(inout) :: differences(:)
-      !! absolute differences, in the order and the units of `value_names`
-      real(dp), intent(inout) :: impact_differences(:)
-      !! (impacts of `one`, or fewer) [s]
-      integer :: i
-      integer :: k
-      integer :: n
-
-      n = min(size(differences), n_values)
-      differences(:n) = real(abs(other%values(:n) - one%values(:n)), dp)
-      impact_differences = huge(1.0_dp)
-      if (size(other%impact_times) == 0) return
-      k = 1
-      do i = 1, min(size(impact_differences), size(one%impact_times))
-         associate (t => one%impact_times(i), times => other%impact_times)
-            do while (k < size(times))
-               if (abs(times(k + 1) - t) > abs(times(k) - t)) exit
-               k = k + 1
-            end do
-            impact_differences(i) = real(abs(times(k) - t), dp)
-         end associate
-      end do
-   end subroutine put_differences
 
    !> Insert a sample in the middle of each interval of a record. The motion is unchanged, in twice
    !> as many pieces. A method that stops at every sample then takes other steps. Therefore the
@@ -252,47 +217,4 @@ contains
       record%n = 2*n - 1
    end subroutine halve_intervals
 
-   !> Run one of today's procedures repeatedly until the budget is spent.
-   !>
-   !> Errors: those of `run_baseline`.
-   subroutine repeat_baseline(case, name, dt, budget, measured, error)
-      type(case_t), intent(in) :: case
-      character(*), intent(in) :: name
-      !! 'ode45', 'rk4' or 'newmark'
-      real(wp), intent(in) :: dt
-      !! [s]
-      real(wp), intent(in) :: budget
-      !! [s]
-      type(timed_run_t), intent(out) :: measured
-      type(error_t), allocatable, intent(out) :: error
-      integer, parameter :: most_repeats = 1000
-      type(baseline_t) :: baseline
-      real(wp) :: spent
-
-      measured = empty_measured()
-      spent = 0
-      do while (measured%repeats < most_repeats .and. (measured%repeats < 1 .or. spent < budget))
-         call run_baseline(case, name, dt, ode45_rtol, ode45_atol, baseline, error)
-         if (allocated(error)) return
-         measured%repeats = measured%repeats + 1
-         measured%seconds = min(measured%seconds, baseline%seconds)
-         spent = spent + baseline%seconds
-      end do
-      call take_baseline(baseline, measured)
-   end subroutine repeat_baseline
-
-   subroutine take_baseline(baseline, measured)
-      type(baseline_t), intent(in) :: baseline
-      type(timed_run_t), intent(inout) :: measured
-
-      if (allocated(baseline%u_s_max)) measured%values(at_u_s_max) = baseline%u_s_max
-      if (allocated(baseline%theta_max)) measured%values(at_theta_max) = baseline%theta_max
-      measured%values([at_theta_end, at_theta_dot_end]) = baseline%final_state
-      measured%values(at_t_end) = baseline%t_end
-      measured%impact_times = baseline%impact_times
-      measured%steps = baseline%steps
-      measured%rhs_evaluations = baseline%rhs_evaluations
-      measured%overturned = baseline%overturned
-   end subroutine take_baseline
-
-end module rwmf_baseline_timed_run
+end module rwmf_bindings_python_timed_run

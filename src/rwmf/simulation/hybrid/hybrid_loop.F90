@@ -18,6 +18,10 @@ module rwmf_simulation_hybrid_hybrid_loop
       find_uplift_acceleration
    use rwmf_model_system_rest_after_chatter, only: release_wall
    use rwmf_motion_ground_motion, only: fastest_rate, interval_at, interval_end, is_curved
+#ifndef RWMF_QUAD
+   use rwmf_paper_paper_run, only: paper_t
+   use rwmf_simulation_hybrid_paper_step, only: follow_paper_step
+#endif
    use rwmf_simulation_events_drift_events, only: has_collapsed
    use rwmf_simulation_events_first_change, only: ending_t
    use rwmf_simulation_events_fuse_support, only: check_fuses
@@ -132,7 +136,14 @@ contains
          if (hybrid%mode == mode_rest) then
             call stay_at_rest(hybrid, equation, recorder, t_target, error)
          else
-            call integrate_step(hybrid, equation, integrator, recorder, t_target, error)
+            select type (integrator)
+#ifndef RWMF_QUAD
+            type is (paper_t)
+               call follow_paper_step(hybrid, equation, integrator, recorder, t_target, error)
+#endif
+            class default
+               call integrate_step(hybrid, equation, integrator, recorder, t_target, error)
+            end select
          end if
          if (allocated(error)) return
          call check_work(hybrid, integrator, control, error)
