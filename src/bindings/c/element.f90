@@ -9,9 +9,8 @@ module rwmf_bindings_c_element
    use rwmf_bindings_c_pointers, only: require_argument, require_empty, take_handle
    use rwmf_bindings_c_strings, only: put_message
    use rwmf_core_error, only: err_input, error_t, fail
-   use rwmf_embedding_element, only: create_element, element_response_t, respond, velocity_factor, &
-      wall_element_t
-   use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
+   use rwmf_embedding_element, only: create_element, element_response_t, next_impact, &
+      next_lift_off, respond, settles, velocity_factor, wall_element_t
    use rwmf_problem_case, only: case_t
    implicit none
    private
