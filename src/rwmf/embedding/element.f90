@@ -5,7 +5,7 @@
 !>
 !> An element is a value: it has no state, needs no destruction, and any number of threads may use
 !> it. The host keeps the side (+1 or -1 while the wall rocks, 0 at rest), the displacement and its
-!> rates, and passes its motion at both ends of a time step to find impact, rest and lift-off.
+!> rates. It passes its motion at both ends of a time step to find impact, rest and lift-off.
 !> Numbers that are not finite or exceed 1e30 in size are refused with `err_input`. If the caller
 !> omits `error`, the result is then no event, at the time NaN.
 module rwmf_embedding_element
