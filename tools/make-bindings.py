@@ -103,11 +103,17 @@ class _Entry:
     docs: list[str]
     declarations: list[str] = field(default_factory=list)
     statements: list[str] = field(default_factory=list)
+    finals: list[str] = field(default_factory=list)
 
     def take(self, line: str) -> None:
         """Take a declaration or a statement, with the lines that continue it."""
-        is_declaration = re.match(r"(type|real|integer|character|logical)\b[^'\"]*::", line.strip())
-        (self.declarations if is_declaration else self.statements).append(line)
+        line = line.removeprefix("   ")
+        if line.startswith("finally "):
+            self.finals.append(line.removeprefix("finally "))
+        elif re.match(r"(type|real|integer|character|logical)\b[^'\"]*::", line):
+            self.declarations.append(line)
+        else:
+            self.statements.append(line)
 
 
 class _Table:
@@ -119,24 +125,24 @@ class _Table:
         self.entries: list[_Entry] = []
         docs: list[str] = []
         last = ""
-        for line in re.sub(r"^#.*\n", "", _read(path), flags=re.MULTILINE).split("\n\n"):
-            for statement in re.findall(r"(?:.*&\n)*.+", line):
-                head = re.match(r"(\w+)\((.*)\)( threadsafe)?$", _joined(statement))
-                if statement.startswith("use"):
-                    self.uses.append(statement)
-                elif statement.startswith("!>"):
-                    docs.append(statement)
-                elif match := re.fullmatch(r"(\w+) = (\w+)", statement):
-                    last = match[1]
-                    self.types[last] = (match[2], {})
-                elif head and not statement.startswith(" "):
-                    self.entries.append(_Entry(head[1], _split(head[2]), bool(head[3]), docs))
-                    docs = []
-                elif self.entries:
-                    self.entries[-1].take(statement)
-                else:
-                    name, _, value = statement.strip().partition(" = ")
-                    self.types[last][1][name] = value
+        text = re.sub(r"^#.*\n", "", _read(path), flags=re.MULTILINE)
+        for statement in re.findall(r"(?:.*&\n)*.+", text):
+            head = re.match(r"(\w+)\((.*)\)( threadsafe)?$", _joined(statement))
+            if statement.startswith("use"):
+                self.uses.append(statement)
+            elif statement.startswith("!>"):
+                docs.append(f"   {statement}")
+            elif match := re.fullmatch(r"(\w+) = (\w+)", statement):
+                last = match[1]
+                self.types[last] = (match[2], {})
+            elif head:
+                self.entries.append(_Entry(head[1], _split(head[2]), bool(head[3]), docs))
+                docs = []
+            elif self.entries:
+                self.entries[-1].take(statement)
+            else:
+                name, _, value = statement.strip().partition(" = ")
+                self.types[last][1][name] = value
 
 
 def _read(path: str) -> str:
@@ -167,23 +173,19 @@ class _Procedure:
 
     def lines(self, entry: _Entry, context: str = "") -> Iterator[str]:
         """Yield the procedure with the statements of its entry."""
-        yield from (re.sub("^", "   ", line, flags=re.MULTILINE) for line in entry.docs)
+        yield from entry.docs
         yield from _wrapped(f"   {self.head.format(', '.join(self.names))}")
-        yield from (f"      {line}" for line in [*self.dummies, *self.locals])
-        yield from (f"   {line}" for line in entry.declarations)
+        for line in [*self.dummies, *self.locals, *entry.declarations]:
+            yield f"      {line}"
         # not `block`, which f2py does not parse
         yield "\n      body: if (.true.) then"
         for line in self.first:
             yield from _checked(line)
         for line in entry.statements:
-            if not line.startswith("   finally "):
-                yield from _checked(line[3:], context)
+            yield from _checked(line, context)
         yield from (part for line in self.last for part in _wrapped(f"         {line}"))
         yield "      end if body"
-        for line in entry.statements:
-            if line.startswith("   finally "):
-                yield f"      {line.removeprefix('   finally ')}"
-        yield from (f"      {line}" for line in self.after)
+        yield from (f"      {line}" for line in [*entry.finals, *self.after])
         yield f"   end {self.tail}\n"
 
 
