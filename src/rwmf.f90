@@ -48,9 +48,8 @@ module rwmf
       query_forces, query_state, wall_forces_t, wall_state_t
    use rwmf_embedding_outputs, only: find_output, query_outputs
    ! the wall as an element of a host program that owns the frame
-   use rwmf_embedding_element, only: create_element, element_response_t, uplift_demand_of, &
-      respond, velocity_factor, wall_element_t
-   use rwmf_embedding_element_events, only: next_impact, next_lift_off, settles
+   use rwmf_embedding_element, only: create_element, element_response_t, next_impact, &
+      next_lift_off, respond, settles, uplift_demand_of, velocity_factor, wall_element_t
    ! the wall as a member: an element with memory
    use rwmf_embedding_member, only: commit_member, create_member, member_info_t, place_member, &
       query_member, restart_member, revert_member, wall_member_t

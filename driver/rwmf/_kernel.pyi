@@ -1,4 +1,4 @@
-"""Extension made by f2py: its arguments are documented in the Fortran sources of the bindings."""
+"""Extension made by f2py: src/bindings/python documents its arguments."""
 
 from typing import Any
 

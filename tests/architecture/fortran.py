@@ -16,6 +16,8 @@ from pathlib import Path
 # Modules that no source of ours contains.
 INTRINSIC = re.compile(r"(iso_c_binding|iso_fortran_env|ieee_\w+|omp_lib)$")
 LANES = re.compile(r"(?=_[lov]\d)(_[lo]\d+)?(_v\d+)?$")
+# The structures of include/rwmf.h, which tools/make-bindings.py writes.
+OF_HEADER = re.compile(r"rwmf_bindings_c_types$")
 SUNDIALS = re.compile(r"f(cvode|kinsol|ida|nvector|sun)\w*_mod$")
 
 _USE = re.compile(r"use\b\s*(?:,\s*(?:non_)?intrinsic\s*)?(?:::)?\s*(\w+)", re.IGNORECASE)
@@ -238,7 +240,7 @@ class Tree:
 
 
 def read_tree(root: Path) -> Tree:
-    """Read all Fortran sources below a folder, generated ones excepted."""
+    """Read all Fortran sources below a folder, and the `use` lines of tables of bindings."""
     macros: dict[Path, dict[str, set[str]]] = {}
     sources = []
     for path in sorted(path for path in root.rglob("*") if path.suffix.lower() == ".f90"):
@@ -248,6 +250,11 @@ def read_tree(root: Path) -> Tree:
             macros[folder] = build_macros(build.read_text("utf-8")) if build.is_file() else {}
         lines = path.read_text(encoding="utf-8").splitlines()
         sources.append(Source(path.relative_to(root), lines, macros[folder]))
+    for path in sorted(root.rglob("*.table")):
+        name = "_".join(["rwmf", *path.relative_to(root).with_suffix("").parts])
+        uses = re.findall(r"^use (?:.*&\n)*.*", path.read_text(encoding="utf-8"), re.MULTILINE)
+        lines = "\n".join([f"module {name}", *uses, f"end module {name}"]).splitlines()
+        sources.append(Source(path.relative_to(root).with_suffix(".f90"), lines, {}))
     return Tree(root, sources)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path, PurePosixPath
 
 from fortran import (
     INTRINSIC,
+    OF_HEADER,
     SUNDIALS,
     DerivedType,
     Procedure,
@@ -104,7 +105,7 @@ def unknown_targets(tree: Tree) -> list[str]:
         f"{source.path}:{line}: uses {name}, which no source contains"
         for source in tree.sources
         for name, line in source.used.items()
-        if name not in known and not INTRINSIC.match(name) and not SUNDIALS.match(name)
+        if name not in known and not any(of.match(name) for of in (INTRINSIC, SUNDIALS, OF_HEADER))
     ]
     return found + [
         f"{source.path}:{line}: includes a file"
@@ -442,8 +443,8 @@ def build_lists(root: Path) -> list[str]:
         build = folder / "meson.build"
         beside = {path.name for path in folder.iterdir() if path.suffix in (".f90", ".F90", ".c")}
         text = build_lines(build.read_text(encoding="utf-8")) if build.is_file() else ""
-        made = re.findall(r"(?:custom_target\(|output:\s*)'([^']+)'", text)
-        listed = set(_SOURCE_NAME.findall(text)) - set(made)
+        made = re.sub(r"(custom_target\(|output:\s*)('[^']+'|\[[^]]+\])", "", text)
+        listed = set(_SOURCE_NAME.findall(made))
         relative = folder.relative_to(root)
         found += [f"{relative}: {name} is not in meson.build" for name in sorted(beside - listed)]
         found += [f"{relative}: meson.build lists {name}" for name in sorted(listed - beside)]

@@ -40,7 +40,7 @@ SHARED_TYPE_NAMES: dict[str, int] = {}
 NAMING_MODULES = {"storeys": 6, "vertical": 5, "yielding": 5}
 
 # Procedures over the bounds, with reasons. Remove the line of a procedure when you shorten it.
-_CALLER_IS_NO_FORTRAN = "an interface for C or f2py: scalars and plain arrays, no types"
+_CALLER_IS_NO_FORTRAN = "an interface for f2py: scalars and plain arrays, no types"
 _STEP_OF_A_HOST = "both ends of a step of a host, what is found, and an error that it may leave out"
 LARGE: dict[str, str] = {
     "rwmf_integrator_lane_control:accept_or_reject": "a vectorised loop: a call would end it",
@@ -50,16 +50,10 @@ LARGE: dict[str, str] = {
     "rwmf_integrator_series_series_loops:end_all": "a vectorised loop: a call would end it",
     "rwmf_integrator_series_series_loops:expand": "a vectorised loop: a call would end it",
     "rwmf_integrator_series_series_loops:screen": "a vectorised loop: a call would end it",
-    "rwmf_embedding_element_events:next_impact": _STEP_OF_A_HOST,
-    "rwmf_embedding_element_events:next_lift_off": _STEP_OF_A_HOST,
-    "rwmf_bindings_c_element:c_respond": _CALLER_IS_NO_FORTRAN,
-    "rwmf_bindings_c_member:c_member_settles": _CALLER_IS_NO_FORTRAN,
-    "rwmf_bindings_c_member:c_next_member_event": _CALLER_IS_NO_FORTRAN,
+    "rwmf_embedding_element:next_impact": _STEP_OF_A_HOST,
+    "rwmf_embedding_element:next_lift_off": _STEP_OF_A_HOST,
     "rwmf_bindings_python_cost:measure": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_cost:measure_fixed_steps": _CALLER_IS_NO_FORTRAN,
-    "rwmf_bindings_python_kernel:result_write": _CALLER_IS_NO_FORTRAN,
-    "rwmf_bindings_python_kernel:rows": _CALLER_IS_NO_FORTRAN,
-    "rwmf_bindings_python_static_curve:pushover": _CALLER_IS_NO_FORTRAN,
     "rwmf_bindings_python_reference:solve": _CALLER_IS_NO_FORTRAN,
 }
 

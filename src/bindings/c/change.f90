@@ -1,10 +1,6 @@
-!> C binding of cases with other numbers (include/rwmf.h).
+!> Cases with other numbers for a C host (include/rwmf.h).
 module rwmf_bindings_c_change
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_loc, &
-      c_ptr, c_size_t
-   use rwmf_bindings_c_case, only: case_of, kept_case_t, name_file
-   use rwmf_bindings_c_pointers, only: require_argument, require_empty
-   use rwmf_bindings_c_strings, only: get_names, put_message
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_ptr, c_size_t
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_embedding_ranges, only: is_number
    use rwmf_input_change, only: change_case, changes_t, find_changes
@@ -12,54 +8,9 @@ module rwmf_bindings_c_change
    implicit none
    private
 
-   public :: c_change_case
+   public :: change
 
 contains
-
-   !> `rwmf_change_case`.
-   integer(c_int) function c_change_case(from, n, keys, sizes, values, handle, message, size) &
-      bind(c, name='rwmf_change_case')
-      type(c_ptr), value :: from
-      integer(c_size_t), value :: n
-      type(c_ptr), value :: keys
-      type(c_ptr), value :: sizes
-      type(c_ptr), value :: values
-      type(c_ptr), intent(inout), optional :: handle
-      type(c_ptr), value :: message
-      integer(c_size_t), value :: size
-      type(kept_case_t), pointer :: kept, changed
-      character(:), allocatable :: names(:)
-      integer, allocatable :: lengths(:)
-      real(c_double), pointer :: numbers(:)
-      type(error_t), allocatable :: error
-
-      call require_empty(handle, 'case', error)
-      call case_of(from, kept, error)
-      if (.not. allocated(error) .and. (n < 1 .or. n > huge(1))) then
-         call fail(error, err_input, 'the number of keys must be >= 1 and < 2**31')
-      end if
-      call require_argument(c_associated(keys), 'keys', error)
-      call require_argument(c_associated(values), 'values', error)
-      call get_names(keys, n, 'key', names, error)
-      if (.not. allocated(error)) call get_sizes(sizes, int(n), lengths, error)
-      if (.not. allocated(error)) then
-         call c_f_pointer(values, numbers, [sum(lengths)])
-         if (.not. all(is_number(numbers))) call fail(error, err_input, &
-            'a value is not a finite number, or too large to be one')
-      end if
-      if (.not. allocated(error)) then
-         allocate (changed)
-         changed%path = kept%path
-         call change(kept%case, names, lengths, numbers, changed%case, error)
-         call name_file(kept, error)
-         if (allocated(error)) then
-            deallocate (changed)
-         else
-            handle = c_loc(changed)
-         end if
-      end if
-      c_change_case = put_message(error, message, size)
-   end function c_change_case
 
    !> Get the number of values of each key: one for each if the caller gives none.
    subroutine get_sizes(address, n, lengths, error)
@@ -84,19 +35,28 @@ contains
    end subroutine get_sizes
 
    !> Make the changed case with the samples of the first one.
-   subroutine change(case, names, lengths, numbers, changed, error)
+   subroutine change(case, names, sizes, values, changed, error)
       type(case_t), intent(in) :: case
       character(*), intent(in) :: names(:)
       !! (keys)
-      integer, intent(in) :: lengths(:)
-      !! (keys) number of values of each
-      real(c_double), intent(in) :: numbers(:)
-      !! (values) [unit of each key]
+      type(c_ptr), intent(in) :: sizes
+      !! (keys) number of values of each; NULL for one each
+      type(c_ptr), intent(in) :: values
+      !! numbers of all keys [unit of each key]
       type(case_t), intent(out) :: changed
       type(error_t), allocatable, intent(out) :: error
-      !! errors of `find_changes` and `change_case`
+      !! values that are no numbers, and errors of `find_changes` and `change_case`
       type(changes_t) :: changes
+      integer, allocatable :: lengths(:)
+      real(c_double), pointer :: numbers(:)
 
+      call get_sizes(sizes, size(names), lengths, error)
+      if (allocated(error)) return
+      call c_f_pointer(values, numbers, [sum(lengths)])
+      if (.not. all(is_number(numbers))) then
+         call fail(error, err_input, 'a value is not a finite number, or too large to be one')
+         return
+      end if
       call find_changes(case, names, changes, error, lengths)
       if (.not. allocated(error)) call change_case(case, changes, numbers, changed, error)
       if (allocated(error)) return

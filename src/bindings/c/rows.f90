@@ -1,79 +1,61 @@
-!> C binding of table rows: many runs of one case in one call (include/rwmf.h).
+!> Rows of a table of a C host: many runs of one case in one call (include/rwmf.h).
 module rwmf_bindings_c_rows
-   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int, c_int32_t, &
-      c_ptr, c_size_t
-   use rwmf_bindings_c_case, only: case_of, kept_case_t, name_file
-   use rwmf_bindings_c_pointers, only: require_argument
-   use rwmf_bindings_c_strings, only: get_names, put_message
-   use rwmf_core_error, only: err_input, error_t, fail
+   use, intrinsic :: iso_c_binding, only: c_associated, c_double, c_f_pointer, c_int32_t, c_ptr
+   use rwmf_bindings_c_arguments, only: require_argument, require_count
+   use rwmf_bindings_c_strings, only: get_names
+   use rwmf_bindings_c_types, only: rwmf_rows
+   use rwmf_core_error, only: error_t
    use rwmf_embedding_ranges, only: any_number, is_number, require_number
+   use rwmf_problem_case, only: case_t
    use rwmf_spectrum_lane_rows, only: refused
    use rwmf_spectrum_ordinates, only: compute_rows, spectrum_t
    use rwmf_text_strings, only: integer_to_text
    implicit none
    private
 
-   public :: c_run_rows
-
-   !> `rwmf_rows` of the header.
-   type, bind(c) :: c_rows_t
-      integer(c_size_t) :: n_columns
-      type(c_ptr) :: columns
-      integer(c_size_t) :: n
-      type(c_ptr) :: values
-      integer(c_size_t) :: n_quantities
-      type(c_ptr) :: quantities
-   end type c_rows_t
+   public :: run_rows
 
 contains
 
-   !> `rwmf_run_rows`.
-   integer(c_int) function c_run_rows(handle, rows, threads, results, status, message, size) &
-      bind(c, name='rwmf_run_rows')
-      type(c_ptr), value :: handle
-      type(c_rows_t), intent(in), optional :: rows
-      integer(c_int), value :: threads
-      type(c_ptr), value :: results
-      type(c_ptr), value :: status
-      type(c_ptr), value :: message
-      integer(c_size_t), value :: size
-      type(kept_case_t), pointer :: kept
+   !> Run the rows of the caller's table.
+   subroutine run_rows(case, rows, threads, results, status, error)
+      type(case_t), intent(in) :: case
+      type(rwmf_rows), intent(in) :: rows
+      integer, intent(in) :: threads
+      !! 0 for all
+      type(c_ptr), intent(in) :: results
+      !! (quantities, rows) in the caller's memory
+      type(c_ptr), intent(in) :: status
+      !! (rows) in the caller's memory
+      type(error_t), allocatable, intent(out) :: error
+      !! errors of the table and of `compute_rows`
       real(c_double), pointer, contiguous :: values(:, :)
       character(:), allocatable :: columns(:)
       character(:), allocatable :: quantities(:)
       type(spectrum_t) :: spectrum
-      type(error_t), allocatable :: error
 
-      call case_of(handle, kept, error)
-      call require_argument(present(rows), 'rows', error)
-      call require_argument(c_associated(results), 'results', error)
-      call require_argument(c_associated(status), 'status', error)
       call take_table(rows, columns, values, quantities, error)
-      if (.not. allocated(error)) then
-         call compute_rows(kept%case, columns, values, quantities, int(threads), spectrum, error)
-         call name_file(kept, error)
-      end if
+      if (allocated(error)) return
+      call compute_rows(case, columns, values, quantities, threads, spectrum, error)
       if (.not. allocated(error)) call hand_over(spectrum, results, status)
-      c_run_rows = put_message(error, message, size)
-   end function c_run_rows
+   end subroutine run_rows
 
-   !> Get the contents of the caller's table, unless an earlier check failed.
+   !> Get and check the contents of the caller's table.
    subroutine take_table(rows, columns, values, quantities, error)
-      type(c_rows_t), intent(in), optional :: rows
+      type(rwmf_rows), intent(in) :: rows
       character(:), allocatable, intent(out) :: columns(:)
       !! (columns)
       real(c_double), pointer, contiguous, intent(out) :: values(:, :)
       !! (columns, rows) in the caller's memory
       character(:), allocatable, intent(out) :: quantities(:)
       !! (quantities)
-      type(error_t), allocatable, intent(inout) :: error
+      type(error_t), allocatable, intent(out) :: error
       !! NULL, sizes out of range, values that are not numbers
 
       nullify (values)
-      if (allocated(error)) return
-      call require_size(rows%n_columns, 'columns', error)
-      call require_size(rows%n, 'rows', error)
-      call require_size(rows%n_quantities, 'quantities', error)
+      call require_count(rows%n_columns, 1, 'columns', error)
+      call require_count(rows%n, 1, 'rows', error)
+      call require_count(rows%n_quantities, 1, 'quantities', error)
       call require_argument(c_associated(rows%columns), 'columns', error)
       call require_argument(c_associated(rows%values), 'values', error)
       call require_argument(c_associated(rows%quantities), 'quantities', error)
@@ -83,19 +65,6 @@ contains
       call c_f_pointer(rows%values, values, [rows%n_columns, rows%n])
       call require_values(values, columns, error)
    end subroutine take_table
-
-   !> Check that a size is valid for an array.
-   subroutine require_size(n, what, error)
-      integer(c_size_t), intent(in) :: n
-      character(*), intent(in) :: what
-      !! name of the counted objects, for the message
-      type(error_t), allocatable, intent(inout) :: error
-      !! the size is out of range (`err_input`)
-
-      ! size_t beyond the largest integer of Fortran is negative
-      if (allocated(error) .or. (n >= 1 .and. n <= huge(1))) return
-      call fail(error, err_input, 'the number of '//what//' must be >= 1 and < 2**31')
-   end subroutine require_size
 
    !> Check that all values are numbers. The case checks their ranges row by row.
    subroutine require_values(values, columns, error)

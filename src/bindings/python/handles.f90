@@ -19,8 +19,9 @@ module rwmf_bindings_python_handles
    implicit none
    private
 
-   public :: kept_t, keep, find, free, put_text, put_error, add_source, split_names, make_control
-   public :: keep_motion, motion_of, complete_case, sampled_case, samples_of, get_text
+   public :: control_t, kept_t, keep, find, free, put_text, put_error, add_source, split_names, make_control
+   public :: keep_motion, motion_of, complete_case, sampled_case, samples_of, get_text, &
+      join_lines
 
    !> Object behind a handle: a case, samples of a motion or of a file, or changed keys. Others are
    !> the result, the spectrum or the static curve computed from a case. For a host it is walls, a
@@ -173,6 +174,20 @@ contains
          first = first + n
       end do
    end subroutine split_names
+
+   !> Join names to a text, one per line.
+   pure subroutine join_lines(names, text)
+      character(*), intent(in) :: names(:)
+      !! (n) padded with blanks
+      character(:), allocatable, intent(out) :: text
+      !! (n) lines
+      integer :: i
+
+      text = ''
+      do i = 1, size(names)
+         text = text//trim(names(i))//new_line('a')
+      end do
+   end subroutine join_lines
 
    !> Prefix the message of an error with the name of the case's file.
    pure subroutine add_source(source, error)

@@ -23,7 +23,7 @@ module rwmf_embedding_member_events
    private
 
    public :: member_event_t
-   public :: next_member_event, land_member, member_settles
+   public :: next_member_event, find_first_uplift, land_member, member_settles
 
    !> First event of a step.
    type :: member_event_t
@@ -171,7 +171,6 @@ contains
       type(member_response_t) :: response
       real(wp) :: demand(2, 2)
       !! uplift demand to the left and to the right, at both ends [N]
-      real(wp) :: root
       integer :: i
 
       trial = member
@@ -185,16 +184,34 @@ contains
          call fail(error, err_numerical, 'the wall jumps: '//reason_of_jump, 'wall_jumps')
          return
       end if
+      call find_first_uplift(dt, demand, event%side, event%tau)
+      if (event%side /= 0) event%kind = event_lift_off
+   end subroutine find_lift_off
+
+   !> Find the first uplift in a step over which the demands are linear.
+   pure subroutine find_first_uplift(dt, demand, side, tau)
+      real(wp), intent(in) :: dt
+      !! [s]
+      real(wp), intent(in) :: demand(2, 2)
+      !! uplift demand to the left and to the right, at both ends [N]
+      integer, intent(out) :: side
+      !! +1 or -1, 0 without uplift
+      real(wp), intent(out) :: tau
+      !! time since the beginning; dt without uplift [s]
+      real(wp) :: root
+      integer :: i
+
+      side = 0
+      tau = dt
       do i = 1, 2
          if (maxval(demand(i, :)) <= 0) cycle
          root = 0
          if (demand(i, 1) < 0) root = dt*demand(i, 1)/(demand(i, 1) - demand(i, 2))
-         if (event%kind /= 0 .and. root >= event%tau) cycle
-         event%kind = event_lift_off
-         event%side = 2*i - 3
-         event%tau = root
+         if (side /= 0 .and. root >= tau) cycle
+         side = 2*i - 3
+         tau = root
       end do
-   end subroutine find_lift_off
+   end subroutine find_first_uplift
 
    !> Apply an impact of a wall that is committed at u = 0: change velocities and side.
    !>

@@ -27,7 +27,7 @@ module rwmf_embedding_member_response
    private
 
    public :: member_response_t, link_motion_t
-   public :: respond_member, query_links, require_motion, require_ground
+   public :: respond_member, find_response, query_links, require_motion, require_ground
 
    !> Response of a member to a motion.
    type :: member_response_t
@@ -94,36 +94,59 @@ contains
       logical, intent(in), optional :: has_tangents
       !! compute the tangents; default true
       type(discrete_state_t) :: state
-      type(member_response_t) :: found
-      type(pose_t) :: pose
-      logical :: is_complete
+      type(place_t) :: place
 
       call require_member(member, error)
       call require_motion(member, motion, error)
       call require_ground(member, ground, error)
       if (allocated(error)) return
-      call find_pose(member, motion, ground, pose, error)
-      if (allocated(error)) return
+      place = member%committed
       state = member%committed_state
-      if (.not. pose%rests) call follow_path(member%equation, state, member%committed%theta, &
-         pose%side*pose%z(0, 0), direction_of(member, pose))
+      call find_response(member, place, state, motion, ground, response, error, has_tangents)
+      if (allocated(error)) return
+      member%tried = place
+      member%equation%state = state
+      call fill_devices(member, response)
+   end subroutine respond_member
+
+   !> Compute forces and tangents on the path from a place, without the forces of cable and fuses.
+   subroutine find_response(member, place, state, motion, ground, response, error, has_tangents)
+      type(wall_member_t), intent(in) :: member
+      type(place_t), intent(inout) :: place
+      !! beginning of the path, on return its end
+      type(discrete_state_t), intent(inout) :: state
+      !! branches at the beginning, on return at the end
+      real(wp), intent(in) :: motion(:, :)
+      !! (dofs, 3) displacements [m], velocities [m/s] and accelerations [m/s2]
+      real(wp), intent(in) :: ground(2)
+      !! horizontal and vertical ground acceleration [m/s2]
+      type(member_response_t), intent(out) :: response
+      type(error_t), allocatable, intent(out) :: error
+      !! `err_input` as in `respond_member`
+      logical, intent(in), optional :: has_tangents
+      !! compute the tangents; default true
+      type(pose_t) :: pose
+      logical :: is_complete
+
+      call find_pose(member, place, state, motion, ground, pose, error)
+      if (allocated(error)) return
+      if (.not. pose%rests) call follow_path(member%equation, state, place%theta, &
+         pose%side*pose%z(0, 0), direction_of(place, pose))
       is_complete = .true.
       if (present(has_tangents)) is_complete = has_tangents
-      call fill_response(member, state, pose, is_complete, found)
-      if (.not. pose%rests) found%hold = ieee_value(found%hold, ieee_quiet_nan)
-      if (pose%rests) found%hold = holds(member, state, pose)
-      call add_link_springs(member, motion, pose, is_complete, found)
-      if (.not. all_finite(found)) then
+      call fill_response(member, state, pose, is_complete, response)
+      if (.not. pose%rests) response%hold = ieee_value(response%hold, ieee_quiet_nan)
+      if (pose%rests) response%hold = holds(member, state, pose)
+      call add_link_springs(member, motion, pose, is_complete, response)
+      if (.not. all_finite(response)) then
          call fail(error, err_input, 'the force at this motion of wall and ground is not a ' &
             //'finite number')
+         response = member_response_t()
          return
       end if
-      member%tried = place_t(merge(0, pose%side, pose%rests), merge(0.0_wp, motion(1, 1), &
-         pose%rests), pose%side*pose%z(0, 0))
-      member%equation%state = state
-      call fill_devices(member, pose, found)
-      response = found
-   end subroutine respond_member
+      place%u = merge(0.0_wp, motion(1, 1), pose%rests)
+      place%theta = pose%side*pose%z(0, 0)
+   end subroutine find_response
 
    !> Check the shape and the numbers of a motion. An earlier `error` is kept.
    subroutine require_motion(member, motion, error)
@@ -165,8 +188,10 @@ contains
    end subroutine require_ground
 
    !> Find side, rotation and its rates at a motion.
-   subroutine find_pose(member, motion, ground, pose, error)
+   subroutine find_pose(member, place, state, motion, ground, pose, error)
       type(wall_member_t), intent(in) :: member
+      type(place_t), intent(in) :: place
+      type(discrete_state_t), intent(in) :: state
       real(wp), intent(in) :: motion(:, :)
       real(wp), intent(in) :: ground(2)
       type(pose_t), intent(out) :: pose
@@ -174,8 +199,8 @@ contains
 
       associate (modes => member%equation%beam%n, s => pose%side, R => member%equation%p%R, &
                  kin => pose%kin)
-         pose%rests = member%committed%side == 0
-         s = merge(member%committed_state%side, member%committed%side, pose%rests)
+         pose%rests = place%side == 0
+         s = state%side
          pose%ground = [ground(1), ground(2) + member%vertical_ratio*ground(1)]
          allocate (pose%z(0:modes, 0:2), source=0.0_wp)
          pose%z(1:, :) = s*motion(2:modes + 1, :)
@@ -191,13 +216,13 @@ contains
       end associate
    end subroutine find_pose
 
-   !> Sign of the path from the committed rotation, or of theta' where there is no path.
-   pure integer function direction_of(member, pose) result(direction)
-      type(wall_member_t), intent(in) :: member
+   !> Sign of the path from a rotation, or of theta' where there is no path.
+   pure integer function direction_of(place, pose) result(direction)
+      type(place_t), intent(in) :: place
       type(pose_t), intent(in) :: pose
       real(wp) :: way
 
-      way = pose%side*pose%z(0, 0) - member%committed%theta
+      way = pose%side*pose%z(0, 0) - place%theta
       if (.not. abs(way) > 0) way = pose%side*pose%z(0, 1)
       direction = 0
       if (abs(way) > 0) direction = int(sign(1.0_wp, way))
@@ -462,7 +487,8 @@ contains
       call require_member(member, error)
       call require_motion(member, motion, error)
       if (allocated(error)) return
-      call find_pose(member, motion, [0.0_wp, 0.0_wp], pose, error)
+      call find_pose(member, member%committed, member%committed_state, motion, [0.0_wp, 0.0_wp], &
+         pose, error)
       if (.not. allocated(error)) call find_links(member, motion, pose, links)
    end subroutine query_links
 
@@ -497,21 +523,20 @@ contains
    end subroutine find_links
 
    !> Fill in the forces of cable and fuses in the tried state.
-   subroutine fill_devices(member, pose, response)
+   subroutine fill_devices(member, response)
       type(wall_member_t), intent(in) :: member
-      type(pose_t), intent(in) :: pose
       type(member_response_t), intent(inout) :: response
       type(cable_state_t) :: cable
       real(wp), allocatable :: forces(:)
 
-      associate (equation => member%equation, theta => pose%side*pose%z(0, 0))
+      associate (equation => member%equation)
          if (equation%has_cable) then
-            cable = cable_at(equation, theta, pose%side)
+            cable = cable_at(equation, response%theta)
             response%cable = member%m_w*equation%p%g*cable%force
          end if
          if (.not. allocated(equation%springs)) return
          if (size(equation%springs) < 2) return
-         forces = spring_forces(equation, theta)
+         forces = spring_forces(equation, response%theta)
          response%fuses = member%m_w*equation%p%g*forces(size(forces) - 1:)
       end associate
    end subroutine fill_devices

@@ -226,8 +226,10 @@ def _interface(folder: Path, header: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [
             sys.executable,
-            ROOT / "tools/fortran-interface.py",
+            ROOT / "tools/make-bindings.py",
+            "client",
             folder / "host.h",
+            ROOT / "src/bindings/c/functions.table",
             folder / "host.f90",
         ],
         capture_output=True,
