@@ -19,7 +19,8 @@ module rwmf_bindings_python_handles
    implicit none
    private
 
-   public :: control_t, kept_t, keep, find, free, put_text, put_error, add_source, split_names, make_control
+   public :: control_t, kept_t, keep, find, free, put_text, put_error, add_source, split_names, &
+      make_control
    public :: keep_motion, motion_of, complete_case, sampled_case, samples_of, get_text, &
       join_lines
 

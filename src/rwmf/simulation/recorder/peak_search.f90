@@ -327,8 +327,9 @@ contains
       real(wp), intent(in) :: t
       !! [s]
       real(wp), intent(out) :: found(:)
-      !! (quantities)
+      !! (quantities) [unit of each]
       type(error_t), allocatable, intent(out) :: error
+      !! the integrator fails
       real(wp), dimension(size(piece%y_a)) :: y, y_dot
 
       if (associated(piece%integrator)) then
