@@ -17,7 +17,6 @@ program test_effects
    use scenes, only: rwmf_scene
    implicit none
 
-   real(wp), parameter :: t = 0.3_wp
    type(checks_t) :: checks
 
    if (checks%wants('link_geometry')) call check_link_geometry()
