@@ -53,10 +53,9 @@ def solve(case: rwmf.Case, loose: float = RTOL_LOOSE, tight: float = RTOL) -> di
     values, differences = np.full(len(_NAMES), np.nan), np.full(len(_NAMES), np.nan)
     message = np.zeros(4096, dtype=np.int8)
     control = np.zeros(2, dtype=np.int64)
-    room = (np.zeros(1), np.zeros(1))
     _, counts, status, length = _reference.rwmf_bindings_python_reference.solve(
         case.text.encode(), case.kernel_source().encode(), loose, tight, control, values,
-        differences, *room, message,
+        differences, np.zeros(1), message,
     )  # fmt: skip
     if status != 0:
         raise NoAnswerError(message[:length].tobytes().decode())

@@ -86,7 +86,7 @@ def test_the_smallest_factor_has_its_impulse_outside_the_base() -> None:
 
 
 def test_spectrum_is_that_of_single_runs() -> None:
-    """Also for method fast, which leaves such scenes to the general lanes."""
+    """The rows of dop853 have the bits of runs, those by series their accuracy."""
     table = _table(SPEEDS, FACTORS)
     for method in ("auto", "dop853"):
         spectrum = rwmf.spectrum(
@@ -96,4 +96,7 @@ def test_spectrum_is_that_of_single_runs() -> None:
             run = rwmf.simulate(
                 coupled(impact=table, solver={"method": "dop853"}, frame={"T_s": T_s})
             )
-            assert spectrum["u_s_max"].values.ravel()[i] == float(run["u_s_max"])
+            expected = float(run["u_s_max"])
+            if method == "auto":
+                expected = pytest.approx(expected, rel=1e-8)
+            assert spectrum["u_s_max"].values.ravel()[i] == expected
