@@ -135,7 +135,7 @@ contains
    end subroutine create_paper
 
    !> Start a flight. From theta = 0 its steps are short compared with the expected flight, which
-   !> may rise less than the absolute tolerance.
+   !> can be lower than the absolute tolerance.
    subroutine start_paper(self, t, y, span, error)
       class(paper_t), intent(inout) :: self
       real(wp), intent(in) :: t
