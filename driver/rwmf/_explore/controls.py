@@ -436,7 +436,7 @@ def _describe_key(row: _library.KeyRow) -> dict[str, Any]:
         words = allowed.split()
         start: object = default if default in words else words[0]
         found |= {"words": words, "start": _STARTS.get(name, start)}
-    elif kind in ("real", "integer"):
+    elif kind in ("real", "reals", "integer"):
         low, high, log = _RANGES.get(name) or _range(default, allowed)
         middle = math.sqrt(low * high) if log else 0.5 * (low + high)
         own = _number(default)

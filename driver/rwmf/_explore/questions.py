@@ -123,7 +123,7 @@ def read(body: object) -> Question:
 
 def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any:  # noqa: ANN401
     """Convert a value to the type of its key."""
-    if kind == "real":
+    if kind == "real" or (kind == "reals" and not isinstance(value, list)):
         return _real(name, value)
     if kind == "integer":
         number = _real(name, value)
@@ -144,7 +144,7 @@ def _typed(name: str, value: object, kind: str, words: tuple[str, ...]) -> Any: 
         return value
     if not isinstance(value, list) or not value:
         raise BadQuestionError(f"{name}: must be a list")
-    if kind == "real list":
+    if kind in ("reals", "real list"):
         return [_real(name, item) for item in value]
     if not all(isinstance(item, str) and _WORD.fullmatch(item) for item in value):
         raise BadQuestionError(f"{name}: must be words")

@@ -57,7 +57,7 @@ class KeyRow(NamedTuple):
     group, key : str
         Names in the namelist.
     kind : str
-        'real', 'integer', 'logical', 'choice', 'text' or '... list'.
+        'real', 'reals' (one number, or one for each element), 'integer', 'logical', 'choice', 'text' or '... list'.
     unit, default, allowed, meaning : str
         As in the reference of the namelist.
     usual : str

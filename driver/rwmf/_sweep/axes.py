@@ -56,7 +56,7 @@ _PLACES = {"T_s": ("frame", "T_s"), "gamma": ("frame", "gamma"), "b": ("wall", "
 # axes that set several keys at once
 PAIRS = {"eta": ("cable.eta_0", "cable.eta_alpha")}
 # types of keys that differ from row to row of one call of the kernel
-NUMBERS = ("real", "integer", "logical")
+NUMBERS = ("real", "reals", "integer", "logical")
 _WORDS = {"true": 1.0, ".true.": 1.0, "1": 1.0, "false": 0.0, ".false.": 0.0, "0": 0.0}
 # numbers that select a motion or the format of a file: each value is a scene
 _OF_SCENE = ("storeys.n", "motion.dt", "vertical.dt")
@@ -442,7 +442,7 @@ def kind_of(name: str) -> str:
     Returns
     -------
     str
-        As in the kernel's table: 'real', 'integer', 'logical', 'choice', 'text' or '... list'.
+        As in the kernel's table: 'real', 'reals', 'integer', 'logical', 'choice', 'text' or '... list'.
     """
     if name == SCALE or name in PAIRS:
         return "real"

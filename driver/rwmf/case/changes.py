@@ -57,7 +57,7 @@ def _numbers(name: str, kind: str, value: object) -> npt.NDArray[np.float64] | N
     if value is None and kind:
         return np.zeros(0)
     try:
-        if kind == "real list":
+        if kind in ("reals", "real list"):
             return to_array(name, value, least=1)
         if kind == "logical" and isinstance(value, bool | np.bool_):
             return np.array([value], dtype=np.float64)

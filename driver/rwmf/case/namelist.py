@@ -154,8 +154,9 @@ def parse_value(kind: str, text: str) -> Value:
     """
     if kind == "text list":
         return tuple(text.split(", "))
-    if kind.endswith("list"):
-        return tuple(float(item) for item in text.replace(",", " ").split())
+    if kind in ("reals", "real list"):
+        numbers = tuple(float(item) for item in text.replace(",", " ").split())
+        return numbers[0] if kind == "reals" and len(numbers) == 1 else numbers
     if kind == "real":
         return float(text)
     if kind == "integer":

@@ -17,7 +17,7 @@ _NOT_PARAMETERS = {
     "motion.dt", "vertical.dt", "storeys.n", "solver.accuracy", "solver.verify", "solver.t_end",
 }  # fmt: skip
 _NO_PARAMETER_GROUPS = {"output", "spectrum", "sensitivity", "design"}
-_TYPES = {"real": "f", "real list": "f", "integer": "i", "logical": "b", "int": "i"}
+_TYPES = {"real": "f", "reals": "f", "real list": "f", "integer": "i", "logical": "b", "int": "i"}
 # variables that a step can change; the others are known before it, or tell of the computation
 _FOUND = {"row", "peak", "time", "end", "count", "whether"}
 

@@ -17,9 +17,8 @@ module rwmf_embedding_element
    use rwmf_embedding_member_response, only: find_response, member_response_t
    use rwmf_embedding_ranges, only: not_negative, require_number, require_numbers
    use rwmf_math_cubic, only: cubic_between, falling_root, monotone_pieces, value_at
-   use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_list, only: all_effects
-   use rwmf_model_equation, only: cable_at, discrete_state_t, enter_side
+   use rwmf_model_equation, only: cable_force_at, discrete_state_t, enter_side
    use rwmf_problem_case, only: case_t
    use rwmf_problem_case_group, only: case_group_t
    implicit none
@@ -109,7 +108,6 @@ contains
       type(element_response_t), intent(out) :: response
       type(error_t), allocatable, intent(out) :: error
       type(member_response_t) :: found
-      type(cable_state_t) :: cable
 
       call require_element(element, error)
       call require_side(element, side, error)
@@ -122,8 +120,8 @@ contains
          found%mass(1, 1), found%theta, found%theta_dot, found%theta_ddot)
       associate (equation => element%member%equation)
          if (.not. equation%has_cable) return
-         cable = cable_at(equation, found%theta, side)
-         response%cable = element%member%m_w*equation%p%g*cable%force
+         response%cable = element%member%m_w*equation%p%g*cable_force_at(equation, found%theta, &
+            side)
       end associate
    end subroutine respond
 

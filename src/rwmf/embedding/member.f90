@@ -13,9 +13,9 @@ module rwmf_embedding_member
    use rwmf_core_error, only: err_input, error_t, fail
    use rwmf_core_kinds, only: wp
    use rwmf_math_cantilever, only: deflection
-   use rwmf_model_bilinear_spring, only: is_broken
    use rwmf_model_equation, only: discrete_state_t, equation_t
-   use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, turn_back
+   use rwmf_model_hysteresis_spring_set, only: broken_tendons, pass_window, renew_window, &
+      turn_back
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_model_restitution, only: restitution_t
    use rwmf_model_system_assembly, only: build_equation, enter_side
@@ -168,8 +168,8 @@ contains
       call require_member(member, error)
       if (allocated(error)) return
       info = member_info_t(member%n, member%equation%beam%n, 0, size(member%share), &
-         member%committed%side, member%equation%cable%is_tendon &
-         .and. is_broken(member%committed_state%tendon), member%committed%u)
+         member%committed%side, broken_tendons( &
+         member%committed_state) > 0, member%committed%u)
       if (allocated(member%k_link)) info%floors = size(member%k_link)
    end subroutine query_member
 

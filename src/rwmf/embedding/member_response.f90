@@ -16,10 +16,9 @@ module rwmf_embedding_member_response
    use rwmf_embedding_link_rotation, only: find_rotation, slope_of_phi_ddot
    use rwmf_embedding_member, only: follow_path, place_t, require_member, wall_member_t
    use rwmf_embedding_ranges, only: any_number, is_number, require_number, require_numbers
-   use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_loops, only: lane_rates
-   use rwmf_model_equation, only: cable_at, discrete_state_t, enter_side
-   use rwmf_model_hysteresis_spring_set, only: spring_forces
+   use rwmf_model_elements, only: element_force, of_fuse
+   use rwmf_model_equation, only: cable_force_at, discrete_state_t, enter_side
    use rwmf_model_kinematics, only: kinematics_of, kinematics_t
    use rwmf_model_lanes, only: lane_motion_t, set_ground
    use rwmf_text_strings, only: integer_to_text
@@ -526,18 +525,22 @@ contains
    subroutine fill_devices(member, response)
       type(wall_member_t), intent(in) :: member
       type(member_response_t), intent(inout) :: response
-      type(cable_state_t) :: cable
-      real(wp), allocatable :: forces(:)
+      integer, allocatable :: fuses(:)
+      integer :: i
 
       associate (equation => member%equation)
          if (equation%has_cable) then
-            cable = cable_at(equation, response%theta)
-            response%cable = member%m_w*equation%p%g*cable%force
+            response%cable = member%m_w*equation%p%g*cable_force_at(equation, response%theta, &
+               equation%state%side)
          end if
-         if (.not. allocated(equation%springs)) return
-         if (size(equation%springs) < 2) return
-         forces = spring_forces(equation, response%theta)
-         response%fuses = member%m_w*equation%p%g*forces(size(forces) - 1:)
+         if (.not. allocated(equation%elements)) return
+         fuses = pack([(i, i=1, size(equation%elements))], equation%elements%group == of_fuse)
+         response%fuses(:) = 0
+         do i = 1, min(size(fuses), 2)
+            response%fuses(i) = member%m_w*element_force(equation%elements(fuses(i)), &
+               equation%state%springs, equation%state%side, equation%state%side*response%theta, &
+               0.0_wp)
+         end do
       end associate
    end subroutine fill_devices
 

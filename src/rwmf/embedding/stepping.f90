@@ -17,13 +17,12 @@ module rwmf_embedding_stepping
    use rwmf_embedding_wall_instance, only: advance_instance, hold_ground_acceleration, &
       restore_state, save_state, snapshot_t, start_instance, use_host_motion, wall_instance_t
    use rwmf_simulation_factory, only: new_integrator
-   use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_equation, only: frame_acceleration, frame_motion
+   use rwmf_model_equation, only: cable_force_at, frame_acceleration, frame_motion
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_floors_floor_forces, only: column_shears, forces_of_linked_floors, link_pulls, &
       resistance
    use rwmf_model_hysteresis_spring_set, only: uneven_plastic_part
-   use rwmf_model_system_assembly, only: build_equation, cable_at, enter_interval, rates_at
+   use rwmf_model_system_assembly, only: build_equation, enter_interval, rates_at
    use rwmf_model_system_contributions, only: effects_frame_force
    use rwmf_model_system_reactions, only: plastic_part
    use rwmf_motion_ground_motion, only: follow_ground, follow_samples, ground_t, interval_at, &
@@ -451,7 +450,6 @@ contains
       type(error_t), allocatable, intent(out) :: error
       !! `err_input` if the handle refers to no wall
       type(wall_state_t) :: state
-      type(cable_state_t) :: cable
       real(wp) :: frame_mass
       !! [kg]
       real(wp) :: restoring
@@ -494,8 +492,7 @@ contains
          on_frame = effects_frame_force(equation, y)
          if (equation%has_wall) forces%link = forces%link + instance%mass*on_frame(1)
          if (equation%has_cable) then
-            cable = cable_at(equation, y(1))
-            forces%cable = instance%mass*p%g*cable%force
+            forces%cable = instance%mass*p%g*cable_force_at(equation, y(1), equation%state%side)
          end if
       end associate
    end subroutine query_forces

@@ -9,7 +9,7 @@ module rwmf_embedding_wall_instance
    use rwmf_integrator_interface_integrator, only: integrator_t
    use rwmf_integrator_one_step, only: one_step_t
    use rwmf_integrator_taylor, only: taylor_t
-   use rwmf_model_equation, only: discrete_state_t
+   use rwmf_model_equation, only: discrete_state_t, has_elements
    use rwmf_model_impact_rule, only: impact_law
    use rwmf_model_system_assembly, only: enter_interval, equation_t, interval_of
    use rwmf_motion_ground_motion, only: acceleration, follow_samples, motion_t, peak_acceleration, &
@@ -271,7 +271,7 @@ contains
       identity(:4) = [equation%p%alpha, equation%p%R, equation%p%omega_s, equation%p%gamma]
       ! A snapshot must have the state of each yielding part and the coefficients of each loop.
       identity(5:6) = 0
-      if (equation%cable%is_tendon) identity(5) = 1
+      if (has_elements(equation)) identity(5) = size(equation%elements)
       if (equation%has_bilinear_springs) identity(6) = 1 + size(equation%springs)
       if (allocated(equation%floors%springs)) identity(6) = identity(6) + 0.5_wp
       if (allocated(equation%floors%laws)) identity(6) = identity(6) + 0.25_wp

@@ -18,7 +18,7 @@ module rwmf_input_change
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: applies, as_given, group_place, group_values_t, &
       key_values_t, value_text
-   use rwmf_problem_key, only: key_t
+   use rwmf_problem_key, only: key_t, takes_list
    use rwmf_problem_record, only: record_source_t, record_t, set_factor, sets_motion
    use rwmf_problem_rules, only: fail_key
    use rwmf_text_strings, only: shown, to_lower
@@ -140,7 +140,7 @@ contains
       case default
          continue
       end select
-      if (n == 1 .or. (n > 1 .and. key%type == 'real list')) return
+      if (n == 1 .or. (n > 1 .and. takes_list(key))) return
       if (n == 0 .and. .not. key%is_required) return
       call fail(error, err_input, '&'//trim(key%group)//': '//trim(key%key)//': must be ' &
          //trim(requirement(key)))

@@ -103,7 +103,7 @@ contains
          do i = row%first, row%first + row%n - 1
             if (i > row%first) call append(list, ', ')
             select case (key%type)
-            case ('real', 'real list')
+            case ('real', 'reals', 'real list')
                call append(list, trim(real_to_text(factor*real(numbers(i), wp))))
             case ('integer')
                call append(list, trim(integer_to_text(nint(numbers(i)))))

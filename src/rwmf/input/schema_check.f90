@@ -9,7 +9,7 @@ module rwmf_input_schema_check
    use rwmf_problem_case_group, only: case_group_t
    use rwmf_problem_group_values, only: group_place_t, group_values_t, has_group, has_key, &
       key_code, key_place, key_values_t, text_of
-   use rwmf_problem_key, only: belongs_to, key_t
+   use rwmf_problem_key, only: belongs_to, key_t, takes_list
    use rwmf_problem_rules, only: append_value, check_needs, fail_at_group, fail_at_key, fail_key
    use rwmf_text_strings, only: integer_to_text, nearest_name, shown, to_lower
    implicit none
@@ -266,7 +266,7 @@ contains
       real(dp) :: number
       integer :: i
 
-      if (index(key%type, 'list') == 0 .and. size(entry%values) > 1) then
+      if (.not. takes_list(key) .and. size(entry%values) > 1) then
          call fail_at_entry(group, entry, trim(key%key), 'must be one value: ' &
             //trim(requirement(key)), error)
          return

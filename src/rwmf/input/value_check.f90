@@ -123,6 +123,8 @@ contains
          text = 'an integer '//range_text(key)
       case ('real list')
          text = 'numbers '//range_text(key)
+      case ('reals')
+         text = 'a number '//trim(range_text(key))//', or one for each element'
       case default
          text = 'a number '//range_text(key)
       end select

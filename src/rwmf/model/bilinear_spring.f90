@@ -259,7 +259,7 @@ contains
    end function is_yielding
 
    !> Return whether the spring has broken.
-   pure logical function is_broken(branch)
+   elemental logical function is_broken(branch)
       type(branch_t), intent(in) :: branch
 
       is_broken = branch%kind == broken

@@ -3,13 +3,14 @@
 module rwmf_model_equation
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_beam, only: beam_t, tip_deflection, tip_rate
-   use rwmf_model_cable, only: cable_law_i, cable_law_t, cable_row, cable_state_t
+   use rwmf_model_elements, only: axis_row, chord_row, element_force, element_t, &
+      line_rows, of_cable, rise_row, sum_of_moments
    use rwmf_model_kinematics, only: displacement_of, geometry_t, kinematics_of, kinematics_t, &
       put_wall_side, wall_row
-   use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, wall_coefficients
+   use rwmf_model_lanes, only: frame_coefficients, wall_coefficients
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_scene, only: elsewhere, first_wall, force_parts_t, frame_term, &
-      linear_cable_term, scene_t, straight_cable_term
+   use rwmf_model_scene, only: axis_term, chord_term, elsewhere, first_wall, force_parts_t, &
+      frame_term, line_term, rise_term, scene_t
    use rwmf_model_spring, only: branch_t, spring_t
    use rwmf_motion_ground_motion, only: acceleration, line_of, line_t, motion_t, &
       vertical_acceleration, vertical_line_of
@@ -18,13 +19,13 @@ module rwmf_model_equation
 
    public :: equation_t, model_t, discrete_state_t
    public :: contribution_t, floors_t, hysteresis_t, motion_signs_t, sprung_t, window_t
-   public :: place_frame, place_left, place_right
    public :: enter_interval, interval_of, enter_side, renew_coefficients, renew_effects
    public :: vertical_ground, has_further_effects
-   public :: ground, kinematics_at, cable_at, uplift_demand, uplift_demands
+   public :: ground, kinematics_at, cable_state_t, cable_at, cable_force_at
+   public :: uplift_demand, uplift_demands
    public :: frame_displacement, straight_displacement
    public :: tip_displacement, tip_velocity, tip_acceleration
-   public :: frame_acceleration, frame_motion, frame_travel, frame_mass, corner_share
+   public :: frame_acceleration, frame_motion, frame_travel, frame_mass, has_elements, has_tendons
 
    !> Effect beyond wall, frame and cable: its lane loop, states, energy, power and force on the
    !> wall (developer/adding-an-effect.md).
@@ -146,19 +147,12 @@ module rwmf_model_equation
       !! reference mass of m, in the mass unit of the case [-]
    end type floors_t
 
-   integer, parameter :: place_frame = 0
-   !! between ground and frame
-   integer, parameter :: place_left = 1
-   !! under the corner that lifts for theta > 0
-   integer, parameter :: place_right = -1
-   !! under the other corner
-
    !> Spring with memory, and its place in the scene.
    type :: sprung_t
       type(spring_t) :: spring
       !! its force per unit m_w (frame: m_s) [m/s2], its elongation in m
-      integer :: place
-      !! one of the `place_` numbers
+      integer :: element = 0
+      !! number of its vertical element; 0 for a spring between ground and frame
       real(wp) :: share = 0
       !! share of the frame's stiffness [-]
    end type sprung_t
@@ -187,10 +181,11 @@ module rwmf_model_equation
       !! sign of theta in the current flight
       type(motion_signs_t) :: signs
       !! signs of the frame until the next peak
-      type(branch_t) :: tendon
-      !! branch of the cable
       type(branch_t), allocatable :: springs(:)
-      !! (springs) branches of the yielding frame and the fuses
+      !! (springs) branches of the yielding frame and of the vertical elements
+      logical, allocatable :: is_beyond(:)
+      !! (springs) elements whose stroke has turned on the way from the base; not allocated if none
+      !! can
       type(branch_t), allocatable :: storey_branches(:)
       !! (floors) branch of each storey
       type(motion_signs_t), allocatable :: storey_signs(:)
@@ -267,24 +262,25 @@ module rwmf_model_equation
       logical :: has_cable
       integer :: n = 2
       !! number of states
-      type(cable_law_t) :: cable
+      type(element_t), allocatable :: elements(:)
+      !! vertical elements of the wall, those of the cable first
+      logical :: has_sides = .false.
+      !! their arms or forces depend on the side of the motion
+      integer :: walls = 1
+      !! number of equal walls that share the frame
       type(contribution_t), allocatable :: effects(:)
       !! further effects of the case; not allocated if there are none
       logical :: has_bilinear_springs = .false.
       !! the scene has springs that yield or break
-      logical :: has_fuses = .false.
-      !! the scene has fuses at the corners of a rocking wall
+      logical :: may_hold = .false.
+      !! springs of fuses, couplings or restraints may hold the wall up
       type(sprung_t), allocatable :: springs(:)
-      !! springs of the yielding frame, then of the fuses; `cable` holds that of the tendon
+      !! springs of the yielding frame, then of the vertical elements
       real(wp) :: angle_limit = 0
       !! largest |theta| at which elongations of the springs are evaluated [rad]
-      real(wp), allocatable :: reach(:, :, :)
-      !! (2, side, spring) elongations of the springs at the smallest and at that |theta|; spring 0
-      !! is the tendon [m]
       logical :: has_vertical = .false.
       !! the ground motion has a vertical component
       type(motion_t), pointer :: motion => null()
-      procedure(cable_law_i), pointer, nopass :: cable_law => null()
       type(scene_t) :: scene
       !! lane loops of the scene
       type(force_parts_t) :: parts
@@ -296,6 +292,16 @@ module rwmf_model_equation
       type(discrete_state_t) :: state
       integer(i8) :: rhs_evaluations = 0
    end type equation_t
+
+   !> Force of the cable and its moment against phi, over m_w g and m_w g R.
+   type :: cable_state_t
+      real(wp) :: force
+      !! sum of all tendons [-]
+      real(wp) :: moment
+      !! [-]
+      real(wp) :: moment_1
+      !! derivative of the moment by phi [1/rad]
+   end type cable_state_t
 
    abstract interface
       !> Compute the coefficients of an effect's loop on the current side and the active branches.
@@ -421,7 +427,8 @@ contains
       state%side = side
       if (.not. allocated(state%coef)) return
       if (model%has_wall) call put_wall_side(model%geometry, side, state%coef(1, first_wall))
-      if (model%cable%is_signed) call renew_terms(model, state)
+      if (allocated(state%is_beyond)) state%is_beyond = .false.
+      if (model%has_sides) call renew_terms(model, state)
       call renew_effects(model, state, is_side_alone=.true.)
    end subroutine enter_side
 
@@ -440,7 +447,7 @@ contains
       call renew_effects(model, state)
    end subroutine renew_coefficients
 
-   !> Update the coefficients of frame and cable.
+   !> Update the coefficients of frame and vertical elements.
    pure subroutine renew_terms(model, state)
       type(model_t), intent(in) :: model
       type(discrete_state_t), intent(inout) :: state
@@ -453,9 +460,18 @@ contains
                call put_row(frame_coefficients, [frame_mass(model), &
                   model%p%two_xi_omega, state%frame_slope, state%frame_offset/model%p%R], &
                   state%coef(1, term%coef))
-            case (linear_cable_term, straight_cable_term)
-               call put_row(cable_coefficients, cable_row(model%cable, state%tendon, &
-                  state%side, model%p%g_over_R), state%coef(1, term%coef))
+            case (axis_term)
+               call put_row(term%n_coef, axis_row(model%elements, state%springs, state%side, &
+                  model%p%R), state%coef(1, term%coef))
+            case (line_term)
+               call put_row(term%n_coef, line_rows(model%elements, state%springs, state%side, &
+                  model%p%R), state%coef(1, term%coef))
+            case (chord_term)
+               call put_row(term%n_coef, chord_row(model%elements, state%springs, state%side, &
+                  model%p%R), state%coef(1, term%coef))
+            case (rise_term)
+               call put_row(term%n_coef, rise_row(model%elements, state%springs, state%side, &
+                  model%p%R), state%coef(1, term%coef))
             case default
                ! `renew_effects` updates the effects
             end select
@@ -493,10 +509,14 @@ contains
       coef = row
    end subroutine put_row
 
-   !> True if the scene has effects beyond wall, frame, cable and their kinematics.
+   !> True if the scene has effects beyond wall, frame, a cable on the axis and their kinematics.
    pure logical function has_further_effects(equation)
       type(equation_t), intent(in) :: equation
 
+      has_further_effects = .false.
+      if (has_elements(equation)) has_further_effects = any(equation%elements%group /= of_cable &
+         .or. abs(equation%elements%offset) > 0)
+      if (has_further_effects) return
       has_further_effects = allocated(equation%effects)
       if (has_further_effects) has_further_effects = .not. all(equation%effects%is_kinematic)
    end function has_further_effects
@@ -545,20 +565,43 @@ contains
       kin = kinematics_of(equation%geometry, which, which*theta)
    end function kinematics_at
 
-   !> State of the cable on a side.
-   type(cable_state_t) function cable_at(equation, theta, side) result(cable)
-      type(equation_t), intent(in) :: equation
+   !> State of the cable on a side: the sum of all tendons.
+   pure type(cable_state_t) function cable_at(equation, theta, side) result(cable)
+      class(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad]
       integer, intent(in), optional :: side
       !! +1 or -1; by default the current side
       integer :: which
 
+      cable = cable_state_t(0, 0, 0)
+      if (.not. equation%has_cable) return
       which = equation%state%side
       if (present(side)) which = side
-      call equation%cable_law(equation%cable, equation%state%tendon, equation%p%sin_alpha, &
-         which*theta, which, cable)
+      associate (p => equation%p, moment => sum_of_moments(equation%elements, [of_cable], &
+         equation%state%springs, which, which*theta))
+         cable = cable_state_t(cable_force_at(equation, theta, which), moment(1)/(p%g*p%R), &
+            moment(2)/(p%g*p%R))
+      end associate
    end function cable_at
+
+   !> Force of all tendons over m_w g on a side [-].
+   pure real(wp) function cable_force_at(equation, theta, side) result(force)
+      class(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+      integer, intent(in) :: side
+      !! +1 or -1
+      integer :: i
+
+      force = 0
+      if (.not. equation%has_cable) return
+      do i = 1, size(equation%elements)
+         if (equation%elements(i)%group /= of_cable) exit
+         force = force + element_force(equation%elements(i), equation%state%springs, side, &
+            side*theta, 0.0_wp)/equation%p%g
+      end do
+   end function cable_force_at
 
    !> Uplift demand on one side: ground acceleration beyond the uplift acceleration of the resting
    !> wall [m/s2]. A positive value means lift-off, a negative one contact (paper's Eq. (8) at theta
@@ -706,13 +749,21 @@ contains
       if (model%has_wall) travel = 2*model%p%R*model%p%cos_alpha
    end function frame_travel
 
-   !> Factor of corner devices for rocking or hinged walls [-]. A rocking wall has one moving corner
-   !> at the arm 2b. A hinged wall has two with half the arm, and so half the moment.
-   pure real(wp) function corner_share(model)
+   !> True if a tendon has a memory: it can yield, go slack or break.
+   pure logical function has_tendons(model)
       class(model_t), intent(in) :: model
 
-      corner_share = merge(1.0_wp, 0.5_wp, model%has_impacts)
-   end function corner_share
+      has_tendons = .false.
+      if (has_elements(model)) has_tendons = any(model%elements%group == of_cable &
+         .and. model%elements%spring > 0)
+   end function has_tendons
+
+   !> True if the wall has vertical elements.
+   pure logical function has_elements(model)
+      class(model_t), intent(in) :: model
+
+      has_elements = allocated(model%elements)
+   end function has_elements
 
    !> Mass of the frame over that of the wall; 1 for the bare frame [-].
    pure real(wp) function frame_mass(model)

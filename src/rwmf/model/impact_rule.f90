@@ -2,6 +2,7 @@
 module rwmf_model_impact_rule
    use rwmf_core_kinds, only: wp
    use rwmf_model_restitution, only: restitution_housner, restitution_momentum, restitution_t
+   use rwmf_problem_scene_axes, only: walls_of
    use rwmf_problem_case, only: case_t
    implicit none
    private
@@ -54,7 +55,7 @@ contains
 
       beta = 0
       if (allocated(case%inerter)) beta = case%inerter%inertance_over_m_w
-      e = restitution_momentum(alpha, mass_ratio(case), beta)
+      e = restitution_momentum(alpha, mass_ratio(case)/walls_of(case), beta)
    end function balanced_restitution
 
    !> Mass ratio of the frame's mass that moves with the wall, 0 without a frame or with link

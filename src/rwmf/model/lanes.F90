@@ -13,9 +13,9 @@ module rwmf_model_lanes
    private
 
    public :: lane_count, lane_motion_t, set_ground
-   public :: wall_coefficients, frame_coefficients, cable_coefficients, link_coefficients
-   public :: move_wall, move_bare_frame, tilt_link, add_frame, add_linear_cable, &
-      add_straight_cable, cosine, sine
+   public :: wall_coefficients, frame_coefficients, link_coefficients
+   public :: axis_coefficients, line_coefficients, chord_coefficients, rise_coefficients
+   public :: move_wall, move_bare_frame, tilt_link, add_frame, cosine, sine
    public :: add_wall_power, add_frame_power
    public :: power_count, of_input, of_viscous, of_plastic, of_bending
 
@@ -27,7 +27,11 @@ module rwmf_model_lanes
 
    integer, parameter :: wall_coefficients = 8
    integer, parameter :: frame_coefficients = 4
-   integer, parameter :: cable_coefficients = 4
+   integer, parameter :: axis_coefficients = 4
+   integer, parameter :: line_coefficients = 4
+   !! of each tendon
+   integer, parameter :: chord_coefficients = 7
+   integer, parameter :: rise_coefficients = 7
    integer, parameter :: link_coefficients = 4
 
    integer, parameter :: power_count = 4
@@ -260,41 +264,6 @@ contains
          total(i, of_viscous) = total(i, of_viscous) + share*(coef(i, 2)*rate)
       end do
    end subroutine add_frame_power
-
-   !> Add the cable of Eq. (1), whose force and moment are linear in the rotation.
-   pure subroutine add_linear_cable(coef, motion)
-      real(wp), intent(in) :: coef(lane_count, cable_coefficients)
-      !! moment at phi = 0 over m_w R**2 [1/s2]; its rate [1/(rad s2)]
-      type(lane_motion_t), intent(inout) :: motion
-      integer :: i
-
-      !$omp simd
-      do i = 1, lane_count
-         motion%moment(i) = motion%moment(i) - (coef(i, 1) + coef(i, 2)*motion%phi(i))
-      end do
-   end subroutine add_linear_cable
-
-   !> Add a straight cable from the middle of the base to the middle of the top. Its force is linear
-   !> in its elongation, with l**2 = 4h**2 + 2b**2 (1 - cos(phi)) + 4hb sin(phi).
-   pure subroutine add_straight_cable(coef, motion)
-      real(wp), intent(in) :: coef(lane_count, cable_coefficients)
-      !! force at zero elongation, over m_w R**2 [1/(m s2)]; its slope [1/(m2 s2)]; h [m]; b [m]
-      type(lane_motion_t), intent(inout) :: motion
-      real(wp) :: sine_phi, rise, length, arm
-      integer :: i
-
-      !$omp simd private(sine_phi, rise, length, arm)
-      do i = 1, lane_count
-         associate (h => coef(i, 3), b => coef(i, 4), half_sine => motion%half_sine(i))
-            sine_phi = 2*half_sine*motion%half_cosine(i)
-            rise = 4*b*(b*half_sine*half_sine + h*sine_phi)
-            length = sqrt(4*h*h + rise)
-            arm = b*(b*sine_phi + 2*h*(1 - 2*half_sine*half_sine))/length
-            motion%moment(i) = motion%moment(i) - (coef(i, 1) + coef(i, 2)*(rise/(length &
-               + 2*h)))*arm
-         end associate
-      end do
-   end subroutine add_straight_cable
 
    !> sin(x) for |x| <= pi/4 from a polynomial, because a library call would prevent vectorisation.
    !> The next term is 5e-17 of the result. Quadruple precision calls the library.

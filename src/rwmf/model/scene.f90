@@ -6,12 +6,18 @@ module rwmf_model_scene
 
    public :: scene_t, term_t, add_term, is_same_scene
    public :: force_parts_t, force_parts_of, demand_list_t
-   public :: frame_term, linear_cable_term, straight_cable_term, first_wall
+   public :: frame_term, axis_term, line_term, chord_term, rise_term, first_wall
    public :: elsewhere, under_corner, through_link, in_cable, on_weight
 
    integer, parameter :: frame_term = -1
-   integer, parameter :: linear_cable_term = -2
-   integer, parameter :: straight_cable_term = -3
+   integer, parameter :: axis_term = -2
+   !! tendons along the wall's axis; as the next three, of vertical elements
+   integer, parameter :: line_term = -3
+   !! straight tendons
+   integer, parameter :: chord_term = -4
+   !! devices under the base
+   integer, parameter :: rise_term = -5
+   !! restraints and couplings
    integer, parameter :: elsewhere = 0
    !! the loop acts along several paths, as floors, leaning columns and hinges do
    integer, parameter :: under_corner = 1

@@ -12,7 +12,7 @@ module rwmf_problem_case
    implicit none
    private
 
-   public :: case_t, wall_t, frame_t, link_t, damper_t, fuse_t, yielding_t, cable_t
+   public :: case_t, wall_t, frame_t, link_t, devices_t, yielding_t, cable_t
    public :: spring_law_t
    public :: impact_t, motion_spec_t, inerter_t, vertical_t
    public :: initial_t, model_choice_t, solver_t, output_t, spectrum_spec_t, structure_t
@@ -31,6 +31,8 @@ module rwmf_problem_case
       !! 'rocking' or 'pinned'
       logical :: shear_key = .false.
       !! a shear key prevents sliding of the base instead of friction
+      integer :: walls = 1
+      !! number of equal walls side by side
    end type wall_t
 
    !> Link of finite length between wall and frame, `&link`, Eqs (2), (3).
@@ -58,12 +60,6 @@ module rwmf_problem_case
       real(wp), allocatable :: k_link(:)
       !! (floors) stiffness of the link springs over m_w [1/s2]; only with 'springs'
    end type frame_t
-
-   !> Viscous dampers at the corners of the base, `&damper`.
-   type :: damper_t
-      real(wp) :: c_over_m_w
-      !! damper constant over the mass of the wall [1/s]
-   end type damper_t
 
    !> Law of a spring with memory, apart from its strength and its hardening.
    type :: spring_law_t
@@ -95,17 +91,32 @@ module rwmf_problem_case
       !! of 'bouc_wen' [-]
    end type spring_law_t
 
-   !> Hysteretic fuses at the corners of the base, `&fuse`.
-   type :: fuse_t
-      real(wp) :: eta_y
-      !! yield force over m_w g [-]
-      real(wp) :: stroke_y
-      !! stroke at first yield [m]
-      real(wp) :: hardening
+   !> Devices of one group: `&fuse`, `&damper`, `&nl_damper`, `&coupling`, `&restraint`. Lists have
+   !> one number for each device.
+   type :: devices_t
+      real(wp), allocatable :: offset(:)
+      !! places to the right of the wall's axis [m]; absent: the corners of the base
+      real(wp), allocatable :: height(:)
+      !! heights above the base, of restraints [m]
+      real(wp) :: span = 0
+      !! clear span of coupling beams [m]
+      real(wp), allocatable :: eta_y(:)
+      !! yield forces over m_w g [-]; absent: no spring, or a linear one
+      real(wp), allocatable :: stroke_y(:)
+      !! strokes at first yield [m]
+      real(wp), allocatable :: hardening(:)
       !! stiffness after yielding over elastic stiffness [-]
-      type(spring_law_t) :: spring
-      !! law of the spring
-   end type fuse_t
+      type(spring_law_t) :: law
+      !! law of the springs that yield
+      real(wp), allocatable :: k(:)
+      !! stiffnesses of linear springs over m_w [1/s2]; absent: none
+      real(wp), allocatable :: c(:)
+      !! constants of viscous dampers over m_w [1/s]; absent: none
+      real(wp), allocatable :: eta_1(:)
+      !! forces of nonlinear dampers at 1 m/s over m_w g [-]; absent: none
+      real(wp), allocatable :: exponent(:)
+      !! of these dampers [-]
+   end type devices_t
 
    !> Inelastic frame, `&yielding`.
    type :: yielding_t
@@ -129,24 +140,28 @@ module rwmf_problem_case
       !! inertance over the mass of the wall [-]
    end type inerter_t
 
-   !> Unbonded post-tensioned cable, `&cable`, Eq. (1).
+   !> Unbonded post-tensioned tendons, `&cable`, Eq. (1). Lists have one number for each tendon.
    type :: cable_t
-      real(wp) :: eta_0
+      real(wp), allocatable :: eta_0(:)
       !! P(0)/(m_w g) [-]
-      real(wp) :: eta_alpha
-      !! P(alpha)/(m_w g) [-]
+      real(wp), allocatable :: eta_alpha(:)
+      !! P(alpha)/(m_w g) of the same tendon on the axis [-]
       character(:), allocatable :: law
       !! 'linear' or 'truss'
-      real(wp), allocatable :: eta_y
-      !! P/(m_w g) at yield of the tendon [-]; absent: elastic
-      real(wp) :: hardening = 0
+      real(wp), allocatable :: offset(:)
+      !! places to the right of the wall's axis [m]
+      real(wp), allocatable :: height(:)
+      !! heights of the upper anchors [m]; absent: the height of the wall
+      real(wp), allocatable :: eta_y(:)
+      !! P/(m_w g) at yield [-]; absent: elastic
+      real(wp), allocatable :: hardening(:)
       !! stiffness after yielding over elastic stiffness [-]
-      real(wp), allocatable :: rupture_strain
-      !! strain at rupture of the tendon, including the prestrain [-]; absent: no rupture
-      real(wp), allocatable :: length
-      !! unbonded length [m]; absent: the height of the wall
-      real(wp), allocatable :: area
-      !! total area of the strands [m2]; absent: unknown
+      real(wp), allocatable :: rupture_strain(:)
+      !! strain at rupture, including the prestrain [-]; absent: no rupture
+      real(wp), allocatable :: length(:)
+      !! unbonded lengths [m]; absent: the heights of the upper anchors
+      real(wp), allocatable :: area(:)
+      !! total areas of the strands [m2]; absent: unknown
    end type cable_t
 
    !> Energy loss at the impacts of a rocking wall, `&impact`.
@@ -288,8 +303,11 @@ module rwmf_problem_case
       type(wall_t), allocatable :: wall
       type(frame_t), allocatable :: frame
       type(link_t), allocatable :: link
-      type(damper_t), allocatable :: damper
-      type(fuse_t), allocatable :: fuse
+      type(devices_t), allocatable :: fuse
+      type(devices_t), allocatable :: damper
+      type(devices_t), allocatable :: nl_damper
+      type(devices_t), allocatable :: coupling
+      type(devices_t), allocatable :: restraint
       type(yielding_t), allocatable :: yielding
       type(inerter_t), allocatable :: inerter
       type(cable_t), allocatable :: cable

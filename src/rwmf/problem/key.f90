@@ -4,7 +4,7 @@ module rwmf_problem_key
    private
 
    public :: key_t, required, optional_key, of_kind, dimensional, with_si, usually, belongs_to
-   public :: unless, fixed_by
+   public :: unless, fixed_by, takes_list
    public :: any_real, positive, below_one, not_negative
 
    character(*), parameter :: any_real = 'any finite number'
@@ -185,6 +185,14 @@ contains
 
       of_kind = key_t('motion', key, type, unit, default, .false., allowed, help, kinds, '')
    end function of_kind
+
+   !> True if the key may have several values: a list, or 'reals', one number for all elements of the
+   !> group or one for each.
+   elemental logical function takes_list(key)
+      type(key_t), intent(in) :: key
+
+      takes_list = index(key%type, 'list') > 0 .or. key%type == 'reals'
+   end function takes_list
 
    !> True if the key belongs to a kind of motion; always true in other groups.
    pure logical function belongs_to(key, kind)

@@ -115,6 +115,25 @@ module rwmf_problem_quantity_table
       integer :: contact_length_min_m = 176, toe_stress_max_Pa = 177, toe_strain_max = 178
       integer :: tendon_strain_max = 179, friction_demand_impact_max = 180
       integer :: mode_i_damping_contact = 181, mode_i_damping_rocking = 182
+      integer :: cable_i_force_over_m_w_g = 183, fuse_i_force_over_m_w_g = 184
+      integer :: restraint_i_force_over_m_w_g = 185, coupling_force_over_m_w_g = 186
+      integer :: cable_i_force_N = 187, fuse_i_force_N = 188
+      integer :: restraint_i_force_N = 189, coupling_force_N = 190
+      integer :: cable_i_force_max_over_m_w_g = 191, cable_i_force_max_N = 192
+      integer :: cable_i_force_min_over_m_w_g = 193, cable_i_force_min_N = 194
+      integer :: cable_i_prestress_loss_over_m_w_g = 195, cable_i_prestress_loss_N = 196
+      integer :: fuse_i_stroke_max_m = 197, fuse_i_stroke_min_m = 198
+      integer :: fuse_i_stroke_sum_m = 199, fuse_i_force_max_over_m_w_g = 200
+      integer :: fuse_i_force_max_N = 201, fuse_i_force_end_over_m_w_g = 202
+      integer :: fuse_i_force_end_N = 203, restraint_i_stroke_max_m = 204
+      integer :: restraint_i_stroke_min_m = 205, restraint_i_stroke_sum_m = 206
+      integer :: restraint_i_force_max_over_m_w_g = 207, restraint_i_force_max_N = 208
+      integer :: restraint_i_force_end_over_m_w_g = 209, restraint_i_force_end_N = 210
+      integer :: coupling_stroke_max_m = 211, coupling_stroke_sum_m = 212
+      integer :: coupling_force_max_over_m_w_g = 213, coupling_force_max_N = 214
+      integer :: coupling_force_end_over_m_w_g = 215, coupling_force_end_N = 216
+      integer :: coupling_ratio = 217, uplift_left_g = 218
+      integer :: uplift_right_g = 219
    end type ids_t
 
    type(ids_t), parameter :: id = ids_t()
@@ -178,6 +197,14 @@ module rwmf_problem_quantity_table
       'history', 'fuse', of_rows, '', 'force of the left fuse over weight of wall'), &
       quantity_t(id%fuse_right_force_over_m_w_g, 'fuse_right_force_over_m_w_g', '1', 'row', &
       'history', 'fuse', of_rows, '', 'force of the right fuse over weight of wall'), &
+      quantity_t(id%cable_i_force_over_m_w_g, 'cable_{i}_force_over_m_w_g', '1', 'row', 'history', &
+      'cable', of_rows, '`offset`', 'force of tendon {i} over weight of wall'), &
+      quantity_t(id%fuse_i_force_over_m_w_g, 'fuse_{i}_force_over_m_w_g', '1', 'row', 'history', &
+      'fuse', of_rows, '`offset`', 'force of fuse {i} over weight of wall'), &
+      quantity_t(id%restraint_i_force_over_m_w_g, 'restraint_{i}_force_over_m_w_g', '1', 'row', 'history', &
+      'restraint', of_rows, '', 'force of restraint {i} over weight of wall'), &
+      quantity_t(id%coupling_force_over_m_w_g, 'coupling_force_over_m_w_g', '1', 'row', 'history', &
+      'coupling', of_rows, '', 'force of a coupling over weight of wall'), &
       quantity_t(id%q_i_m, 'q_{i}_m', 'm', 'row', 'history', 'bending', of_rows, '', &
       'deflection of the top in mode {i} of the wall'), &
       quantity_t(id%floor_i_m, 'floor_{i}_m', 'm', 'row', 'history', 'storeys', of_rows, &
@@ -236,6 +263,14 @@ module rwmf_problem_quantity_table
       of_rows, 'a mass', 'force of the left fuse', id%fuse_left_force_over_m_w_g), &
       quantity_t(id%fuse_right_force_N, 'fuse_right_force_N', 'N', 'row', 'history', 'fuse', &
       of_rows, 'a mass', 'force of the right fuse', id%fuse_right_force_over_m_w_g), &
+      quantity_t(id%cable_i_force_N, 'cable_{i}_force_N', 'N', 'row', 'history', 'cable', &
+      of_rows, 'a mass; `offset`', 'force of tendon {i}', id%cable_i_force_over_m_w_g), &
+      quantity_t(id%fuse_i_force_N, 'fuse_{i}_force_N', 'N', 'row', 'history', 'fuse', &
+      of_rows, 'a mass; `offset`', 'force of fuse {i}', id%fuse_i_force_over_m_w_g), &
+      quantity_t(id%restraint_i_force_N, 'restraint_{i}_force_N', 'N', 'row', 'history', 'restraint', &
+      of_rows, 'a mass', 'force of restraint {i}', id%restraint_i_force_over_m_w_g), &
+      quantity_t(id%coupling_force_N, 'coupling_force_N', 'N', 'row', 'history', 'coupling', &
+      of_rows, 'a mass', 'force of a coupling', id%coupling_force_over_m_w_g), &
       quantity_t(id%storey_i_shear_N, 'storey_{i}_shear_N', 'N', 'row', 'history', 'storeys', &
       of_rows, 'as storey_{i}_shear_over_m_w_g; a mass', 'shear of the columns of storey {i}', &
       id%storey_i_shear_over_m_w_g), &
@@ -309,6 +344,14 @@ module rwmf_problem_quantity_table
       '`base = ''rocking''`, no table of e', 'velocity factor at impact'), &
       quantity_t(id%e_max, 'e_max', '1', 'before', 'run ordinate', 'wall', of_displacement, &
       '`base = ''rocking''`', 'velocity factor of the momentum balance about the new corner'), &
+      quantity_t(id%uplift_right_g, 'uplift_right_g', '1', 'before', 'run', 'wall', of_nothing, &
+      'elements off the axis, `&coupling` or `&restraint`', &
+      'ground acceleration at which the wall at rest lifts off to theta > 0, over g'), &
+      quantity_t(id%uplift_left_g, 'uplift_left_g', '1', 'before', 'run', 'wall', of_nothing, &
+      'elements off the axis, `&coupling` or `&restraint`', &
+      'ground acceleration at which the wall at rest lifts off to theta < 0, over g'), &
+      quantity_t(id%coupling_ratio, 'coupling_ratio', '1', 'before', 'run', 'coupling', &
+      of_nothing, '`eta_y`', 'share of the couplings in the moment of all walls at yield'), &
       quantity_t(id%mode_i_damping_contact, 'mode_{i}_damping_contact', '1', 'before', 'run', &
       'bending', of_nothing, 'the first three modes', &
       'damping ratio of mode {i} of the wall with its floors, in contact'), &
@@ -507,6 +550,76 @@ module rwmf_problem_quantity_table
       of_envelopes, '', 'largest stroke of a fuse'), &
       quantity_t(id%fuse_stroke_sum_m, 'fuse_stroke_sum_m', 'm', 'peak', 'run ordinate', 'fuse', &
       of_envelopes, '', 'travel of a fuse there and back, of both the longer one'), &
+      quantity_t(id%cable_i_force_max_over_m_w_g, 'cable_{i}_force_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'cable', of_envelopes, '`offset`', &
+      'largest force of tendon {i} over weight of wall'), &
+      quantity_t(id%cable_i_force_min_over_m_w_g, 'cable_{i}_force_min_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'cable', of_envelopes, '`offset`', &
+      'smallest force of tendon {i} over weight of wall'), &
+      quantity_t(id%cable_i_prestress_loss_over_m_w_g, 'cable_{i}_prestress_loss_over_m_w_g', '1', 'end', &
+      'run ordinate', 'cable', of_envelopes, '`offset`', &
+      'force of tendon {i} at theta = 0 that is lost at the end over weight of wall'), &
+      quantity_t(id%fuse_i_stroke_max_m, 'fuse_{i}_stroke_max_m', 'm', 'peak', 'run ordinate', &
+      'fuse', of_envelopes, '', 'largest stroke of fuse {i}'), &
+      quantity_t(id%fuse_i_stroke_min_m, 'fuse_{i}_stroke_min_m', 'm', 'peak', 'run ordinate', &
+      'fuse', of_envelopes, '', 'smallest stroke of fuse {i}, negative where the point sinks'), &
+      quantity_t(id%fuse_i_stroke_sum_m, 'fuse_{i}_stroke_sum_m', 'm', 'peak', 'run ordinate', &
+      'fuse', of_envelopes, '', 'travel of fuse {i} there and back'), &
+      quantity_t(id%fuse_i_force_max_over_m_w_g, 'fuse_{i}_force_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'fuse', of_envelopes, '', &
+      'largest magnitude of the force of fuse {i} over weight of wall'), &
+      quantity_t(id%fuse_i_force_end_over_m_w_g, 'fuse_{i}_force_end_over_m_w_g', '1', 'end', &
+      'run ordinate', 'fuse', of_envelopes, '', &
+      'force of fuse {i} at the end over weight of wall'), &
+      quantity_t(id%restraint_i_stroke_max_m, 'restraint_{i}_stroke_max_m', 'm', 'peak', 'run ordinate', &
+      'restraint', of_envelopes, '', 'largest stroke of restraint {i}'), &
+      quantity_t(id%restraint_i_stroke_min_m, 'restraint_{i}_stroke_min_m', 'm', 'peak', 'run ordinate', &
+      'restraint', of_envelopes, '', 'smallest stroke of restraint {i}, negative where the point sinks'), &
+      quantity_t(id%restraint_i_stroke_sum_m, 'restraint_{i}_stroke_sum_m', 'm', 'peak', 'run ordinate', &
+      'restraint', of_envelopes, '', 'travel of restraint {i} there and back'), &
+      quantity_t(id%restraint_i_force_max_over_m_w_g, 'restraint_{i}_force_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'restraint', of_envelopes, '', &
+      'largest magnitude of the force of restraint {i} over weight of wall'), &
+      quantity_t(id%restraint_i_force_end_over_m_w_g, 'restraint_{i}_force_end_over_m_w_g', '1', 'end', &
+      'run ordinate', 'restraint', of_envelopes, '', &
+      'force of restraint {i} at the end over weight of wall'), &
+      quantity_t(id%coupling_stroke_max_m, 'coupling_stroke_max_m', 'm', 'peak', 'run ordinate', &
+      'coupling', of_envelopes, '', 'largest magnitude of the stroke of a coupling'), &
+      quantity_t(id%coupling_stroke_sum_m, 'coupling_stroke_sum_m', 'm', 'peak', 'run ordinate', &
+      'coupling', of_envelopes, '', 'travel of a coupling there and back'), &
+      quantity_t(id%coupling_force_max_over_m_w_g, 'coupling_force_max_over_m_w_g', '1', 'peak', &
+      'run ordinate', 'coupling', of_envelopes, '', &
+      'largest magnitude of the force of a coupling over weight of wall'), &
+      quantity_t(id%coupling_force_end_over_m_w_g, 'coupling_force_end_over_m_w_g', '1', 'end', &
+      'run ordinate', 'coupling', of_envelopes, '', &
+      'force of a coupling at the end over weight of wall'), &
+      quantity_t(id%cable_i_force_max_N, 'cable_{i}_force_max_N', 'N', 'peak', 'run ordinate', &
+      'cable', of_envelopes, 'a mass; `offset`', 'largest force of tendon {i}', &
+      id%cable_i_force_max_over_m_w_g), &
+      quantity_t(id%cable_i_force_min_N, 'cable_{i}_force_min_N', 'N', 'peak', 'run ordinate', &
+      'cable', of_envelopes, 'a mass; `offset`', 'smallest force of tendon {i}', &
+      id%cable_i_force_min_over_m_w_g), &
+      quantity_t(id%cable_i_prestress_loss_N, 'cable_{i}_prestress_loss_N', 'N', 'end', 'run ordinate', &
+      'cable', of_envelopes, 'a mass; `offset`', 'force of tendon {i} at theta = 0 that is lost at the end', &
+      id%cable_i_prestress_loss_over_m_w_g), &
+      quantity_t(id%fuse_i_force_max_N, 'fuse_{i}_force_max_N', 'N', 'peak', 'run ordinate', &
+      'fuse', of_envelopes, 'a mass', 'largest magnitude of the force of fuse {i}', &
+      id%fuse_i_force_max_over_m_w_g), &
+      quantity_t(id%fuse_i_force_end_N, 'fuse_{i}_force_end_N', 'N', 'end', 'run ordinate', &
+      'fuse', of_envelopes, 'a mass', 'force of fuse {i} at the end', &
+      id%fuse_i_force_end_over_m_w_g), &
+      quantity_t(id%restraint_i_force_max_N, 'restraint_{i}_force_max_N', 'N', 'peak', 'run ordinate', &
+      'restraint', of_envelopes, 'a mass', 'largest magnitude of the force of restraint {i}', &
+      id%restraint_i_force_max_over_m_w_g), &
+      quantity_t(id%restraint_i_force_end_N, 'restraint_{i}_force_end_N', 'N', 'end', 'run ordinate', &
+      'restraint', of_envelopes, 'a mass', 'force of restraint {i} at the end', &
+      id%restraint_i_force_end_over_m_w_g), &
+      quantity_t(id%coupling_force_max_N, 'coupling_force_max_N', 'N', 'peak', 'run ordinate', &
+      'coupling', of_envelopes, 'a mass', 'largest magnitude of the force of a coupling', &
+      id%coupling_force_max_over_m_w_g), &
+      quantity_t(id%coupling_force_end_N, 'coupling_force_end_N', 'N', 'end', 'run ordinate', &
+      'coupling', of_envelopes, 'a mass', 'force of a coupling at the end', &
+      id%coupling_force_end_over_m_w_g), &
       quantity_t(id%floor_i_velocity_max_m_s, 'floor_{i}_velocity_max_m_s', 'm/s', 'peak', &
       'run ordinate', 'frame', of_envelopes, '', 'largest absolute velocity of floor {i}'), &
       quantity_t(id%wall_shear_base_max_N, 'wall_shear_base_max_N', 'N', 'peak', 'run ordinate', &
@@ -763,7 +876,8 @@ contains
       if (quantity%found == 'end') then
          is_limited = index(quantity%outputs, 'run') > 0 .and. quantity%observed /= of_energy
       else if (is_peak(quantity)) then
-         is_limited = index(quantity%key, 'pivot_normal_min') == 0
+         is_limited = index(quantity%key, 'pivot_normal_min') + index(quantity%key, &
+            '_stroke_min') + index(quantity%key, '_force_min') == 0
       end if
    end function is_limited
 

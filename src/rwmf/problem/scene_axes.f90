@@ -8,7 +8,7 @@ module rwmf_problem_scene_axes
    implicit none
    private
 
-   public :: axis_t, list_axes, set_axes
+   public :: axis_t, list_axes, set_axes, share_frame, walls_of
 
    !> One axis of a scene.
    type :: axis_t
@@ -57,6 +57,27 @@ contains
       end if
       if (present(T_s)) structure%frame%T_s = T_s
    end subroutine set_axes
+
+   !> Number of equal walls that share the frame.
+   pure integer function walls_of(structure) result(walls)
+      class(structure_t), intent(in) :: structure
+
+      walls = 1
+      if (allocated(structure%wall)) walls = structure%wall%walls
+   end function walls_of
+
+   !> Replace the frame by the part of one of several equal walls: masses and stiffnesses over their
+   !> number.
+   pure subroutine share_frame(structure)
+      class(structure_t), intent(inout) :: structure
+
+      if (.not. allocated(structure%frame)) return
+      associate (walls => walls_of(structure))
+         if (allocated(structure%frame%gamma)) call set_axes(structure, &
+            gamma=structure%frame%gamma/walls)
+         if (allocated(structure%frame%k_link)) structure%frame%k_link = structure%frame%k_link/walls
+      end associate
+   end subroutine share_frame
 
    !> List the axes of a scene, the slowest axis of a grid first.
    pure subroutine list_axes(structure, axes)

@@ -33,6 +33,7 @@ contains
          //'given for a single run, a number > 0 [s]; T_s of &spectrum serves spectra only'
 
       call check_tolerance(case, error)
+      if (.not. allocated(error)) call check_rest(case, error)
       if (has_period(case) .or. allocated(error)) return
       if (has_group(case%values, 'frame')) then
          call fail_group(case%values, 'frame', problem, error)
@@ -40,6 +41,25 @@ contains
          call fail(error, err_input, '&frame: '//problem)
       end if
    end subroutine check_single_run
+
+   !> Check that weight and tendons hold the wall on both corners of its base. Fails with
+   !> `err_input`.
+   subroutine check_rest(case, error)
+      type(case_t), intent(in) :: case
+      type(error_t), allocatable, intent(out) :: error
+      real(wp) :: moment(2)
+      !! moment that holds the wall against theta > 0 and against theta < 0, over m_w g [m]
+
+      if (.not. allocated(case%cable)) return
+      if (.not. allocated(case%cable%offset)) return
+      moment = case%wall%b*(1 + sum(case%cable%eta_0)) - [1, -1]*dot_product(case%cable%eta_0, &
+         case%cable%offset)
+      if (minval(moment) > 0) return
+      call fail(error, err_input, '&cable: offset: the tendons tip the wall at rest to the ' &
+         //trim(merge('right', 'left ', moment(1) < moment(2)))//', b (1 + sum eta_0) must be > ' &
+         //'|sum eta_0 offset| = '//trim(real_to_text(abs(dot_product(case%cable%eta_0, &
+         case%cable%offset))))//' m', 'tips_at_rest')
+   end subroutine check_rest
 
    !> Check that double precision can attain the tolerance. The keys of a case are checked when it
    !> is read, but a host program may set the component directly. Fails with `err_input`.

@@ -5,17 +5,18 @@ module rwmf_simulation_run
    use rwmf_core_kinds, only: i8, pi, wp
    use rwmf_simulation_factory, only: new_integrator, run_method
    use rwmf_integrator_interface_integrator, only: integrator_t, tolerance_t
-   use rwmf_model_system_assembly, only: build_equation, cable_at, equation_t
-   use rwmf_model_cable, only: cable_state_t, cable_strain
+   use rwmf_model_system_assembly, only: build_equation, equation_t
+   use rwmf_model_elements, only: tendon_strain
    use rwmf_model_system_contributions, only: state_sizes
    use rwmf_model_system_demands, only: building_t
    use rwmf_model_floors_yielding_storeys, only: storey_residuals
-   use rwmf_model_equation, only: discrete_state_t, frame_displacement, frame_travel
+   use rwmf_model_effects_tendon, only: has_tendon
+   use rwmf_model_equation, only: cable_force_at, discrete_state_t, frame_displacement, frame_travel
    use rwmf_model_system_energy, only: dissipates_hysteretically
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_residual
-   use rwmf_model_hysteresis_spring_set, only: frame_residual, frame_residuals, prestress_loss, &
-      tendon_is_broken
+   use rwmf_model_hysteresis_spring_set, only: broken_tendons, frame_residual, frame_residuals, &
+      prestress_loss
    use rwmf_model_impact_rule, only: balanced_restitution, impact_law
    use rwmf_model_system_rest_after_chatter, only: inverse_inertia
    use rwmf_motion_ground_motion, only: motion_t, peak_acceleration
@@ -30,6 +31,7 @@ module rwmf_simulation_run
    use rwmf_simulation_hybrid_hybrid_loop, only: start_hybrid
    use rwmf_simulation_lanes_batch, only: batch_t
    use rwmf_simulation_recorder_demand_extremes, only: demand_extremes
+   use rwmf_simulation_recorder_element_demands, only: coupling_ratio, has_places, resting_uplift
    use rwmf_simulation_recorder_force_envelopes, only: envelope_extremes
    use rwmf_simulation_recorder_reaction_columns, only: force_extremes
    use rwmf_simulation_recorder_recorder, only: create_recorder, finish_recorder, &
@@ -333,8 +335,8 @@ contains
       end if
       if (allocated(recorder%envelopes)) then
          if (.not. allocated(result%envelopes)) allocate (result%envelopes)
-         call envelope_extremes(recorder%envelopes, equation, max(recorder%theta_max, &
-            -recorder%theta_min), result%envelopes)
+         call envelope_extremes(recorder%envelopes, equation, [recorder%theta_min, &
+            recorder%theta_max], hybrid%y, result%envelopes)
       end if
       if (equation%has_frame) call fill_rest(case, equation, hybrid, recorder, result)
       if (recorder%keeps_history) then
@@ -352,18 +354,25 @@ contains
       type(result_t), intent(inout) :: result
       !! result with reactions
 
-      associate (force => equation%cable%eta_0 + result%cable_increment_max)
+      real(wp) :: strain
+      integer :: i
+
+      associate (force => equation%p%eta_0 + result%cable_increment_max)
          result%reactions%tendon_force_max = force
-         if (allocated(case%cable%area)) result%reactions%tendon_stress_max = force &
-            *case%unit_mass*equation%p%g/case%cable%area
+         if (allocated(case%cable%area)) then
+            if (size(case%cable%area) == 1) result%reactions%tendon_stress_max = force &
+               *case%unit_mass*equation%p%g/case%cable%area(1)
+         end if
       end associate
-      if (.not. equation%cable%length > 0) return
-      associate (strain => max(cable_strain(equation%cable, recorder%theta_max), &
-                 cable_strain(equation%cable, recorder%theta_min)))
+      do i = 1, size(case%cable%eta_0)
+         if (.not. equation%elements(i)%length > 0) return
+         strain = max(tendon_strain(equation%elements(i), recorder%theta_max), &
+            tendon_strain(equation%elements(i), recorder%theta_min))
+         if (allocated(case%cable%rupture_strain)) strain = min(strain, &
+            case%cable%rupture_strain(i))
+         if (i > 1) strain = max(strain, result%reactions%tendon_strain_max)
          result%reactions%tendon_strain_max = strain
-         if (allocated(case%cable%rupture_strain)) result%reactions%tendon_strain_max = &
-            min(strain, case%cable%rupture_strain)
-      end associate
+      end do
    end subroutine fill_tendon
 
    !> Add the residual values after yielding and rupture.
@@ -372,12 +381,15 @@ contains
       type(equation_t), intent(in) :: equation
       type(hybrid_t), intent(in) :: hybrid
       type(result_t), intent(inout) :: result
+      integer :: i
 
-      if (equation%cable%is_tendon) then
-         result%prestress_loss = prestress_loss(equation, hybrid%y(1))
-         result%has_ruptured = tendon_is_broken(equation)
+      if (has_tendon(case)) then
+         result%prestress_loss = sum([(prestress_loss(equation, equation%elements(i), &
+            hybrid%y(1)), i=1, size(case%cable%eta_0))])
+         result%has_ruptured = broken_tendons(equation%state) > 0
       end if
-      if (allocated(case%fuse)) result%theta_end_over_alpha = hybrid%y(1)/equation%p%alpha
+      if (equation%may_hold) result%theta_end_over_alpha = hybrid%y(1) &
+         /equation%p%alpha
       if (has_strength(case)) then
          if (.not. storeys_have_strengths(case)) result%ductility = result%u_s_max &
             /yield_displacement(case)
@@ -458,7 +470,7 @@ contains
       if (has_ended(hybrid)) return
       of_storeys = allocated(result%storey_residual_drift)
       of_roof = allocated(recorder%demands) .and. (has_strength(case) &
-         .or. allocated(case%fuse))
+         .or. equation%may_hold)
       if (of_roof) of_roof = recorder%demands%building%roof_height > 0
       if (.not. (of_storeys .or. of_roof)) return
       state = equation%state
@@ -510,32 +522,28 @@ contains
       end if
       if (equation%beam%n > 0) result%modal_damping = equation%beam%ratios
       if (equation%has_cable) result%cable_increment_max = largest_increment(equation, recorder)
+      if (equation%has_impacts .and. (equation%walls > 1 .or. has_places(equation))) &
+         result%uplift = resting_uplift(equation)
+      if (allocated(case%coupling)) then
+         if (allocated(case%coupling%eta_y)) result%coupling_ratio = coupling_ratio(case)
+      end if
    end subroutine fill_wall
 
    !> Maximum of P/(m_w g) - eta_0: the force is monotone in |theta| on each side [-].
    real(wp) function largest_increment(equation, recorder) result(increment)
       type(equation_t), intent(in) :: equation
       type(recorder_t), intent(in) :: recorder
-      type(cable_state_t) :: cable
 
-      if (equation%cable%is_tendon) then
-         increment = recorder%cable_max - equation%cable%eta_0
+      if (recorder%follows_cable) then
+         increment = recorder%cable_max - equation%p%eta_0
          return
       end if
       increment = -huge(increment)
-      if (recorder%theta_max >= 0) then
-         cable = cable_at(equation, recorder%theta_max, +1)
-         increment = max(increment, cable%force)
-         cable = cable_at(equation, max(0.0_wp, recorder%theta_min), +1)
-         increment = max(increment, cable%force)
-      end if
-      if (recorder%theta_min <= 0) then
-         cable = cable_at(equation, recorder%theta_min, -1)
-         increment = max(increment, cable%force)
-         cable = cable_at(equation, min(0.0_wp, recorder%theta_max), -1)
-         increment = max(increment, cable%force)
-      end if
-      increment = increment - equation%cable%eta_0
+      if (recorder%theta_max >= 0) increment = max(cable_force_at(equation, recorder%theta_max, 1), &
+         cable_force_at(equation, max(0.0_wp, recorder%theta_min), 1))
+      if (recorder%theta_min <= 0) increment = max(increment, cable_force_at(equation, &
+         recorder%theta_min, -1), cable_force_at(equation, min(0.0_wp, recorder%theta_max), -1))
+      increment = increment - equation%p%eta_0
    end function largest_increment
 
 end module rwmf_simulation_run

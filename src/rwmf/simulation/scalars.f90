@@ -5,12 +5,13 @@
 module rwmf_simulation_scalars
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use rwmf_core_kinds, only: i8, wp
+   use rwmf_model_elements, only: of_cable, of_coupling, of_fuse, of_restraint
    use rwmf_problem_case, only: case_t, has_floors
    use rwmf_problem_quantity_table, only: all_quantities, id, sensitivity_id
    use rwmf_problem_shear_frame, only: modal_height, modal_mass, roof_factor, shear_frame_t
    use rwmf_simulation_state_newtons, only: weight_under
-   use rwmf_simulation_state_result, only: demand_extremes_t, energy_t, envelope_extremes_t, &
-      reaction_extremes_t, result_t
+   use rwmf_simulation_state_result, only: demand_extremes_t, element_extremes_t, energy_t, &
+      envelope_extremes_t, reaction_extremes_t, result_t
    implicit none
    private
 
@@ -121,6 +122,11 @@ contains
       call keep(values, id%t_collapse_s, result%t_collapse)
       call keep(values, id%e, result%e)
       call keep(values, id%e_max, result%e_max)
+      if (allocated(result%uplift)) then
+         call keep(values, id%uplift_right_g, result%uplift(1))
+         call keep(values, id%uplift_left_g, result%uplift(2))
+      end if
+      call keep(values, id%coupling_ratio, result%coupling_ratio)
       if (allocated(result%modal_damping)) then
          call keep_list(values, id%mode_i_damping_contact, result%modal_damping(:, 1))
          call keep_list(values, id%mode_i_damping_rocking, result%modal_damping(:, 2))
@@ -190,13 +196,12 @@ contains
       integer :: links
 
       call keep_list(values, id%floor_i_velocity_max_m_s, envelopes%velocity_max)
-      call keep(values, id%fuse_stroke_max_m, envelopes%fuse_stroke_max)
-      call keep(values, id%fuse_stroke_sum_m, envelopes%fuse_stroke_sum)
+      if (allocated(envelopes%elements)) call keep_elements(envelopes%elements, values)
       call keep(values, id%contact_length_min_m, envelopes%contact_min)
       call keep(values, id%toe_stress_max_Pa, envelopes%toe_stress_max)
       call keep(values, id%toe_strain_max, envelopes%toe_strain_max)
-      if (.not. allocated(envelopes%base)) return
       call keep(values, id%pivot_normal_max_over_m_w_g, envelopes%normal_max)
+      if (.not. allocated(envelopes%base)) return
       call keep(values, id%wall_shear_base_max_over_m_w_g, envelopes%base(1))
       call keep(values, id%wall_moment_base_max_over_m_w_g_m, envelopes%base(2))
       call keep(values, id%wall_shear_mid_max_over_m_w_g, envelopes%middle(1))
@@ -210,6 +215,49 @@ contains
       call keep_list(values, id%link_i_force_max_over_m_w_g, envelopes%link_max, &
          size(envelopes%velocity_max) - links)
    end subroutine keep_envelopes
+
+   !> Store strokes and forces of the vertical elements.
+   pure subroutine keep_elements(elements, values)
+      type(element_extremes_t), intent(in) :: elements(:)
+      type(values_t), intent(inout) :: values
+
+      associate (group => elements%group, low => elements%stroke(1), high => elements%stroke(2), &
+         travel => elements%travel, force => elements%force(2), end => elements%force_end)
+         if (any(group == of_fuse)) then
+            call keep(values, id%fuse_stroke_max_m, maxval(max(high, -low), group == of_fuse))
+            call keep(values, id%fuse_stroke_sum_m, maxval(travel, group == of_fuse))
+            call keep_list(values, id%fuse_i_stroke_max_m, pack(high, group == of_fuse))
+            call keep_list(values, id%fuse_i_stroke_min_m, pack(low, group == of_fuse))
+            call keep_list(values, id%fuse_i_stroke_sum_m, pack(travel, group == of_fuse))
+            call keep_list(values, id%fuse_i_force_max_over_m_w_g, pack(force, group == of_fuse))
+            call keep_list(values, id%fuse_i_force_end_over_m_w_g, pack(end, group == of_fuse))
+         end if
+         if (any(group == of_restraint)) then
+            call keep_list(values, id%restraint_i_stroke_max_m, pack(high, group == of_restraint))
+            call keep_list(values, id%restraint_i_stroke_min_m, pack(low, group == of_restraint))
+            call keep_list(values, id%restraint_i_stroke_sum_m, pack(travel, group &
+               == of_restraint))
+            call keep_list(values, id%restraint_i_force_max_over_m_w_g, pack(force, group &
+               == of_restraint))
+            call keep_list(values, id%restraint_i_force_end_over_m_w_g, pack(end, group &
+               == of_restraint))
+         end if
+         if (any(group == of_coupling)) then
+            call keep(values, id%coupling_stroke_max_m, maxval(max(high, -low), group &
+               == of_coupling))
+            call keep(values, id%coupling_stroke_sum_m, sum(travel, group == of_coupling))
+            call keep(values, id%coupling_force_max_over_m_w_g, sum(force, group == of_coupling))
+            call keep(values, id%coupling_force_end_over_m_w_g, sum(end, group == of_coupling))
+         end if
+         if (any(group == of_cable)) then
+            call keep_list(values, id%cable_i_force_max_over_m_w_g, pack(force, group == of_cable))
+            call keep_list(values, id%cable_i_force_min_over_m_w_g, pack(elements%force(1), group &
+               == of_cable))
+            call keep_list(values, id%cable_i_prestress_loss_over_m_w_g, pack(elements%loss, &
+               group == of_cable))
+         end if
+      end associate
+   end subroutine keep_elements
 
    !> Store the energy terms at the end, and the residual over initial plus largest input energy.
    pure subroutine keep_energies(energy, values)

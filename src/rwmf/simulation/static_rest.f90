@@ -242,7 +242,6 @@ contains
 
       direction = [state%signs%loading_direction]
       if (model%has_bilinear_springs) direction = [direction, &
-         loading_direction(model%cable%tendon, state%tendon), &
          loading_direction(model%springs%spring, state%springs)]
       if (allocated(model%floors%springs)) direction = [direction, &
          loading_direction(model%floors%springs, state%storey_branches)]

@@ -136,7 +136,7 @@ contains
       call add_line(broken_law(case, gamma), lines)
       if (.not. allocated(case%cable)) return
       if (case%model%formulation == 'published' .and. &
-         abs(case%cable%eta_alpha - case%cable%eta_0) > 0) then
+         any(abs(case%cable%eta_alpha - case%cable%eta_0) > 0)) then
          call add_line('published: for theta < 0 the cable force of Eq. (1) falls ' &
             //'with rocking (eta_alpha /= eta_0); the other formulations use |theta|', lines)
       end if
@@ -216,9 +216,9 @@ contains
       character(256), allocatable, intent(inout) :: lines(:)
 
       if (.not. allocated(case%fuse)) return
-      associate (eta_y => case%fuse%eta_y, eta_0 => prestress(case))
-         if (2*eta_y <= 1 + eta_0) return
-         call add_line('2 eta_y = '//trim(real_to_text(2*eta_y))//' of &fuse exceeds 1 + eta_0 = ' &
+      associate (push => sum(case%fuse%eta_y), eta_0 => prestress(case))
+         if (push <= 1 + eta_0) return
+         call add_line('2 eta_y = '//trim(real_to_text(push))//' of &fuse exceeds 1 + eta_0 = ' &
             //trim(real_to_text(1 + eta_0)) &
             //', weight and prestress: the wall need not come down again', lines)
       end associate
@@ -229,7 +229,7 @@ contains
       type(case_t), intent(in) :: case
 
       prestress = 0
-      if (allocated(case%cable)) prestress = case%cable%eta_0
+      if (allocated(case%cable)) prestress = sum(case%cable%eta_0)
    end function prestress
 
    !> Warn of velocity factors that are zero, that need an impulse outside the base, or that let the

@@ -2,10 +2,11 @@
 module rwmf_input_groups_structure
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: pi, wp
-   use rwmf_problem_case, only: cable_t, case_t, frame_t, initial_t, wall_t
+   use rwmf_problem_case, only: case_t, frame_t, initial_t, wall_t
    use rwmf_problem_case_group, only: case_group_t
+   use rwmf_problem_element_lists, only: check_base, get_each
    use rwmf_problem_group_values, only: derive, get_list, get_real, group_values_t, has_group, &
-      has_key, logical_of, real_of, text_of
+      has_key, integer_of, logical_of, real_of, text_of
    use rwmf_problem_key, only: any_real, dimensional, not_negative, optional_key, positive, &
       required, with_si, usually
    use rwmf_problem_rules, only: check_one_of, fail_group, fail_key
@@ -33,9 +34,12 @@ contains
             'or its density and thickness: m_w = 4 h b thickness density')), &
          usually('[0.05, 3]', dimensional('wall', 'thickness', 'real', 'm', 'm_w', 'density', &
             'across the plane of the motion')), &
+         optional_key('wall', 'walls', 'integer', '', '1', '[1, 50]', &
+            'number of equal walls side by side that turn together; m_w, h, b are those of one'), &
          optional_key('wall', 'shear_key', 'logical', '', '.false.', '', &
             'a key keeps the base from sliding: its force is reported, not the friction demand')]
       group%derive => derive_wall
+      group%check => check_wall
       group%fill => fill_wall
       group%is_present => has_wall
    end function wall_group
@@ -49,12 +53,24 @@ contains
          *real_of(values, 'wall', 'thickness')*real_of(values, 'wall', 'density')])
    end subroutine derive_wall
 
+   !> Refuse several walls where the equations hold for one.
+   subroutine check_wall(values, error)
+      type(group_values_t), intent(in) :: values
+      type(error_t), allocatable, intent(out) :: error
+
+      if (integer_of(values, 'wall', 'walls') == 1) return
+      call check_base(values, 'wall', error)
+      if (.not. allocated(error) .and. has_group(values, 'bending')) call fail_key(values, 'wall', &
+         'walls', 'must be 1 with &bending: its equations are those of one wall', error)
+   end subroutine check_wall
+
    subroutine fill_wall(case, error)
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
 
       case%wall = wall_t(real_of(case%values, 'wall', 'h'), real_of(case%values, 'wall', 'b'))
       call get_real(case%values, 'wall', 'm_w', case%wall%m_w)
+      case%wall%walls = integer_of(case%values, 'wall', 'walls')
       case%wall%shear_key = logical_of(case%values, 'wall', 'shear_key')
    end subroutine fill_wall
 
@@ -132,11 +148,11 @@ contains
       group%needs(1) = 'wall'
       group%reasons(1) = 'a cable holds a wall'
       group%keys = [ &
-         with_si('N', usually('[0.001, 30]', required('cable', 'eta_0', 'real', '-', not_negative, &
-            'P(0)/(m_w g), Eq. (1)'))), &
+         with_si('N', usually('[0.001, 30]', required('cable', 'eta_0', 'reals', '-', &
+            not_negative, 'P(0)/(m_w g), Eq. (1)'))), &
          with_si('N', usually('[0.001, 200]', &
-            optional_key('cable', 'eta_alpha', 'real', '-', 'eta_0', not_negative, &
-            'P(alpha)/(m_w g)'))), &
+            optional_key('cable', 'eta_alpha', 'reals', '-', 'eta_0', not_negative, &
+            'P(alpha)/(m_w g) of such a tendon on the axis: sets its stiffness'))), &
          optional_key('cable', 'law', 'choice', '', 'linear', 'linear truss', &
             'Eq. (1), or the exact length of the straight cable')]
       group%check => check_cable
@@ -160,8 +176,9 @@ contains
       type(case_t), intent(inout) :: case
       type(error_t), allocatable, intent(out) :: error
 
-      case%cable = cable_t(real_of(case%values, 'cable', 'eta_0'), &
-         real_of(case%values, 'cable', 'eta_alpha'))
+      allocate (case%cable)
+      call get_each(case%values, 'cable', 'eta_0', case%cable%eta_0)
+      call get_each(case%values, 'cable', 'eta_alpha', case%cable%eta_alpha)
       case%cable%law = text_of(case%values, 'cable', 'law')
    end subroutine fill_cable
 

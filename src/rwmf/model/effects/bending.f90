@@ -101,6 +101,12 @@ contains
       else if (text_of(values, 'wall', 'base') == 'pinned') then
          call fail_group(values, 'bending', "must not be given with &wall base = 'pinned': modes " &
             //'of a cantilever describe a rocking wall', error)
+      else if (has_group(values, 'coupling') .or. has_group(values, 'restraint')) then
+         call fail_group(values, 'bending', 'must not be given with &coupling or &restraint: ' &
+            //'their forces at the edges bend the wall, which its equations leave out', error)
+      else if (has_key(values, 'cable', 'offset') .or. has_key(values, 'cable', 'height')) then
+         call fail_group(values, 'bending', 'must not be given with offset or height of &cable: ' &
+            //'a force off the axis or below the top bends the wall', error)
       else if (has_group(values, 'link')) then
          call fail_group(values, 'bending', 'must not be given with &link: the equations of ' &
             //'a bending wall have no tilted link', error)

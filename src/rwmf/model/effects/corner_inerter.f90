@@ -7,8 +7,7 @@
 module rwmf_model_effects_corner_inerter
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: contribution_t, corner_share, discrete_state_t, equation_t, &
-      model_t
+   use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, model_t
    use rwmf_model_scene, only: under_corner
    use rwmf_problem_case, only: case_t, inerter_t
    use rwmf_problem_case_group, only: case_group_t
@@ -58,7 +57,9 @@ contains
 
       inerter%is_present = has_inerter(case)
       if (.not. inerter%is_present) return
-      inerter%constants = [corner_share(equation)*case%inerter%inertance_over_m_w]
+      ! a hinged wall moves both inerters, each with half of the arm
+      inerter%constants = [merge(1.0_wp, 0.5_wp, equation%has_impacts) &
+         *case%inerter%inertance_over_m_w]
       inerter%n_coef = 1
       inerter%coefficients => inerter_coefficients
       inerter%energy => inerter_energy

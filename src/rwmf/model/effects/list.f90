@@ -2,15 +2,16 @@
 !> list a case iterate over it.
 module rwmf_model_effects_list
    use rwmf_model_effects_bending, only: bending_group, prepare_bending
-   use rwmf_model_effects_corner_damper, only: damper_group, prepare_damper
    use rwmf_model_effects_corner_inerter, only: inerter_group, prepare_inerter
-   use rwmf_model_effects_fuse, only: fuse_group, prepare_fuse
+   use rwmf_model_effects_devices, only: coupling_group, damper_group, fuse_group, &
+      nl_damper_group, restraint_group
    use rwmf_model_effects_impact_table, only: impact_table_group
    use rwmf_model_effects_link, only: link_group, prepare_link
-   use rwmf_model_effects_nl_damper, only: nl_damper_group, prepare_nl_damper
-   use rwmf_model_effects_numbers, only: bending_effect, damper_effect, effect_count, fuse_effect, &
-      impact_table_effect, inerter_effect, link_effect, nl_damper_effect, p_delta_effect, &
-      pinned_base_effect, storeys_effect, tendon_effect, vertical_effect, yielding_effect
+   use rwmf_model_effects_nl_damper, only: prepare_nl_damper
+   use rwmf_model_effects_numbers, only: bending_effect, coupling_effect, damper_effect, &
+      effect_count, fuse_effect, impact_table_effect, inerter_effect, link_effect, &
+      nl_damper_effect, p_delta_effect, pinned_base_effect, restraint_effect, storeys_effect, &
+      tendon_effect, vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta, only: p_delta_group, prepare_p_delta
    use rwmf_model_effects_pinned_base, only: pinned_base_group
    use rwmf_model_effects_storeys_storeys, only: prepare_storeys, storeys_group
@@ -46,6 +47,8 @@ contains
       effects(p_delta_effect) = p_delta_group()
       effects(nl_damper_effect) = nl_damper_group()
       effects(bending_effect) = bending_group()
+      effects(coupling_effect) = coupling_group()
+      effects(restraint_effect) = restraint_group()
    end function all_effects
 
    !> Prepare the contribution of one effect to the equation of motion, if the case has the effect.
@@ -61,12 +64,8 @@ contains
          call prepare_storeys(case, equation, effect)
       case (link_effect)
          call prepare_link(case, effect)
-      case (damper_effect)
-         call prepare_damper(case, equation, effect)
       case (inerter_effect)
          call prepare_inerter(case, equation, effect)
-      case (fuse_effect)
-         call prepare_fuse(case, equation, effect)
       case (yielding_effect)
          call prepare_yielding(case, equation, effect)
       case (vertical_effect)
@@ -74,11 +73,11 @@ contains
       case (p_delta_effect)
          call prepare_p_delta(case, equation, effect)
       case (nl_damper_effect)
-         call prepare_nl_damper(case, equation, effect)
+         call prepare_nl_damper(case, effect)
       case (bending_effect)
          call prepare_bending(case, equation, effect)
       case default
-         ! base, rule of impacts, law of the cable: no contribution beyond wall and cable
+         ! base, rule of impacts: no contribution; tendons and devices are vertical elements
       end select
    end subroutine prepare_effect
 

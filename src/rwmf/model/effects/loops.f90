@@ -2,22 +2,21 @@
 module rwmf_model_effects_loops
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_bending_loop, only: add_mode_power, add_modes, bend_wall, release_modes
-   use rwmf_model_effects_corner_damper_loop, only: add_damper, add_damper_power
    use rwmf_model_effects_corner_inerter_loop, only: add_inerter
-   use rwmf_model_effects_fuse_loop, only: add_fuse
+   use rwmf_model_effects_elements_loop, only: add_axial, add_chord_power, add_chords, &
+      add_rise_power, add_rises, add_straight_tendons
    use rwmf_model_effects_nl_damper_loop, only: add_nl_damper, add_nl_damper_power
-   use rwmf_model_effects_numbers, only: bending_effect, damper_effect, fuse_effect, &
-      inerter_effect, link_effect, nl_damper_effect, p_delta_effect, storeys_effect, &
-      vertical_effect, yielding_effect
+   use rwmf_model_effects_numbers, only: bending_effect, inerter_effect, link_effect, &
+      nl_damper_effect, p_delta_effect, storeys_effect, vertical_effect, yielding_effect
    use rwmf_model_effects_p_delta_loop, only: add_p_delta
    use rwmf_model_effects_storeys_storeys_loop, only: add_excited_mass, add_excited_mass_power, &
       add_floor_power, add_floors, follow_storeys, move_storeys
    use rwmf_model_effects_vertical_motion_loop, only: add_vertical, add_vertical_power
    use rwmf_model_effects_yielding_loop, only: add_bouc_wen, add_bouc_wen_power
-   use rwmf_model_lanes, only: add_frame, add_frame_power, add_linear_cable, add_straight_cable, &
-      add_wall_power, lane_count, lane_motion_t, move_bare_frame, move_wall, power_count, tilt_link
-   use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
-      straight_cable_term
+   use rwmf_model_lanes, only: add_frame, add_frame_power, add_wall_power, lane_count, &
+      lane_motion_t, move_bare_frame, move_wall, power_count, tilt_link
+   use rwmf_model_scene, only: axis_term, chord_term, first_wall, frame_term, line_term, &
+      rise_term, scene_t
    implicit none
    private
 
@@ -45,10 +44,14 @@ contains
             select case (term%effect)
             case (frame_term)
                call add_frame(coef(1, own), motion)
-            case (linear_cable_term)
-               call add_linear_cable(coef(1, own), motion)
-            case (straight_cable_term)
-               call add_straight_cable(coef(1, own), motion)
+            case (axis_term)
+               call add_axial(coef(1, own), motion)
+            case (line_term)
+               call add_straight_tendons(term%n, coef(1, own), motion)
+            case (chord_term)
+               call add_chords(coef(1, own), motion)
+            case (rise_term)
+               call add_rises(coef(1, own), motion)
             case (storeys_effect)
                if (term%n > 0) then
                   call add_floors(term, coef(1, own), y(1, term%state), motion, &
@@ -58,12 +61,8 @@ contains
                end if
             case (link_effect)
                call tilt_link(coef(1, own), motion)
-            case (damper_effect)
-               call add_damper(coef(1, own), motion)
             case (inerter_effect)
                call add_inerter(coef(1, own), motion)
-            case (fuse_effect)
-               call add_fuse(coef(1, own), motion)
             case (yielding_effect)
                call add_bouc_wen(term%law, coef(1, own), y(1, term%state), motion, &
                   y_dot(1, term%state))
@@ -173,8 +172,10 @@ contains
                else
                   call add_excited_mass_power(weight, coef(1, own), motion, total)
                end if
-            case (damper_effect)
-               call add_damper_power(weight, coef(1, own), motion, total)
+            case (chord_term)
+               call add_chord_power(weight, coef(1, own), motion, total)
+            case (rise_term)
+               call add_rise_power(weight, coef(1, own), motion, total)
             case (yielding_effect)
                call add_bouc_wen_power(weight, coef(1, own), y(1, term%state), &
                   y_dot(1, term%state), motion, total)

@@ -5,14 +5,15 @@ module rwmf_model_effects_nl_damper_loop
    implicit none
    private
 
-   public :: add_nl_damper, add_nl_damper_power
+   public :: add_nl_damper, add_nl_damper_power, raise_rate
 
 contains
 
    !> Add the force of the dampers to the moment.
    pure subroutine add_nl_damper(coef, motion)
-      real(wp), intent(in) :: coef(lane_count, 3)
-      !! 2b [m]; 2b times the force at 1 m/s over m_w R**2 [1/s2]; exponent [-]
+      real(wp), intent(in) :: coef(lane_count, 4)
+      !! largest arm a [m]; a times the force at 1 m/s over m_w R**2 [1/s2]; exponent [-]; that force
+      !! [m/s2]
       type(lane_motion_t), intent(inout) :: motion
       real(wp) :: power(lane_count)
       integer :: i
@@ -29,7 +30,7 @@ contains
    pure subroutine add_nl_damper_power(weight, coef, motion, total)
       real(wp), intent(in) :: weight
       !! weight of the power in the sum [-]
-      real(wp), intent(in) :: coef(lane_count, 3)
+      real(wp), intent(in) :: coef(lane_count, 4)
       !! coefficients of `add_nl_damper` [m], [1/s2], [-]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: total(lane_count, power_count)
@@ -47,7 +48,7 @@ contains
 
    !> Raise the velocity of the stroke over 1 m/s to the exponent, |v|**exponent.
    pure subroutine raise_rate(coef, motion, power)
-      real(wp), intent(in) :: coef(lane_count, 3)
+      real(wp), intent(in) :: coef(lane_count, 4)
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(out) :: power(lane_count)
       !! |v|**exponent, with v in m/s [-]

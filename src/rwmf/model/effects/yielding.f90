@@ -5,7 +5,7 @@ module rwmf_model_effects_yielding
    use rwmf_core_kinds, only: pi, wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, frame_mass, &
-      frame_travel, model_t, place_frame, sprung_t
+      frame_travel, model_t, sprung_t
    use rwmf_model_floor_motion, only: storey_motion
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_energy, bouc_wen_sizes, &
       prepare_bouc_wen
@@ -489,7 +489,7 @@ contains
       allocate (springs(size(shares)))
       do i = 1, size(shares)
          springs(i) = sprung_t(new_spring(stiffness*shares(i), stiffness*shares(i)*u_y(i), &
-            case%yielding%hardening, law=case%yielding%law), place_frame, shares(i))
+            case%yielding%hardening, law=case%yielding%law), share=shares(i))
       end do
    end function frame_springs
 

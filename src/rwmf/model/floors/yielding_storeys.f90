@@ -282,7 +282,7 @@ contains
          call put(row, id%frame_force_over_m_s_g, shears(1)/(frame_mass(equation)*equation%p%g))
          return
       end if
-      shears = shears*(equation%floors%unit/equation%p%g)
+      shears = equation%walls*shears*(equation%floors%unit/equation%p%g)
       call put(row, id%storey_i_shear_over_m_w_g, shears)
    end subroutine put_shears
 

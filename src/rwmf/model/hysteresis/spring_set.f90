@@ -1,33 +1,29 @@
-!> Springs with memory in a scene: a tendon that yields or breaks, fuses at the corners, a
-!> yielding frame. This module places them, adds their forces to the equation and updates their
-!> branches.
+!> Springs with memory in a scene: those of a yielding frame, and of tendons, fuses, couplings and
+!> restraints. This module updates their branches and evaluates them.
 !>
 !> Their branches are smooth functions of the rotation. The rotation at the end of a branch is
-!> computed beforehand (`renew_window`), so that the hybrid loop locates it like an impact.
+!> computed beforehand (`renew_window`), so that the hybrid loop locates it like an impact. A window
+!> also ends where the stroke of a vertical element turns.
 module rwmf_model_hysteresis_spring_set
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, narrow
    use rwmf_model_bilinear_spring, only: is_broken
-   use rwmf_model_cable, only: cable_elongation
+   use rwmf_model_elements, only: element_t, of_cable
    use rwmf_model_equation, only: contribution_t, discrete_state_t, equation_t, &
-      straight_displacement, frame_mass, model_t, place_frame, place_left, place_right, &
-      renew_coefficients, sprung_t, window_t
-   use rwmf_model_history_row, only: history_row_t, put
+      straight_displacement, frame_mass, model_t, renew_coefficients, sprung_t, window_t
    use rwmf_model_hysteresis_spring_laws, only: forget_loss, has_wear, loading_direction, &
       new_branch, pass_limit, spring_energy, spring_force, spring_limits, spring_loss, &
       spring_plastic, spring_residual, turn_spring
    use rwmf_model_spring, only: branch_t, spring_t
-   use rwmf_problem_quantity_table, only: id
+   use rwmf_model_stroke, only: angle_of_stroke, moves, stroke_at, turning_angle
    implicit none
    private
 
    public :: add_springs
-   public :: fuses_energy, yielding_energy, springs_loss
+   public :: elements_energy, yielding_energy, springs_loss
    public :: reset_springs, load_to, renew_window, pass_window, turn_back
-   public :: moves
-   public :: put_spring_forces, tendon_is_broken, prestress_loss, frame_residual
+   public :: broken_tendons, prestress_loss, frame_residual, frame_force
    public :: frame_residuals, plastic_displacement, plastic_parts, uneven_plastic_part
-   public :: fuse_uplift, spring_forces
 
 contains
 
@@ -39,7 +35,7 @@ contains
 
       if (.not. model%has_bilinear_springs) return
       state%windows%is_known = .false.
-      associate (of_frame => model%springs%place == place_frame)
+      associate (of_frame => model%springs%element == 0)
          if (any(of_frame)) then
             state%frame_offset = sum(state%springs%offset, of_frame)
             state%frame_slope = sum(state%springs%slope, of_frame)
@@ -48,39 +44,45 @@ contains
       call renew_coefficients(model, state)
    end subroutine follow_branches
 
-   !> Add springs to the scene. Those of the frame come first.
+   !> Add springs with memory to the scene, those of the frame first.
    subroutine add_springs(springs, angle_limit, equation)
       type(sprung_t), intent(in) :: springs(:)
-      !! (springs) all of the frame, or none; empty for a tendon, which the cable holds
       real(wp), intent(in) :: angle_limit
       !! largest |theta| of the run [rad]
       type(equation_t), intent(inout) :: equation
-      !! equation with its geometry and its cable
+      real(wp) :: angle
+      integer :: i, side
 
       if (.not. allocated(equation%springs)) allocate (equation%springs(0))
-      if (any(springs%place == place_frame)) then
-         equation%springs = [springs, equation%springs]
-      else
-         equation%springs = [equation%springs, springs]
-      end if
+      equation%springs = [equation%springs, springs]
       equation%has_bilinear_springs = .true.
       equation%angle_limit = angle_limit
-      if (allocated(equation%reach)) deallocate (equation%reach)
-      allocate (equation%reach(2, -1:1, 0:size(equation%springs)))
-      equation%reach(:, :, :) = reach_of(equation%model_t)
+      angle = huge(angle)
+      do i = 1, size(equation%springs)
+         if (equation%springs(i)%element == 0) cycle
+         do side = -1, 1, 2
+            angle = min(angle, turning_angle(equation%elements(equation%springs(i)%element)%stroke, &
+               side))
+         end do
+      end do
+      if (angle < angle_limit) equation%state%is_beyond = spread(.false., 1, size(equation%springs))
       call reset_springs(equation%model_t, equation%state)
    end subroutine add_springs
 
-   !> Return whether a spring moves on the current side. A fuse moves when its corner lifts. Under
-   !> a hinged wall the left fuse always moves and represents both.
-   pure logical function moves(place, side)
-      integer, intent(in) :: place
-      !! place of the spring: `place_left`, `place_right` or `place_frame`
-      integer, intent(in) :: side
-      !! current side of the motion, +1 or -1
+   !> Number of walls' masses, or of the frame's mass, that a spring acts on for each m_w [-].
+   pure real(wp) function weight_of(model, number) result(weight)
+      class(model_t), intent(in) :: model
+      integer, intent(in) :: number
+      !! number of the spring
 
-      moves = place == place_frame .or. place == side
-   end function moves
+      associate (element => model%springs(number)%element)
+         if (element == 0) then
+            weight = frame_mass(model)
+         else
+            weight = model%elements(element)%weight
+         end if
+      end associate
+   end function weight_of
 
    !> Energy dissipated by yielding of all springs since t = 0 [J/kg].
    real(wp) function springs_loss(equation, theta) result(loss)
@@ -92,41 +94,38 @@ contains
       integer :: i
 
       loss = 0
-      associate (side => equation%state%side)
-         if (equation%cable%is_tendon) loss = equation%p%g*spring_loss(equation%cable%tendon, &
-            equation%state%tendon, elongation_of(equation, side, 0, side*theta))
-         do i = 1, size(equation%springs)
-            associate (place => equation%springs(i)%place)
-               x = 0
-               if (moves(place, side)) x = elongation_of(equation, side, i, side*theta)
-               loss = loss + merge(frame_mass(equation), 1.0_wp, place == place_frame) &
-                  *spring_loss(equation%springs(i)%spring, equation%state%springs(i), x)
-            end associate
-         end do
-      end associate
+      do i = 1, size(equation%springs)
+         x = elongation_of(equation, equation%state%side, i, equation%state%side*theta)
+         loss = loss + weight_of(equation, i)*spring_loss(equation%springs(i)%spring, &
+            equation%state%springs(i), x)
+      end do
    end function springs_loss
 
-   !> Energy stored in the fuses [J/kg].
-   real(wp) function fuses_energy(effect, equation, y) result(energy)
-      type(contribution_t), intent(in) :: effect
+   !> Energy stored in vertical elements: in tendons, and in all others, for each wall [J/kg].
+   function elements_energy(equation, theta) result(energy)
       type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: y(:)
-      !! states
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: energy(2)
       real(wp) :: x
-      integer :: i
+      integer :: i, k
 
       energy = 0
-      do i = 1, size(equation%springs)
-         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
-                    branch => equation%state%springs(i))
-            if (place == place_frame) cycle
-            x = 0
-            if (moves(place, equation%state%side)) x = elongation_of(equation, &
-               equation%state%side, i, equation%state%side*y(1))
-            energy = energy + spring_energy(spring, branch, x)
+      if (.not. allocated(equation%elements)) return
+      do i = 1, size(equation%elements)
+         associate (element => equation%elements(i), side => equation%state%side)
+            k = merge(1, 2, element%group == of_cable)
+            x = stroke_at(element%stroke, side, side*theta)
+            if (element%spring > 0) then
+               energy(k) = energy(k) + element%weight*spring_energy(equation%springs( &
+                  element%spring)%spring, equation%state%springs(element%spring), x)
+            else
+               energy(k) = energy(k) + element%weight*x*(element%force_0 &
+                  + merge(side, 1, element%is_signed)*element%stiffness*x/2)
+            end if
          end associate
       end do
-   end function fuses_energy
+   end function elements_energy
 
    !> Strain energy of the yielding frame minus that of an elastic one; its kinetic part is zero
    !> [J/kg].
@@ -142,32 +141,13 @@ contains
       energy = 0
       x = straight_displacement(equation, equation%state%side, y(1))
       do i = 1, size(equation%springs)
-         associate (spring => equation%springs(i)%spring, place => equation%springs(i)%place, &
-                    branch => equation%state%springs(i))
-            if (place == place_frame) energy(2) = energy(2) + frame_mass(equation) &
+         associate (spring => equation%springs(i)%spring, branch => equation%state%springs(i))
+            if (equation%springs(i)%element == 0) energy(2) = energy(2) + frame_mass(equation) &
                *(spring_energy(spring, branch, x) - equation%springs(i)%share &
                *(equation%p%omega_s*x)**2/2)
          end associate
       end do
    end function yielding_energy
-
-   !> Elongations of all springs at the ends of the range of rotations in which all are monotone.
-   function reach_of(model) result(reach)
-      type(model_t), intent(in) :: model
-      real(wp) :: reach(2, -1:1, 0:size(model%springs))
-      !! elongations by side and spring, see `rotation_at` [m]
-      integer :: number
-      integer :: side
-
-      reach = 0
-      if (.not. model%has_wall) return
-      do number = merge(0, 1, model%cable%is_tendon), size(model%springs)
-         do side = -1, 1, 2
-            reach(1, side, number) = elongation_of(model, side, number, least_angle(model))
-            reach(2, side, number) = elongation_of(model, side, number, model%angle_limit)
-         end do
-      end do
-   end function reach_of
 
    !> Smallest |theta| at which elongations of the springs are computed. For a hinged wall, whose
    !> side never changes, it is the smallest theta [rad].
@@ -183,8 +163,8 @@ contains
       type(discrete_state_t), intent(inout) :: state
 
       if (.not. model%has_bilinear_springs) return
-      state%tendon = new_branch(model%cable%tendon)
       state%springs = new_branch(model%springs%spring)
+      if (allocated(state%is_beyond)) state%is_beyond = .false.
       call follow_branches(model, state)
    end subroutine reset_springs
 
@@ -209,7 +189,6 @@ contains
       ! springs that have yielded during this loading may unload from here on
       call turn_back(model, state, theta)
       call renew_window(model, state)
-      call forget_loss(state%tendon)
       call forget_loss(state%springs)
    end subroutine load_to
 
@@ -235,110 +214,178 @@ contains
 
       window%is_known = .true.
       window%ends_at_peak = model%has_loading_direction .or. model%creep > 0
-      if (model%cable%is_tendon) call narrow_window(model, state%side, 0, model%cable%tendon, &
-         state%tendon, window)
       do i = 1, size(model%springs)
-         if (moves(model%springs(i)%place, state%side)) call narrow_window(model, state%side, &
-            i, model%springs(i)%spring, state%springs(i), window)
+         if (can_move(model, state%side, i)) call narrow_window(model, state, i, window)
       end do
    end function window_of
 
-   !> Narrow a window to the limits of one spring.
-   subroutine narrow_window(model, side, number, spring, branch, window)
+   !> Return whether a spring moves on a side.
+   pure logical function can_move(model, side, number)
       type(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! current side, +1 or -1
+      !! +1 or -1
       integer, intent(in) :: number
-      !! number of the spring; 0 is the tendon
-      type(spring_t), intent(in) :: spring
-      type(branch_t), intent(in) :: branch
+      !! number of the spring
+
+      can_move = .true.
+      associate (element => model%springs(number)%element)
+         if (element > 0) can_move = moves(model%elements(element)%stroke, side)
+      end associate
+   end function can_move
+
+   !> Narrow a window to the limits of one spring.
+   subroutine narrow_window(model, state, number, window)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
+      integer, intent(in) :: number
+      !! number of the spring
       type(window_t), intent(inout) :: window
       real(wp) :: x(2)
       !! limits of the elongation [m]
       real(wp) :: theta(2)
+      real(wp) :: turn
 
-      if (loading_direction(spring, branch) /= 0) window%ends_at_peak = .true.
-      call spring_limits(spring, branch, x(1), x(2))
-      theta = [rotation_at(model, side, number, x(1)), rotation_at(model, side, number, x(2))]
+      associate (spring => model%springs(number)%spring, branch => state%springs(number))
+         if (loading_direction(spring, branch) /= 0) window%ends_at_peak = .true.
+         call spring_limits(spring, branch, x(1), x(2))
+      end associate
+      theta = [rotation_at(model, state, number, x(1)), rotation_at(model, state, number, x(2))]
       window%low = max(window%low, minval(theta))
       window%high = min(window%high, maxval(theta))
+      if (.not. allocated(state%is_beyond)) return
+      turn = state%side*turn_of(model, state%side, number)
+      if (state%is_beyond(number) .eqv. state%side > 0) then
+         window%low = max(window%low, turn)
+      else
+         window%high = min(window%high, turn)
+      end if
    end subroutine narrow_window
 
-   !> Elongation of a spring at a rotation on the current side [m].
-   real(wp) function elongation_of(model, side, number, phi) result(x)
+   !> Rotation at which the stroke of a spring turns, the largest number if it does not [rad].
+   pure real(wp) function turn_of(model, side, number) result(phi)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: side
+      !! +1 or -1
+      integer, intent(in) :: number
+      !! number of the spring
+
+      phi = huge(phi)
+      associate (element => model%springs(number)%element)
+         if (element > 0) phi = turning_angle(model%elements(element)%stroke, side)
+      end associate
+      if (phi >= model%angle_limit) phi = huge(phi)
+   end function turn_of
+
+   !> Range of |theta| up to overturning in which the elongation of a spring is monotone [rad].
+   pure function monotone_range(model, state, number) result(phi)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
+      integer, intent(in) :: number
+      !! number of the spring
+      real(wp) :: phi(2)
+
+      phi = [least_angle(model), model%angle_limit]
+      if (.not. allocated(state%is_beyond)) return
+      if (state%is_beyond(number)) then
+         phi(1) = turn_of(model, state%side, number)
+      else
+         phi(2) = min(phi(2), turn_of(model, state%side, number))
+      end if
+   end function monotone_range
+
+   !> Sign of the change of a spring's elongation where |theta| grows.
+   integer function growth(model, state, number)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
+      integer, intent(in) :: number
+      !! number of the spring
+      real(wp) :: phi(2)
+
+      growth = state%side
+      if (model%springs(number)%element == 0) return
+      phi = monotone_range(model, state, number)
+      growth = merge(1, -1, elongation_of(model, state%side, number, phi(2)) &
+         > elongation_of(model, state%side, number, phi(1)))
+   end function growth
+
+   !> Elongation of a spring at a rotation on a side [m].
+   pure real(wp) function elongation_of(model, side, number, phi) result(x)
       class(model_t), intent(in) :: model
       integer, intent(in) :: side
-      !! current side, +1 or -1
+      !! +1 or -1
       integer, intent(in) :: number
-      !! number of the spring; 0 is the tendon
+      !! number of the spring
       real(wp), intent(in) :: phi
       !! |theta| [rad]; bare frame: displacement [m]
-      real(wp) :: arm
 
-      if (number == 0) then
-         call cable_elongation(model%cable, phi, x, arm)
-      else if (model%springs(number)%place == place_frame) then
-         x = straight_displacement(model, side, side*phi)
-      else
-         x = 4*model%p%R*model%p%sin_alpha*sin(phi/2)
-      end if
+      associate (element => model%springs(number)%element)
+         if (element == 0) then
+            x = straight_displacement(model, side, side*phi)
+         else
+            x = stroke_at(model%elements(element)%stroke, side, phi)
+         end if
+      end associate
    end function elongation_of
 
    !> Rotation (bare frame: displacement) at which a spring has the elongation x. It is +-huge
-   !> outside the range up to overturning, in which all elongations are monotone.
-   real(wp) function rotation_at(model, side, number, x) result(theta)
-      class(model_t), intent(in) :: model
-      integer, intent(in) :: side
-      !! current side, +1 or -1
+   !> outside the range in which the elongation is monotone.
+   real(wp) function rotation_at(model, state, number, x) result(theta)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: number
-      !! number of the spring; 0 is the tendon
+      !! number of the spring
       real(wp), intent(in) :: x
       !! elongation [m]
       type(bracket_t) :: bracket
       !! bracket of |theta|
+      real(wp) :: phi(2), reach(2)
       integer :: direction
       !! +1 if the elongation grows with |theta|
 
       theta = x
-      if (.not. model%has_wall .and. number > 0) return
-      associate (reach => model%reach(:, side, number))
+      if (.not. model%has_wall) return
+      associate (side => state%side)
+         phi = monotone_range(model, state, number)
+         reach = [elongation_of(model, side, number, phi(1)), elongation_of(model, side, number, &
+            phi(2))]
          direction = merge(1, -1, reach(2) > reach(1))
          theta = direction*side*huge(x)
-         if (x >= max(reach(1), reach(2))) return
+         if (x >= maxval(reach)) return
          theta = -theta
-         if (x <= min(reach(1), reach(2))) return
+         if (x <= minval(reach)) return
+         theta = side*angle_of(model, state, number, x)
+         if (abs(theta) < huge(x)) return
+         bracket = bracket_between(phi(1), phi(2))
+         do while (bracket%is_open)
+            call narrow(bracket, direction*(elongation_of(model, side, number, bracket%middle) &
+               - x) >= 0)
+         end do
+         theta = side*bracket%high
       end associate
-      theta = side*angle_of(model, side, number, x)
-      if (abs(theta) < huge(x)) return
-      bracket = bracket_between(least_angle(model), model%angle_limit)
-      do while (bracket%is_open)
-         call narrow(bracket, direction*(elongation_of(model, side, number, bracket%middle) &
-            - x) >= 0)
-      end do
-      theta = side*bracket%high
    end function rotation_at
 
    !> |theta| at which a spring reaches an elongation, if a closed formula exists; else the largest
-   !> number. A straight cable and the far end of a tilted link have no formula.
-   pure real(wp) function angle_of(model, side, number, x) result(angle)
-      class(model_t), intent(in) :: model
-      integer, intent(in) :: side
-      !! current side, +1 or -1
+   !> number. The far end of a tilted link has no formula.
+   pure real(wp) function angle_of(model, state, number, x) result(angle)
+      type(model_t), intent(in) :: model
+      type(discrete_state_t), intent(in) :: state
       integer, intent(in) :: number
-      !! number of the spring; 0 is the tendon
+      !! number of the spring
       real(wp), intent(in) :: x
       !! elongation [m]
+      logical :: is_beyond
       real(wp) :: away
       !! displacement from the pivot over 2R [-]
       real(wp) :: cosine
       !! cosine of alpha - phi
 
       angle = huge(angle)
-      associate (R => model%p%R, shape => model%geometry)
-         if (number == 0) then
-            if (.not. model%cable%is_straight) angle = x/model%cable%b
-         else if (model%springs(number)%place /= place_frame) then
-            angle = 2*asin(x/(4*R*model%p%sin_alpha))
+      associate (R => model%p%R, shape => model%geometry, side => state%side, &
+         element => model%springs(number)%element)
+         if (element > 0) then
+            is_beyond = .false.
+            if (allocated(state%is_beyond)) is_beyond = state%is_beyond(number)
+            angle = angle_of_stroke(model%elements(element)%stroke, side, x, is_beyond)
          else if (.not. shape%link > 0) then
             away = side*x/(2*R)
             if (shape%sine_link(side) > 0) then
@@ -365,43 +412,39 @@ contains
       integer :: number
 
       limit = merge(state%high, state%low, is_rising)
-      do number = 0, size(model%springs)
-         if (number == 0) then
-            if (model%cable%is_tendon) call pass_one(model, state%side, number, limit, is_rising, &
-               model%cable%tendon, state%tendon)
-         else if (moves(model%springs(number)%place, state%side)) then
-            call pass_one(model, state%side, number, limit, is_rising, &
-               model%springs(number)%spring, state%springs(number))
-         end if
+      do number = 1, size(model%springs)
+         if (can_move(model, state%side, number)) call pass_one(model, state, number, limit, &
+            is_rising)
       end do
       call follow_branches(model, state)
       call renew_window(model, state)
    end subroutine pass_window
 
-   !> Begin the next branch of one spring if its limit is at this rotation.
-   subroutine pass_one(model, side, number, limit, is_rising, spring, branch)
+   !> Begin the next branch of one spring if its limit or its turn is at this rotation.
+   subroutine pass_one(model, state, number, limit, is_rising)
       type(model_t), intent(in) :: model
-      integer, intent(in) :: side
-      !! current side, +1 or -1
+      type(discrete_state_t), intent(inout) :: state
       integer, intent(in) :: number
+      !! number of the spring
       real(wp), intent(in) :: limit
       !! limit of the rotation or displacement [rad] or [m]
       logical, intent(in) :: is_rising
       !! theta grows
-      type(spring_t), intent(in) :: spring
-      type(branch_t), intent(inout) :: branch
       real(wp) :: x(2)
       logical :: grows
       !! true if the elongation grows
 
-      call spring_limits(spring, branch, x(1), x(2))
-      grows = is_rising .eqv. side > 0
-      if (number > 0) then
-         if (model%springs(number)%place == place_frame) grows = is_rising
-      end if
-      if (abs(rotation_at(model, side, number, merge(x(2), x(1), grows)) - limit) <= 0) then
-         call pass_limit(spring, branch, grows)
-      end if
+      associate (spring => model%springs(number)%spring)
+         call spring_limits(spring, state%springs(number), x(1), x(2))
+         grows = (is_rising .eqv. state%side > 0) .eqv. growth(model, state, number) > 0
+         if (abs(rotation_at(model, state, number, merge(x(2), x(1), grows)) - limit) <= 0) &
+            call pass_limit(spring, state%springs(number), grows)
+         if (.not. allocated(state%is_beyond)) return
+         if (abs(state%side*turn_of(model, state%side, number) - limit) > 0) return
+         state%is_beyond(number) = is_rising .eqv. state%side > 0
+         if (loading_direction(spring, state%springs(number)) /= 0) call turn_spring(spring, &
+            state%springs(number), elongation_of(model, state%side, number, abs(limit)))
+      end associate
    end subroutine pass_one
 
    !> Unload yielding springs where the motion reverses or the wall hits the base.
@@ -419,27 +462,22 @@ contains
       !! sign of theta' after the event; springs that continue loading are unchanged. Default: all
       !! unload
       logical :: unloads, passes
-      integer :: of_frame, of_corner
-      !! directions of continued loading, of the frame and of elongations at the wall
+      integer :: forward
+      !! direction of continued loading of a spring
       integer :: i
 
       if (.not. (model%has_bilinear_springs .and. state%ends_at_peak)) return
       passes = .false.
       if (present(goes_on)) passes = goes_on
-      of_frame = 0
-      if (present(onward)) of_frame = onward
-      of_corner = of_frame*state%side
-      associate (direction => loading_direction(model%cable%tendon, state%tendon))
-         unloads = direction /= 0 .and. direction /= of_corner
-      end associate
-      if (unloads) call turn_spring(model%cable%tendon, state%tendon, &
-         elongation_of(model, state%side, 0, state%side*theta))
+      unloads = .false.
       do i = 1, size(model%springs)
-         associate (spring => model%springs(i)%spring, place => model%springs(i)%place)
-            if (any(loading_direction(spring, state%springs(i)) == [0, merge(of_frame, of_corner, &
-               place == place_frame)])) cycle
-            if (.not. moves(place, state%side)) cycle
-            if (passes .and. place == place_frame .and. has_wear(spring)) cycle
+         associate (spring => model%springs(i)%spring)
+            if (loading_direction(spring, state%springs(i)) == 0) cycle
+            if (.not. can_move(model, state%side, i)) cycle
+            forward = 0
+            if (present(onward)) forward = onward*state%side*growth(model, state, i)
+            if (loading_direction(spring, state%springs(i)) == forward) cycle
+            if (passes .and. goes_through(model, i)) cycle
             call turn_spring(spring, state%springs(i), elongation_of(model, state%side, i, &
                state%side*theta))
          end associate
@@ -448,87 +486,63 @@ contains
       if (unloads) call follow_branches(model, state)
    end subroutine turn_back
 
-   !> Write the history columns of the frame's total spring force and the forces of the fuses.
-   subroutine put_spring_forces(row, equation, theta)
-      type(history_row_t), intent(inout) :: row
+   !> Return whether a spring goes on where the wall changes its pivot: that of a frame whose law has
+   !> wear, and an element that sinks on one side as it rises on the other.
+   pure logical function goes_through(model, number)
+      type(model_t), intent(in) :: model
+      integer, intent(in) :: number
+      !! number of the spring
+
+      associate (element => model%springs(number)%element)
+         if (element == 0) then
+            goes_through = has_wear(model%springs(number)%spring)
+         else
+            associate (stroke => model%elements(element)%stroke)
+               goes_through = stroke%arm(1)*stroke%arm(-1) <= 0 .and. moves(stroke, 1) &
+                  .and. moves(stroke, -1)
+            end associate
+         end if
+      end associate
+   end function goes_through
+
+   !> Force of the frame's springs over m_s [m/s2].
+   real(wp) function frame_force(equation, theta) result(force)
       type(equation_t), intent(in) :: equation
       !! equation with springs
       real(wp), intent(in) :: theta
       !! [rad] or [m]
-      real(wp) :: forces(size(equation%springs))
       integer :: i
 
-      forces = spring_forces(equation, theta)
-      associate (of_frame => equation%springs%place == place_frame)
-         if (any(of_frame)) call put(row, id%frame_force_over_m_s_g, sum(forces, of_frame))
-      end associate
-      do i = 1, size(forces)
-         select case (equation%springs(i)%place)
-         case (place_left)
-            call put(row, id%fuse_left_force_over_m_w_g, forces(i))
-         case (place_right)
-            call put(row, id%fuse_right_force_over_m_w_g, forces(i))
-         case default
-            ! springs of the frame, written above
-         end select
+      force = 0
+      do i = 1, size(equation%springs)
+         if (equation%springs(i)%element > 0) exit
+         force = force + spring_force(equation%springs(i)%spring, equation%state%springs(i), &
+            elongation_of(equation, equation%state%side, i, equation%state%side*theta))
       end do
-   end subroutine put_spring_forces
+   end function frame_force
 
-   !> Forces of frame springs and fuses, over the weight of m_s and of m_w [-].
-   function spring_forces(equation, theta) result(forces)
+   !> Number of tendons that have broken.
+   pure integer function broken_tendons(state) result(n)
+      type(discrete_state_t), intent(in) :: state
+
+      n = 0
+      if (allocated(state%springs)) n = count(is_broken(state%springs))
+   end function broken_tendons
+
+   !> Loss of the force of a tendon at theta = 0, over m_w g [-].
+   real(wp) function prestress_loss(equation, element, theta) result(loss)
       type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad] or [m]
-      real(wp) :: forces(size(equation%springs))
-      real(wp) :: x
-      integer :: i
-
-      do i = 1, size(forces)
-         x = 0
-         if (moves(equation%springs(i)%place, equation%state%side)) then
-            x = elongation_of(equation, equation%state%side, i, equation%state%side*theta)
-         end if
-         forces(i) = spring_force(equation%springs(i)%spring, equation%state%springs(i), x) &
-            /equation%p%g
-      end do
-      ! under a hinged wall the right fuse, which comes last, mirrors the left one
-      i = size(forces)
-      if (.not. equation%has_impacts .and. i > 1) then
-         if (equation%springs(i)%place == place_right) forces(i) = -forces(i - 1)
-      end if
-   end function spring_forces
-
-   !> Upward force of both fuses on a rocking wall, over m_w g [-].
-   real(wp) function fuse_uplift(equation, theta) result(push)
-      type(equation_t), intent(in) :: equation
-      !! equation with fuses
-      real(wp), intent(in) :: theta
-      !! current rotation [rad]
-      real(wp) :: forces(size(equation%springs))
-
-      ! the fuses come last
-      forces = spring_forces(equation, theta)
-      push = -sum(forces(size(forces) - 1:))
-   end function fuse_uplift
-
-   !> Return whether the tendon has broken.
-   pure logical function tendon_is_broken(equation)
-      type(equation_t), intent(in) :: equation
-
-      tendon_is_broken = equation%cable%is_tendon .and. is_broken(equation%state%tendon)
-   end function tendon_is_broken
-
-   !> Loss of the tendon force at theta = 0, over m_w g [-].
-   real(wp) function prestress_loss(equation, theta) result(loss)
-      type(equation_t), intent(in) :: equation
+      type(element_t), intent(in) :: element
       real(wp), intent(in) :: theta
       !! current rotation [rad]
       type(branch_t) :: unloaded
 
-      unloaded = equation%state%tendon
-      call turn_spring(equation%cable%tendon, unloaded, elongation_of(equation, &
-         equation%state%side, 0, equation%state%side*theta))
-      loss = equation%cable%eta_0 - max(0.0_wp, unloaded%offset)
+      loss = 0
+      if (element%spring == 0) return
+      unloaded = equation%state%springs(element%spring)
+      call turn_spring(equation%springs(element%spring)%spring, unloaded, &
+         stroke_at(element%stroke, equation%state%side, equation%state%side*theta))
+      loss = (element%force_0 - max(0.0_wp, unloaded%offset))/equation%p%g
    end function prestress_loss
 
    !> Plastic part of the frame's displacement, by which its force lags behind an elastic one [m].
@@ -576,7 +590,7 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad] or [m]
-      real(wp) :: residuals(count(equation%springs%place == place_frame))
+      real(wp) :: residuals(count(equation%springs%element == 0))
       !! (springs of the frame, which come first)
 
       associate (n => size(residuals), state => equation%state)
@@ -590,7 +604,7 @@ contains
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad] or [m]
-      real(wp) :: parts(count(equation%springs%place == place_frame))
+      real(wp) :: parts(count(equation%springs%element == 0))
       !! (springs of the frame, which come first)
 
       associate (n => size(parts), state => equation%state)

@@ -5,26 +5,15 @@
 module rwmf_model_series_corner_series
    use rwmf_core_kinds, only: wp
    use rwmf_model_lanes, only: lane_count
+   use rwmf_model_series_element_series, only: expand_half_angle
    use rwmf_model_series_series_motion, only: power_of, product_of, pushed, series_motion_t
    implicit none
    private
 
-   public :: expand_damper, expand_inerter, expand_fuse, expand_nl_damper, expand_vertical
+   public :: expand_inerter, expand_nl_damper, expand_vertical
    public :: expand_leaning_column, expand_excited_mass, negligible_rate
 
 contains
-
-   !> Add the moment of the damper under the lifting corner.
-   pure subroutine expand_damper(n, coef, motion)
-      integer, intent(in) :: n
-      !! number of the coefficient
-      real(wp), intent(in) :: coef(lane_count)
-      !! coefficients as of `add_damper`
-      type(series_motion_t), intent(inout) :: motion
-
-      motion%moment(:, n) = motion%moment(:, n) - 0.5_wp*coef*(motion%rate(:, n) &
-         + motion%cosine_rate(:, n))
-   end subroutine expand_damper
 
    !> Add the inertia and moment of the inerter under the lifting corner.
    pure subroutine expand_inerter(n, coef, motion)
@@ -40,34 +29,11 @@ contains
          motion%rate)
    end subroutine expand_inerter
 
-   !> Expand sine and cosine of half the rotation.
-   pure subroutine expand_half_angle(n, motion)
-      integer, intent(in) :: n
-      type(series_motion_t), intent(inout) :: motion
-
-      if (n == 0) return
-      motion%half_sine(:, n) = product_of(n - 1, motion%half_cosine, motion%rate)/(2*n)
-      motion%half_cosine(:, n) = -product_of(n - 1, motion%half_sine, motion%rate)/(2*n)
-   end subroutine expand_half_angle
-
-   !> Add the force of the fuse, linear in the stroke.
-   pure subroutine expand_fuse(n, coef, motion)
-      integer, intent(in) :: n
-      !! number of the coefficient
-      real(wp), intent(in) :: coef(lane_count, 3)
-      !! coefficients as of `add_fuse`
-      type(series_motion_t), intent(inout) :: motion
-
-      call expand_half_angle(n, motion)
-      motion%moment(:, n) = motion%moment(:, n) - (coef(:, 1)*motion%half_cosine(:, n) &
-         + 0.5_wp*coef(:, 2)*motion%sine(:, n))
-   end subroutine expand_fuse
-
    !> Add the force of the nonlinear dampers, none up to a negligible velocity.
    pure subroutine expand_nl_damper(n, coef, motion)
       integer, intent(in) :: n
       !! number of the coefficient
-      real(wp), intent(in) :: coef(lane_count, 3)
+      real(wp), intent(in) :: coef(lane_count, 4)
       !! coefficients as of `add_nl_damper`
       type(series_motion_t), intent(inout) :: motion
       integer, parameter :: speed = 1, power = 2
@@ -91,7 +57,7 @@ contains
    !> Velocity below which the impulse of the nonlinear dampers until the next turn is negligible,
    !> far below the one at which they balance the moment.
    pure real(wp) function negligible_rate(coef, turn, inertia, impulse) result(rate)
-      real(wp), intent(in) :: coef(3)
+      real(wp), intent(in) :: coef(4)
       !! coefficients as of `add_nl_damper`
       real(wp), intent(in) :: turn
       !! |phi''| [rad/s2]

@@ -2,19 +2,19 @@
 !> scene, one coefficient after the other.
 module rwmf_model_series_scene_series
    use rwmf_core_kinds, only: wp
-   use rwmf_model_effects_numbers, only: bending_effect, damper_effect, fuse_effect, &
-      inerter_effect, link_effect, nl_damper_effect, p_delta_effect, storeys_effect, &
-      vertical_effect, yielding_effect
+   use rwmf_model_effects_numbers, only: bending_effect, inerter_effect, link_effect, &
+      nl_damper_effect, p_delta_effect, storeys_effect, vertical_effect, yielding_effect
    use rwmf_model_lanes, only: lane_count
-   use rwmf_model_scene, only: first_wall, frame_term, linear_cable_term, scene_t, &
-      straight_cable_term, term_t
+   use rwmf_model_scene, only: axis_term, chord_term, first_wall, frame_term, line_term, &
+      rise_term, scene_t, term_t
    use rwmf_model_series_bending_series, only: bend_series, bending_memory, expand_modes, &
       locate_floors, release_series
-   use rwmf_model_series_corner_series, only: expand_damper, expand_excited_mass, expand_fuse, &
-      expand_inerter, expand_leaning_column, expand_nl_damper, expand_vertical
+   use rwmf_model_series_corner_series, only: expand_excited_mass, expand_inerter, &
+      expand_leaning_column, expand_nl_damper, expand_vertical
+   use rwmf_model_series_element_series, only: expand_axial, expand_chords, expand_rises, &
+      expand_straight_tendons, tendon_memory
    use rwmf_model_series_series_motion, only: expand_bare_frame, expand_frame, expand_link, &
-      expand_linear_cable, expand_straight_cable, expand_wall, highest_order, quotient_of, &
-      series_motion_t
+      expand_wall, highest_order, quotient_of, series_motion_t
    use rwmf_model_series_smooth_series, only: expand_bouc_wen, locate_spring
    use rwmf_model_series_storey_series, only: expand_floors, expand_storey_columns, &
       locate_storeys, storey_memory
@@ -43,6 +43,7 @@ contains
       n = 0
       if (term%effect == storeys_effect .and. term%n > 0) n = storey_memory(term)
       if (term%effect == bending_effect) n = bending_memory(term)
+      if (term%effect == line_term) n = tendon_memory*term%n
    end function memory_of
 
    !> Continue the series of all states from one order to a higher one. Order 0 is their values at
@@ -111,8 +112,7 @@ contains
          call expand_bare_frame(n, y(1, n, 1), y(1, n, 2), motion)
       end if
       if (scene%bent > 0) then
-         ! its memory is the last one
-         next = series_memory(scene) - memory_of(scene%terms(scene%bent)) + 1
+         next = 1 + sum([(memory_of(scene%terms(i)), i=1, scene%bent - 1)])
          associate (term => scene%terms(scene%bent))
             call bend_series(n, term, coef(1, term%coef), coef(1, first_wall), &
                y(1, 0, term%state), memory(1, 0, next), motion)
@@ -131,7 +131,7 @@ contains
       rates(:, 2) = motion%side*motion%turn(:, n)
       if (scene%bent > 0) then
          associate (term => scene%terms(scene%bent))
-            next = next - memory_of(term)
+            next = 1 + sum([(memory_of(scene%terms(i)), i=1, scene%bent - 1)])
             call release_series(n, term, coef(1, term%coef), y(1, 0, term%state), &
                memory(1, 0, next), motion, rates(1, term%state))
          end associate
@@ -152,10 +152,14 @@ contains
       select case (term%effect)
       case (frame_term)
          call expand_frame(n, coef, motion)
-      case (linear_cable_term)
-         call expand_linear_cable(n, coef, motion)
-      case (straight_cable_term)
-         call expand_straight_cable(n, coef, motion)
+      case (axis_term)
+         call expand_axial(n, coef, motion)
+      case (line_term)
+         call expand_straight_tendons(n, term%n, coef, memory, motion)
+      case (chord_term)
+         call expand_chords(n, coef, motion)
+      case (rise_term)
+         call expand_rises(n, coef, motion)
       case (storeys_effect)
          if (term%n > 0) then
             call expand_floors(n, term, coef, y(1, 0, term%state), memory, motion, &
@@ -165,12 +169,8 @@ contains
          end if
       case (link_effect)
          call expand_link(n, coef, motion)
-      case (damper_effect)
-         call expand_damper(n, coef, motion)
       case (inerter_effect)
          call expand_inerter(n, coef, motion)
-      case (fuse_effect)
-         call expand_fuse(n, coef, motion)
       case (yielding_effect)
          call expand_bouc_wen(n, term%law, coef, y(1, 0, term%state), motion, &
             rates(1, term%state))

@@ -6,15 +6,14 @@
 !> The first index of every array is the lane, as in `rwmf_model_lanes`, which explains the symbols.
 module rwmf_model_series_series_motion
    use rwmf_core_kinds, only: wp
-   use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_cosine => cosine, &
-      lane_count, lane_sine => sine, link_coefficients, wall_coefficients
+   use rwmf_model_lanes, only: frame_coefficients, lane_cosine => cosine, lane_count, &
+      lane_sine => sine, link_coefficients, wall_coefficients
    implicit none
    private
 
    public :: highest_order, series_motion_t, set_ground
    public :: product_of, root_of, quotient_of, power_of, pushed
-   public :: expand_weight, expand_wall, expand_bare_frame, expand_link, expand_frame, &
-      expand_linear_cable, expand_straight_cable
+   public :: expand_weight, expand_wall, expand_bare_frame, expand_link, expand_frame
 
 #ifdef RWMF_QUAD
    integer, parameter :: highest_order = 32
@@ -24,8 +23,8 @@ module rwmf_model_series_series_motion
 
    !> Series of single effects.
    type :: law_series_t
-      real(wp) :: cable(lane_count, 0:highest_order, 3)
-      !! series of a straight cable in the units of `expand_straight_cable`
+      real(wp) :: twice(lane_count, 0:highest_order, 2)
+      !! sin(2 phi) and cos(2 phi), set beside restraints and couplings [-]
       real(wp) :: tilt(lane_count, 0:highest_order, 8)
       !! series of a link of finite length in the units of `expand_link`
       real(wp) :: hysteresis(lane_count, 0:highest_order, 7)
@@ -393,46 +392,5 @@ contains
       motion%moment(:, n) = motion%moment(:, n) - coef(:, 1)*product_of(n, motion%lever, &
          motion%force)
    end subroutine expand_frame
-
-   !> Add the cable of Eq. (1), whose force and moment are linear in the rotation.
-   pure subroutine expand_linear_cable(n, coef, motion)
-      integer, intent(in) :: n
-      !! number of the coefficient
-      real(wp), intent(in) :: coef(lane_count, cable_coefficients)
-      !! coefficients as of `add_linear_cable`
-      type(series_motion_t), intent(inout) :: motion
-
-      motion%moment(:, n) = motion%moment(:, n) - coef(:, 2)*motion%phi(:, n)
-      if (n == 0) motion%moment(:, 0) = motion%moment(:, 0) - coef(:, 1)
-   end subroutine expand_linear_cable
-
-   !> Add a straight cable from the middle of the base to the middle of the top, as
-   !> `add_straight_cable`.
-   pure subroutine expand_straight_cable(n, coef, motion)
-      integer, intent(in) :: n
-      !! number of the coefficient
-      real(wp), intent(in) :: coef(lane_count, cable_coefficients)
-      !! coefficients as of `add_straight_cable`
-      type(series_motion_t), intent(inout) :: motion
-      integer, parameter :: length = 1, arm = 2, force = 3
-      !! length [m], arm [m] and force as its coefficients
-      real(wp) :: rise(lane_count)
-      !! change of the squared length [m2]
-
-      associate (h => coef(:, 3), b => coef(:, 4), of => motion%laws%cable)
-         if (n == 0) then
-            rise = 4*b*(b*motion%half_sine(:, 0)**2 + h*motion%sine(:, 0))
-            of(:, 0, length) = sqrt(4*h*h + rise)
-            of(:, 0, force) = coef(:, 1) + coef(:, 2)*(rise/(of(:, 0, length) + 2*h))
-         else
-            rise = 2*b*(2*h*motion%sine(:, n) - b*motion%cosine(:, n))
-            of(:, n, length) = root_of(n, rise, of(1, 0, length))
-            of(:, n, force) = coef(:, 2)*of(:, n, length)
-         end if
-         of(:, n, arm) = quotient_of(n, b*(b*motion%sine(:, n) + 2*h*motion%cosine(:, n)), &
-            of(1, 0, length), of(1, 0, arm))
-         motion%moment(:, n) = motion%moment(:, n) - product_of(n, of(1, 0, force), of(1, 0, arm))
-      end associate
-   end subroutine expand_straight_cable
 
 end module rwmf_model_series_series_motion

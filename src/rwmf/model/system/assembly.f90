@@ -8,24 +8,20 @@
 !> where q r is the moment of the cable. With lever = j = 2c this is Eq. (8) and its mirror image.
 module rwmf_model_system_assembly
    use rwmf_core_kinds, only: i8, pi, wp
-   use rwmf_model_cable, only: cable_elongation, cable_stiffness, linear_cable, no_cable, &
-      signed_linear_cable, spring_cable
    use rwmf_model_effects_loops, only: lane_rates
-   use rwmf_model_effects_tendon, only: has_tendon
    use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
       frame_displacement, ground, has_further_effects, interval_of, kinematics_at, uplift_demand, &
-      renew_coefficients, vertical_ground, sprung_t
-   use rwmf_model_hysteresis_spring_laws, only: new_branch, new_spring
-   use rwmf_model_hysteresis_spring_set, only: add_springs
+      renew_coefficients, vertical_ground
    use rwmf_model_kinematics, only: geometry_of
-   use rwmf_model_lanes, only: cable_coefficients, frame_coefficients, lane_motion_t, &
-      wall_coefficients
+   use rwmf_model_lanes, only: frame_coefficients, lane_motion_t, wall_coefficients
    use rwmf_model_parameters, only: parameters_t
-   use rwmf_model_scene, only: add_term, first_wall, force_parts_of, frame_term, in_cable, &
-      linear_cable_term, scene_t, straight_cable_term, term_t, through_link
+   use rwmf_model_scene, only: add_term, first_wall, force_parts_of, frame_term, scene_t, term_t, &
+      through_link
    use rwmf_model_system_contributions, only: choose_contributions
+   use rwmf_model_system_placement, only: add_element_terms, place_elements
    use rwmf_motion_ground_motion, only: motion_t
    use rwmf_problem_case, only: case_t
+   use rwmf_problem_scene_axes, only: share_frame, walls_of
    use rwmf_problem_wall_size, only: half_diagonal
    implicit none
    private
@@ -43,6 +39,23 @@ contains
       type(motion_t), intent(in), target :: motion
       !! must outlive the equation, which points to it
       type(equation_t), intent(out) :: equation
+      type(case_t) :: shared
+
+      if (walls_of(case) == 1) then
+         call assemble(case, motion, equation)
+      else
+         shared = case
+         call share_frame(shared)
+         call assemble(shared, motion, equation)
+      end if
+   end subroutine build_equation
+
+   !> Assemble the equation of one wall and its part of the frame.
+   subroutine assemble(case, motion, equation)
+      type(case_t), intent(in) :: case
+      !! a valid case whose frame has T_s
+      type(motion_t), intent(in), target :: motion
+      type(equation_t), intent(out) :: equation
 
       equation%has_wall = allocated(case%wall)
       equation%has_frame = allocated(case%frame)
@@ -55,12 +68,13 @@ contains
       if (equation%has_wall) call add_wall(case, equation)
       if (equation%has_frame) call add_term(equation%scene, term_t(frame_term, &
          n_coef=frame_coefficients, acts=through_link))
-      call choose_cable(case, equation)
       call choose_contributions(case, equation)
+      call place_elements(case, equation)
+      call add_element_terms(equation)
       equation%n = equation%scene%n
       equation%parts = force_parts_of(equation%scene)
       equation%parts%is_complete = equation%parts%is_complete .and. (equation%has_impacts &
-         .or. .not. equation%has_wall)
+         .or. .not. equation%has_wall) .and. equation%walls == 1
       if (equation%has_wall) equation%parts%has_shear_key = case%wall%shear_key
       allocate (equation%state%coef(1, equation%scene%n_coef))
       equation%state%coef(1, 1) = 1
@@ -75,7 +89,7 @@ contains
       if (equation%beam%n > 0) call find_push_gain(equation)
       equation%effects_act_at_rest = equation%has_impacts &
          .and. (has_further_effects(equation) .or. equation%has_bilinear_springs)
-   end subroutine build_equation
+   end subroutine assemble
 
    !> Find the moment of the ground acceleration on a bending wall over that on a rigid wall. The
    !> modes follow the ground and carry most of it.
@@ -136,73 +150,13 @@ contains
          p%xi_s = case%frame%xi_s
       end if
       if (allocated(case%cable)) then
-         p%eta_0 = case%cable%eta_0
-         p%eta_alpha = case%cable%eta_alpha
+         p%eta_0 = sum(case%cable%eta_0)
+         p%eta_alpha = sum(case%cable%eta_alpha)
       end if
       p%g_over_R = p%g/p%R
       p%two_xi_omega = 2*p%xi_s*p%omega_s
       p%omega_squared = p%omega_s**2
    end function parameters_of
-
-   subroutine choose_cable(case, equation)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(inout) :: equation
-      real(wp) :: elongation
-      !! at alpha [m]
-      real(wp) :: arm
-
-      equation%cable_law => no_cable
-      if (.not. equation%has_cable) return
-      equation%cable%eta_0 = case%cable%eta_0
-      equation%cable%R = equation%p%R
-      equation%cable%h = case%wall%h
-      equation%cable%b = case%wall%b
-      if (case%cable%law == 'truss') then
-         equation%cable_law => spring_cable
-         equation%cable%is_straight = .true.
-         call cable_elongation(equation%cable, equation%p%alpha, elongation, arm)
-         equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/elongation
-         equation%cable%tendon = new_spring(equation%cable%rate, huge(arm), 0.0_wp, &
-            case%cable%eta_0)
-         equation%state%tendon = new_branch(equation%cable%tendon)
-      else
-         equation%cable_law => linear_cable
-         equation%cable%rate = (case%cable%eta_alpha - case%cable%eta_0)/equation%p%alpha
-         equation%cable%is_signed = case%model%formulation == 'published'
-         if (equation%cable%is_signed) equation%cable_law => signed_linear_cable
-      end if
-      if (allocated(case%cable%area) .or. allocated(case%cable%rupture_strain)) then
-         equation%cable%length = 2*case%wall%h
-         if (allocated(case%cable%length)) equation%cable%length = case%cable%length
-      end if
-      if (has_tendon(case)) call choose_tendon(case, equation)
-      call add_term(equation%scene, term_t(merge(straight_cable_term, linear_cable_term, &
-         equation%cable%is_straight), n_coef=cable_coefficients, acts=in_cable))
-   end subroutine choose_cable
-
-   !> Set up a tendon whose elastic stiffness follows from eta_0 and eta_alpha.
-   subroutine choose_tendon(case, equation)
-      type(case_t), intent(in) :: case
-      type(equation_t), intent(inout) :: equation
-      real(wp) :: stiffness
-      !! over m_w g [1/m]
-      real(wp) :: yield
-      real(wp) :: rupture
-      !! elongation since theta = 0 [m]
-
-      stiffness = cable_stiffness(equation%cable)
-      yield = huge(yield)
-      if (allocated(case%cable%eta_y)) yield = case%cable%eta_y
-      rupture = huge(rupture)
-      if (allocated(case%cable%rupture_strain)) rupture = equation%cable%length &
-         *case%cable%rupture_strain - case%cable%eta_0/stiffness
-      equation%cable%is_tendon = .true.
-      equation%cable%tendon = new_spring(stiffness, yield, case%cable%hardening, &
-         case%cable%eta_0, is_tendon=.true., rupture=rupture)
-      equation%state%tendon = new_branch(equation%cable%tendon)
-      equation%cable_law => spring_cable
-      call add_springs([sprung_t ::], case%model%overturning_angle, equation)
-   end subroutine choose_tendon
 
    !> Compute the rates of the first-order form, y' = (theta', theta'', rates of further states).
    subroutine rhs(equation, t, y, y_dot)

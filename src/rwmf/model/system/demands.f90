@@ -11,7 +11,7 @@ module rwmf_model_system_demands
    use rwmf_model_bent_wall, only: bent_overturning
    use rwmf_model_effects_p_delta, only: leaning_height, leaning_loads
    use rwmf_model_equation, only: equation_t, frame_acceleration, frame_displacement, frame_mass, &
-      frame_motion, ground, kinematics_at, place_frame
+      frame_motion, ground, kinematics_at
    use rwmf_model_floor_motion, only: floor_accelerations, floor_motion, follows_roof
    use rwmf_model_floors_floor_forces, only: column_shears, forces_of_linked_floors, link_pulls
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
@@ -24,6 +24,7 @@ module rwmf_model_system_demands
       section_extremes_t
    use rwmf_problem_case, only: case_t, has_floors
    use rwmf_problem_frame_strength, only: has_strength
+   use rwmf_problem_scene_axes, only: share_frame
    implicit none
    private
 
@@ -104,12 +105,28 @@ contains
       end associate
    end function lowest_link
 
-   !> Collect the building data of a case.
+   !> Collect the building data of a case. Several walls have one wall's part of the frame each.
    subroutine building_of(case, equation, building)
       type(case_t), intent(in) :: case
       !! with the frame's T_s
       type(equation_t), intent(in) :: equation
       !! of this case
+      type(building_t), intent(out) :: building
+      type(case_t) :: shared
+
+      if (equation%walls == 1) then
+         call describe_building(case, equation, building)
+      else
+         shared%structure_t = case%structure_t
+         call share_frame(shared)
+         call describe_building(shared, equation, building)
+      end if
+   end subroutine building_of
+
+   !> Collect the building data of one wall and its part of the frame.
+   subroutine describe_building(case, equation, building)
+      type(case_t), intent(in) :: case
+      type(equation_t), intent(in) :: equation
       type(building_t), intent(out) :: building
 
       if (equation%has_wall) then
@@ -137,7 +154,7 @@ contains
       if (equation%beam%n == 0) return
       allocate (building%sections)
       call create_bent_sections(building%sections, equation%beam, building%z)
-   end subroutine building_of
+   end subroutine describe_building
 
    !> Describe a frame of storeys. In a spectrum all stiffnesses follow the period.
    subroutine describe_storeys(case, equation, building)
@@ -231,6 +248,8 @@ contains
             u(1:) = building%share*frame_displacement(equation, equation%state%side, y)
             demands%shear = building%k*building%bend*resisting_displacements(building, equation, y)
          end if
+         ! those of the whole frame
+         demands%shear = equation%walls*demands%shear
          demands%drift = u(1:building%drifts) - u(0:building%drifts - 1)
          demands%drift = demands%drift/building%height
       end associate
@@ -253,7 +272,7 @@ contains
       else if (equation%has_loading_direction) then
          u = bouc_wen_force(equation, y)/equation%p%omega_squared
       else if (allocated(equation%springs)) then
-         n = count(equation%springs%place == place_frame)
+         n = count(equation%springs%element == 0)
          do i = 1, n
             associate (spring => equation%springs(i))
                u(i) = spring_force(spring%spring, equation%state%springs(i), roof) &

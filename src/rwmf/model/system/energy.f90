@@ -6,14 +6,13 @@
 module rwmf_model_system_energy
    use rwmf_core_kinds, only: wp
    use rwmf_model_bent_wall, only: bending_strain, bent_gravity, bent_kinetic_energy
-   use rwmf_model_cable, only: cable_state_t
    use rwmf_model_effects_loops, only: lane_powers, lane_rates, power_unit
    use rwmf_model_floors_floor_forces, only: bent_frame_strain
    use rwmf_model_floors_yielding_storeys, only: storeys_loss
-   use rwmf_model_hysteresis_spring_set, only: springs_loss
+   use rwmf_model_hysteresis_spring_set, only: elements_energy, springs_loss
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_lanes, only: lane_motion_t, power_count
-   use rwmf_model_system_assembly, only: cable_at, equation_t, ground_at, kinematics_at
+   use rwmf_model_system_assembly, only: equation_t, ground_at, kinematics_at
    use rwmf_model_system_contributions, only: effects_energy, effects_frame_energy
    implicit none
    private
@@ -57,7 +56,8 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states)
       type(kinematics_t) :: kin
-      type(cable_state_t) :: cable
+      real(wp) :: elements(2)
+      !! energy of tendons and of other elements [J/kg]
       real(wp) :: beyond(2)
       !! kinetic and strain energy in addition to those of an elastic frame with a single mass
       !! [J/kg]
@@ -73,7 +73,7 @@ contains
             return
          end if
          kin = kinematics_at(equation, y(1))
-         cable = cable_at(equation, y(1))
+         elements = elements_energy(equation, y(1))
          stored%kinetic = p%R**2*(equation%inertia + p%gamma*kin%j**2)*y(2)**2/2 &
             + beyond(1)
          stored%strain = p%gamma*(p%R*p%omega_s*kin%u)**2/2 + beyond(2)
@@ -84,7 +84,8 @@ contains
             ! the centroid of a hinged wall can only move down
             stored%gravity = p%g*p%R*(-2*equation%p%cos_alpha*sin(phi/2)**2)
          end if
-         stored%cable = p%g*p%R*cable%energy
+         stored%cable = elements(1)
+         stored%effects = stored%effects + elements(2)
          if (equation%beam%n == 0) return
          stored%kinetic = bent_kinetic_energy(equation, y) + beyond(1)
          stored%strain = bent_frame_strain(equation, y) + beyond(2)

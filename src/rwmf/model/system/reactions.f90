@@ -3,8 +3,10 @@
 module rwmf_model_system_reactions
    use rwmf_core_kinds, only: wp
    use rwmf_model_bent_wall, only: mean_acceleration
-   use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_equation, only: cable_at, equation_t, frame_displacement, frame_mass, ground, &
+   use rwmf_model_effects_numbers, only: inerter_effect
+   use rwmf_model_elements, only: element_force, of_cable, of_coupling, of_damper, of_fuse, &
+      of_restraint, sum_of_forces
+   use rwmf_model_equation, only: equation_t, frame_displacement, frame_mass, ground, &
       kinematics_at, tip_acceleration, tip_displacement, tip_velocity, vertical_ground
    use rwmf_model_floor_motion, only: floor_accelerations, follows_roof
    use rwmf_model_floors_floor_forces, only: column_shears, floor_inertia, &
@@ -13,10 +15,11 @@ module rwmf_model_system_reactions
    use rwmf_model_hysteresis_spring_set, only: plastic_displacement, uneven_plastic_part
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_system_contributions, only: effects_frame_force
-   use rwmf_model_system_reactions_loop, only: push_corner
+   use rwmf_model_system_reactions_loop, only: inerter_force
    implicit none
    private
 
+   public :: normal_range, has_section_forces
    public :: reactions_t, reactions_at, friction_demand, link_force, cable_force, wall_drift
    public :: corner_force, plastic_part, roof_acceleration, link_tilt, impulse_from_rest
 
@@ -78,6 +81,52 @@ contains
       reactions%base_shear = reactions%base_shear + equation%p%gamma*(u_ddot &
          + ground(equation, t)) + floor_inertia(equation, t, y, u_ddot) - on_frame(2)
    end function reactions_at
+
+   !> Smallest and largest normal force on the base of a wall, of all walls. Couplings push one of the
+   !> outer walls up and pull the other one down; restraints act on their wall alone [m/s2].
+   function normal_range(equation, normal, y) result(range)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: normal
+      !! mean over all walls [m/s2]
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      real(wp) :: range(2)
+      real(wp) :: inner, force, outer(2)
+      integer :: i
+
+      range = normal
+      if (equation%walls == 1 .or. .not. allocated(equation%elements)) return
+      inner = normal
+      outer = 0
+      associate (side => equation%state%side)
+         do i = 1, size(equation%elements)
+            associate (element => equation%elements(i))
+               if (element%group /= of_coupling .and. element%group /= of_restraint) cycle
+               force = element_force(element, equation%state%springs, side, side*y(1), side*y(2))
+               if (element%group == of_coupling) then
+                  outer = outer + [-1, 1]*force
+               else
+                  inner = inner - element%weight*force
+                  outer(merge(1, 2, element%offset < 0)) = outer(merge(1, 2, element%offset < 0)) &
+                     + force
+               end if
+            end associate
+         end do
+      end associate
+      outer = inner + outer
+      range = [minval(outer), maxval(outer)]
+      if (equation%walls > 2) range = [min(range(1), inner), max(range(2), inner)]
+   end function normal_range
+
+   !> True if shear and moment along the wall are known: no couplings act at heights that the case
+   !> does not give.
+   pure logical function has_section_forces(equation)
+      type(equation_t), intent(in) :: equation
+
+      has_section_forces = .true.
+      if (allocated(equation%elements)) has_section_forces = all(equation%elements%group &
+         /= of_coupling)
+   end function has_section_forces
 
    !> Horizontal and vertical impulse of the foundation over m_w [m/s]. It sets a wall on its base,
    !> with all masses linked to it, from rest into motion on the present side.
@@ -240,34 +289,26 @@ contains
       end associate
    end function sum_of_links
 
-   !> Force of the cable on the wall. With the law 'truss' it acts along the straight cable,
-   !> otherwise along the wall's axis. The axis is the only line fixed to the wall with the arm R
-   !> sin(alpha) about both corners.
+   !> Force of the tendons on the wall. With the law 'truss' they act along their straight lines,
+   !> otherwise along the wall's axis. The axis is the only direction fixed to the wall in which a
+   !> tendon on it has the arm R sin(alpha) about both corners.
    function cable_force(equation, theta) result(force)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta
       !! [rad]
       real(wp) :: force(2)
       !! [m/s2]
-      type(cable_state_t) :: cable
-      real(wp) :: run(2)
-      !! vector of any length from the lower to the upper end of the cable
 
       force = 0
       if (.not. equation%has_cable) return
-      run = [sin(theta), cos(theta)]
-      if (equation%cable%is_straight) then
-         associate (s => equation%p%sin_alpha, c => equation%p%cos_alpha)
-            run = [equation%state%side*2*s*sin(theta/2)**2 + 2*c*sin(theta), &
-               s*equation%state%side*sin(theta) + 2*c*cos(theta)]
-         end associate
-      end if
-      cable = cable_at(equation, theta)
-      force = -equation%p%g*cable%force*run/norm2(run)
+      associate (state => equation%state)
+         force = sum_of_forces(equation%elements, [of_cable], state%springs, state%side, &
+            state%side*theta, 0.0_wp)
+      end associate
    end function cable_force
 
-   !> Force of the devices under the corners on the wall. On a hinged wall the devices at both
-   !> corners form a couple without resultant.
+   !> Force of devices and restraints on the wall, as a mean over all walls. On a hinged wall the
+   !> devices at both corners form a couple without resultant.
    function corner_force(equation, y, y_ddot) result(force)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: y(:)
@@ -276,13 +317,20 @@ contains
       !! theta'' [rad/s2]
       real(wp) :: force(2)
       !! [m/s2]
-      real(wp) :: found(1, 2)
+      integer :: i
 
       force = 0
-      if (.not. equation%has_impacts .or. size(equation%parts%under_corner%terms) == 0) return
-      call push_corner(equation%parts%under_corner, equation%state%coef, y, &
-         [equation%state%side*y_ddot], found)
-      force = found(1, :)
+      associate (state => equation%state, side => equation%state%side, terms => equation%scene%terms)
+         if (allocated(equation%elements)) force = sum_of_forces(equation%elements, [of_fuse, &
+            of_damper, of_restraint], state%springs, side, side*y(1), side*y(2))
+         if (.not. equation%has_impacts) return
+         do i = 1, size(terms)
+            if (terms(i)%effect /= inerter_effect) cycle
+            force = force - inerter_force(state%coef(1, terms(i)%coef), equation%p%R, &
+               equation%p%sin_alpha, side*y(1), side*y(2), side*y_ddot) &
+               *[sin(y(1)/2), cos(y(1)/2)]
+         end do
+      end associate
    end function corner_force
 
    !> Displacement of the middle of a rigid wall's top over its height [-]. It grows with |theta|.

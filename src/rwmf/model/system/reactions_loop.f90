@@ -6,14 +6,15 @@
 module rwmf_model_system_reactions_loop
    use rwmf_core_kinds, only: wp
    use rwmf_model_effects_loops, only: lane_rates
-   use rwmf_model_effects_numbers, only: fuse_effect, link_effect, storeys_effect
-   use rwmf_model_lanes, only: lane_count, lane_motion_t
-   use rwmf_model_scene, only: first_wall, force_parts_t, frame_term, scene_t, &
-      straight_cable_term
+   use rwmf_model_effects_nl_damper_loop, only: raise_rate
+   use rwmf_model_effects_numbers, only: inerter_effect, link_effect, nl_damper_effect, &
+      storeys_effect
+   use rwmf_model_lanes, only: lane_count, lane_motion_t, line_coefficients
+   use rwmf_model_scene, only: axis_term, chord_term, first_wall, force_parts_t, frame_term, scene_t
    implicit none
    private
 
-   public :: lane_reactions, lane_forces, lane_forces_t, push_corner
+   public :: lane_reactions, lane_forces, lane_forces_t, inerter_force
    public :: low_normal, demand, shear, reaction_count
 
    integer, parameter :: low_normal = 1
@@ -103,8 +104,8 @@ contains
          call push_frame(parts%through_link, coef, link, motion, phi_ddot, found(1, shear), force, &
             forces%link)
          call push_floors(parts%through_link, coef, rates, ground, found(1, shear))
-         call press_corner(parts%under_corner, coef, corner, motion, phi_ddot, force)
-         call pull_cable(parts%in_cable, coef, cable, motion, force, forces%cable)
+         call press_base(parts%under_corner, coef, motion, phi_ddot, force)
+         call pull_cable(parts%in_cable, coef, motion, force, forces%cable)
       end associate
       !$omp simd
       do i = 1, lane_count
@@ -121,29 +122,20 @@ contains
       end do
    end subroutine lane_forces
 
-   !> Compute the force of the corner devices on the wall. The angular acceleration is that of phi =
-   !> |theta|.
-   subroutine push_corner(part, coef, y, phi_ddot, force)
-      type(scene_t), intent(in) :: part
-      !! loops of the corner devices
-      real(wp), intent(in) :: coef(lane_count, part%n_coef)
-      !! coefficients of the loops, on the current side and the active branches
-      real(wp), intent(in) :: y(lane_count, part%n)
-      !! (states)
-      real(wp), intent(in) :: phi_ddot(lane_count)
-      !! [rad/s2]
-      real(wp), intent(out) :: force(lane_count, 2)
-      !! force over m_w, horizontal (positive as u_g'') and upward [m/s2]
-      type(lane_motion_t) :: motion
-      real(wp) :: corner(lane_count, 2), rates(lane_count, part%n)
+   !> Force of the inerters along the chord of the lifting corner on the wall, downward at phi = 0
+   !> [m/s2].
+   pure real(wp) function inerter_force(coef, R, sin_alpha, phi, rate, phi_ddot) result(force)
+      real(wp), intent(in) :: coef
+      !! coefficient of `add_inerter` [-]
+      real(wp), intent(in) :: R
+      !! half diagonal [m]
+      real(wp), intent(in) :: sin_alpha
+      !! sine of the slenderness [-]
+      real(wp), intent(in) :: phi, rate, phi_ddot
+      !! |theta| [rad], its first [rad/s] and second rate [rad/s2]
 
-      motion%ground = 0
-      motion%upward = 0
-      call add_up(part, coef, y, motion, corner, rates)
-      force = 0
-      call press_corner(part, coef, corner, motion, phi_ddot, force)
-      force = -force
-   end subroutine push_corner
+      force = coef*R/(2*sin_alpha)*(cos(phi/2)*phi_ddot - 0.5_wp*sin(phi/2)*rate**2)
+   end function inerter_force
 
    !> Compute the moment and inertia that the loops of a part add to those of the wall.
    subroutine add_up(part, coef, y, motion, total, rates)
@@ -205,78 +197,93 @@ contains
       end do
    end subroutine move_centroid
 
-   !> Subtract the forces of the corner devices from the force of the foundation. The devices act
-   !> along the chord of the lifting corner, with the arm 2b cos(phi/2). The fuse under the other
-   !> corner adds its force.
-   pure subroutine press_corner(part, coef, corner, motion, phi_ddot, force)
+   !> Subtract the forces of the devices under the base from the force of the foundation. They act
+   !> along the chord of the point that they hold.
+   pure subroutine press_base(part, coef, motion, phi_ddot, force)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
-      real(wp), intent(in) :: corner(lane_count, 2)
-      !! moment and inertia of that part
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(in) :: phi_ddot(lane_count)
       !! [rad/s2]
       real(wp), intent(inout) :: force(lane_count, 2)
       !! force of the foundation [m/s2]
-      real(wp) :: along
-      !! force on the wall [m/s2]
+      real(wp) :: along(lane_count)
+      !! force against the motion [m/s2]
       integer :: i, j
 
-      if (size(part%terms) == 0) return
-      !$omp simd private(along)
-      do i = 1, lane_count
-         along = (corner(i, 1) - corner(i, 2)*phi_ddot(i))/(2*coef(i, first_wall + 1) &
-            *coef(i, first_wall + 3)*motion%half_cosine(i))
-         force(i, 1) = force(i, 1) - along*motion%side(i)*motion%half_sine(i)
-         force(i, 2) = force(i, 2) - along*motion%half_cosine(i)
-      end do
       do j = 1, size(part%terms)
-         if (part%terms(j)%effect /= fuse_effect) cycle
-         associate (at_pivot => part%terms(j)%coef + 2)
-            !$omp simd
-            do i = 1, lane_count
-               force(i, 2) = force(i, 2) + coef(i, at_pivot)
-            end do
+         associate (own => part%terms(j)%coef)
+            select case (part%terms(j)%effect)
+            case (chord_term)
+               !$omp simd
+               do i = 1, lane_count
+                  along(i) = coef(i, own + 3) + coef(i, own + 4)*motion%half_sine(i) &
+                     + coef(i, own + 5)*motion%half_cosine(i)*motion%rate(i)
+                  force(i, 2) = force(i, 2) + coef(i, own + 6)
+               end do
+            case (nl_damper_effect)
+               call raise_rate(coef(1, own), motion, along)
+               along = coef(:, own + 3)*sign(along, motion%rate)
+            case (inerter_effect)
+               !$omp simd
+               do i = 1, lane_count
+                  along(i) = coef(i, own)/(2*coef(i, first_wall + 1)*coef(i, first_wall + 3)) &
+                     *(motion%half_cosine(i)*phi_ddot(i) - 0.5_wp*motion%half_sine(i) &
+                     *motion%rate(i)*motion%rate(i))
+               end do
+            case default
+               along = 0
+            end select
          end associate
+         !$omp simd
+         do i = 1, lane_count
+            force(i, 1) = force(i, 1) + along(i)*motion%side(i)*motion%half_sine(i)
+            force(i, 2) = force(i, 2) + along(i)*motion%half_cosine(i)
+         end do
       end do
-   end subroutine press_corner
+   end subroutine press_base
 
-   !> Compute the cable force on the wall and subtract it from the force of the foundation. It acts
-   !> along a straight cable, otherwise along the axis of the wall.
-   pure subroutine pull_cable(part, coef, cable, motion, force, on_wall)
+   !> Compute the force of the tendons on the wall and subtract it from the force of the foundation.
+   !> It acts along straight tendons, otherwise along the axis of the wall.
+   pure subroutine pull_cable(part, coef, motion, force, on_wall)
       type(scene_t), intent(in) :: part
       real(wp), intent(in) :: coef(lane_count, part%n_coef)
-      real(wp), intent(in) :: cable(lane_count, 2)
-      !! moment of that part
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(inout) :: force(lane_count, 2)
       !! force of the foundation [m/s2]
       real(wp), intent(inout) :: on_wall(lane_count, 2)
       !! force of the cable [m/s2]
-      real(wp) :: s, c, pull, sine, cosine, rise
-      integer :: i
+      real(wp) :: pull, sine, versine, rise, length
+      integer :: i, k, own
 
       if (size(part%terms) == 0) return
-      if (part%terms(1)%effect == straight_cable_term) then
-         !$omp simd private(s, c, pull, sine, rise)
+      own = part%terms(1)%coef
+      if (part%terms(1)%effect == axis_term) then
+         !$omp simd private(pull, sine, versine)
          do i = 1, lane_count
-            s = coef(i, first_wall + 3)
-            c = coef(i, first_wall + 2)
             sine = 2*motion%half_sine(i)*motion%half_cosine(i)
-            rise = 2*c*(1 - 2*motion%half_sine(i)*motion%half_sine(i)) + s*sine
-            pull = cable(i, 1)/(coef(i, first_wall + 1)*s)
-            on_wall(i, 1) = pull*motion%side(i)*(2*s*motion%half_sine(i) &
-               *motion%half_sine(i) + 2*c*sine)/rise
-            on_wall(i, 2) = pull
+            versine = 2*motion%half_sine(i)*motion%half_sine(i)
+            pull = coef(i, own + 2) + coef(i, own + 3)*motion%phi(i)
+            on_wall(i, 1) = -pull*motion%side(i)*sine
+            on_wall(i, 2) = -pull*(1 - versine)
          end do
       else
-         !$omp simd private(pull, sine, cosine)
-         do i = 1, lane_count
-            sine = 2*motion%half_sine(i)*motion%half_cosine(i)
-            cosine = 1 - 2*motion%half_sine(i)*motion%half_sine(i)
-            pull = cable(i, 1)/(coef(i, first_wall + 1)*coef(i, first_wall + 3))
-            on_wall(i, 1) = pull*motion%side(i)*sine
-            on_wall(i, 2) = pull*cosine
+         do k = 1, part%terms(1)%n
+            !$omp simd private(pull, sine, versine, rise, length)
+            do i = 1, lane_count
+               associate (z => coef(i, own + 2), a => coef(i, own + 3), &
+                  inverse => coef(i, first_wall + 1))
+                  sine = 2*motion%half_sine(i)*motion%half_cosine(i)
+                  versine = 2*motion%half_sine(i)*motion%half_sine(i)
+                  rise = 2*a*(a*versine + z*sine)
+                  length = sqrt(z*z + rise)
+                  pull = (coef(i, own) + coef(i, own + 1)*(rise/(length + z)))/(inverse*inverse &
+                     *length)
+                  on_wall(i, 1) = on_wall(i, 1) - pull*motion%side(i)*(z*sine + a*versine)
+                  on_wall(i, 2) = on_wall(i, 2) - pull*(z*(1 - versine) + a*sine)
+               end associate
+            end do
+            own = own + line_coefficients
          end do
       end if
       !$omp simd

@@ -3,6 +3,7 @@
 !> below every section and do not enter (docs/theory/demands.md, "Demands").
 module rwmf_model_system_wall_sections
    use rwmf_core_kinds, only: wp
+   use rwmf_model_elements, only: element_force, element_path, element_t, of_cable, of_restraint
    use rwmf_model_equation, only: equation_t, ground, vertical_ground
    use rwmf_model_system_reactions, only: cable_force
    implicit none
@@ -83,6 +84,8 @@ contains
       type(links_t), intent(in) :: links
       type(section_extremes_t), intent(out) :: extremes
       type(loads_t) :: loads
+      type(links_t) :: held
+      !! links and elements on the wall
       real(wp) :: z(2)
       !! ends of a piece between links [m]
       real(wp) :: s(3)
@@ -90,11 +93,12 @@ contains
       integer :: i, j
 
       loads = loads_at_top(equation, t, y, y_ddot)
+      call add_held_points(equation, y, links, held)
       z(1) = 2*loads%h
-      do i = size(links%place, 2), 0, -1
+      do i = size(held%place, 2), 0, -1
          z(2) = z(1)
          z(1) = 0
-         if (i > 0) z(1) = links%place(2, i)
+         if (i > 0) z(1) = held%place(2, i)
          s = stationary_places(loads)
          call inspect_section(z(1))
          call inspect_section(z(2))
@@ -103,7 +107,7 @@ contains
                call inspect_section(2*loads%h - s(j))
             end if
          end do
-         if (i > 0) call add_link(loads, links, i)
+         if (i > 0) call add_link(loads, held, i)
       end do
 
    contains
@@ -145,10 +149,13 @@ contains
       real(wp), parameter :: same = 1.0e-9_wp
       !! distance within which a link counts as at a section, over the height of the wall [-]
       type(loads_t) :: loads
+      type(links_t) :: held
+      !! links and elements on the wall
       integer :: i, j
 
       loads = loads_at_top(equation, t, y, y_ddot)
-      j = size(links%place, 2)
+      call add_held_points(equation, y, links, held)
+      j = size(held%place, 2)
       do i = size(z), 1, -1
          call pass_links(z(i) + 2*same*loads%h)
          above(:, i) = forces_at(loads, z(i))
@@ -163,14 +170,78 @@ contains
          real(wp), intent(in) :: height
 
          do while (j > 0)
-            if (links%place(2, j) < height) return
-            call add_link(loads, links, j)
+            if (held%place(2, j) < height) return
+            call add_link(loads, held, j)
             j = j - 1
          end do
       end subroutine pass_links
    end subroutine find_forces_beside
 
-   !> Collect the loads at the top. The cable is anchored on the axis.
+   !> Add to the links the tendons that do not end at the top of the axis, and the restraints, in the
+   !> order of their heights.
+   subroutine add_held_points(equation, y, links, held)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: y(:)
+      !! (states)
+      type(links_t), intent(in) :: links
+      type(links_t), intent(out) :: held
+      real(wp), allocatable :: all_points(:, :)
+      !! (4, points) place [m] and force [m/s2]
+      integer :: i, k
+
+      allocate (all_points(4, size(links%place, 2)))
+      all_points(:2, :) = links%place
+      all_points(3:, :) = links%force
+      if (allocated(equation%elements)) then
+         do i = 1, size(equation%elements)
+            associate (element => equation%elements(i), side => equation%state%side)
+               if (.not. is_off_top(equation, element)) cycle
+               k = count(all_points(2, :) < element%stroke%height)
+               all_points = reshape([all_points(:, :k), element%offset, element%stroke%height, &
+                  element%weight*element_force(element, equation%state%springs, side, side*y(1), &
+                  side*y(2))*element_path(element, side, side*y(1)), all_points(:, k + 1:)], &
+                  [4, size(all_points, 2) + 1])
+            end associate
+         end do
+      end if
+      held%place = all_points(:2, :)
+      held%force = all_points(3:, :)
+   end subroutine add_held_points
+
+   !> True for a restraint, and for a tendon that does not end at the top of the axis.
+   pure logical function is_off_top(equation, element)
+      type(equation_t), intent(in) :: equation
+      type(element_t), intent(in) :: element
+      real(wp), parameter :: same = 1.0e-9_wp
+      !! distance within which an anchor counts as at the top, over the height [-]
+
+      is_off_top = element%group == of_restraint .or. (element%group == of_cable &
+         .and. (abs(element%offset) > 0 .or. element%stroke%height < 2*(1 - same)*equation%p%R &
+         *equation%p%cos_alpha))
+   end function is_off_top
+
+   !> Force of the tendons that end at the top of the axis [m/s2].
+   function force_at_top(equation, theta) result(force)
+      type(equation_t), intent(in) :: equation
+      real(wp), intent(in) :: theta
+      !! [rad]
+      real(wp) :: force(2)
+      integer :: i
+
+      force = cable_force(equation, theta)
+      if (.not. allocated(equation%elements)) return
+      associate (side => equation%state%side)
+         do i = 1, size(equation%elements)
+            associate (element => equation%elements(i))
+               if (element%group == of_cable .and. is_off_top(equation, element)) force = force &
+                  - element_force(element, equation%state%springs, side, side*theta, 0.0_wp) &
+                  *element_path(element, side, side*theta)
+            end associate
+         end do
+      end associate
+   end function force_at_top
+
+   !> Collect the loads at the top. Tendons on the axis are anchored there.
    type(loads_t) function loads_at_top(equation, t, y, y_ddot) result(loads)
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: t
@@ -189,7 +260,7 @@ contains
       if (equation%has_vertical) g = g + vertical_ground(equation, t)
       loads%push = ground(equation, t)*loads%cosine - g*loads%sine &
          + equation%state%side*equation%p%R*equation%geometry%sine_wall*y(2)**2
-      cable = cable_force(equation, y(1))
+      cable = force_at_top(equation, y(1))
       loads%across = loads%cosine*cable(1) - loads%sine*cable(2)
       loads%about = 2*loads%h*loads%across
    end function loads_at_top

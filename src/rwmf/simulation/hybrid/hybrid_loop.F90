@@ -24,7 +24,7 @@ module rwmf_simulation_hybrid_hybrid_loop
 #endif
    use rwmf_simulation_events_drift_events, only: has_collapsed
    use rwmf_simulation_events_first_change, only: ending_t
-   use rwmf_simulation_events_fuse_support, only: check_fuses
+   use rwmf_simulation_events_wall_support, only: check_support
    use rwmf_simulation_events_held_wall_lift_off, only: side_pulled
    use rwmf_simulation_events_step_view, only: step_view_t, view_step
    use rwmf_simulation_events_storey_events, only: start_storeys
@@ -100,7 +100,7 @@ contains
       if (.not. equation%creep > 0) return
       do i = 1, size(equation%effects)
          associate (effect => equation%effects(i))
-            if (effect%has_corner_at_turn) hybrid%creep%exponent = effect%constants(2)
+            if (effect%has_corner_at_turn) hybrid%creep%exponent = effect%constants(1)
          end associate
       end do
       hybrid%creep%shortest = short/sqrt(equation%p%g_over_R)
@@ -325,7 +325,7 @@ contains
       if (allocated(error)) return
       step%t_b = hybrid%t
       step%y_b => hybrid%y
-      if (equation%has_fuses) call check_fuses(equation, step, error)
+      if (equation%may_hold) call check_support(equation, step, error)
       if (allocated(error)) return
       ! A motion that jumps at the start of the step lifts a held wall at once, without any rest.
       if (ending%kind /= event_lift_off .or. step%t_b > step%t_a) call observe_piece(recorder, &

@@ -5,7 +5,7 @@ module rwmf_simulation_hybrid_transitions
    use rwmf_core_error, only: err_numerical, error_t, fail
    use rwmf_core_kinds, only: i8, wp
    use rwmf_model_hysteresis_bouc_wen, only: follow_loading_direction
-   use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, tendon_is_broken, &
+   use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window, broken_tendons, &
       turn_back
    use rwmf_model_restitution, only: factor_at, largest_factor
    use rwmf_model_system_assembly, only: enter_interval, enter_side, equation_t, interval_of, &
@@ -189,15 +189,19 @@ contains
       type(recorder_t), intent(inout) :: recorder
       logical, intent(in) :: is_rising
       !! true if the rotation increases
-      logical :: was_broken
+      integer :: broken
+      integer, allocatable :: before(:)
+      !! (springs) kinds of branches
 
-      was_broken = tendon_is_broken(equation)
+      broken = broken_tendons(equation%state)
+      before = equation%state%springs%kind
       call observe_state(recorder, equation, hybrid%t, hybrid%y)
       call pass_window(equation%model_t, equation%state, is_rising)
       hybrid%must_restart = .true.
-      if (tendon_is_broken(equation) .and. .not. was_broken) then
+      if (broken_tendons(equation%state) > broken) then
          call observe_event(recorder, event_rupture, hybrid%t, hybrid%y)
-      else
+      else if (any(equation%state%springs%kind /= before)) then
+         ! a stroke that turns ends a window without a change of branch
          call observe_event(recorder, event_branch, hybrid%t, hybrid%y)
       end if
    end subroutine enter_branch

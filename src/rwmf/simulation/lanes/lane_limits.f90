@@ -12,7 +12,7 @@ module rwmf_simulation_lanes_lane_limits
    use rwmf_model_floors_yielding_storeys, only: branch_limits, hysteretic_states, &
       loading_direction_of, side_beyond_zero, stands_still
    use rwmf_model_system_assembly, only: rates_at
-   use rwmf_simulation_events_fuse_support, only: ends_on_fuses
+   use rwmf_simulation_events_wall_support, only: ends_on_elements
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_events_step_view, only: count_parts, fastest_angle, quarter_period, &
       step_view_t
@@ -98,7 +98,7 @@ contains
    pure logical function has_other_limits(lane)
       type(lane_state_t), intent(in) :: lane
 
-      has_other_limits = lane%is_held .or. lane%hybrid%drifts > 0 .or. lane%equation%has_fuses
+      has_other_limits = lane%is_held .or. lane%hybrid%drifts > 0 .or. lane%equation%may_hold
    end function has_other_limits
 
    !> Find the steps in which no storey ends its branch.
@@ -144,7 +144,7 @@ contains
       if (has_other_limits(lane)) call check_other_limits(lane, i, batch)
    end subroutine inspect_lane
 
-   !> Find out whether drifts, a held wall or fuses may end an attempted step.
+   !> Find out whether drifts, a held wall or elements may end an attempted step.
    subroutine check_other_limits(lane, i, batch)
       type(lane_state_t), intent(inout) :: lane
       integer, intent(in) :: i
@@ -165,7 +165,7 @@ contains
       step%rates_a => rates_a
       step%rates_b => rates_b
       lane%is_smooth = keeps_limits(step, lane%hybrid)
-      if (lane%is_smooth) lane%is_smooth = .not. ends_on_fuses(step)
+      if (lane%is_smooth) lane%is_smooth = .not. ends_on_elements(step)
    end subroutine check_other_limits
 
    !> Find the first end of a storey's branch in an attempted step, and the distance to the target.

@@ -12,7 +12,7 @@ module rwmf_simulation_lanes_lane_loading
    use rwmf_model_hysteresis_bouc_wen, only: stable_rate, will_pass_zero
    use rwmf_model_lanes, only: power_count
    use rwmf_model_system_assembly, only: equation_t, interval_of
-   use rwmf_simulation_events_fuse_support, only: may_stand_on_fuses
+   use rwmf_simulation_events_wall_support, only: may_stand_on_elements
    use rwmf_simulation_events_step_quartic, only: no_event
    use rwmf_simulation_hybrid_hybrid_loop, only: begin_step, check_steps, stay_at_rest
    use rwmf_simulation_lanes_batch, only: batch_t, follow_interval, lane_state_t, line_row, &
@@ -121,7 +121,7 @@ contains
             1/max(tiny(span), table(i, of_max_rate)*abs(hybrid%y(2))))
          lane%is_held = hybrid%mode == mode_held
          lane%has_limits = equation%floors%yields .or. hybrid%drifts > 0 .or. lane%is_held &
-            .or. may_stand_on_fuses(equation)
+            .or. may_stand_on_elements(equation)
          batch%has_limits = batch%has_limits .or. lane%has_limits
          lane%is_smooth = .true.
          lane%target_event = no_event

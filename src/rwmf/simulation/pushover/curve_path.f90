@@ -6,7 +6,8 @@
 !> turn back, the path follows it.
 module rwmf_simulation_pushover_curve_path
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: discrete_state_t, model_t, place_left, place_right
+   use rwmf_model_elements, only: element_t, of_cable, of_coupling, of_fuse
+   use rwmf_model_equation, only: discrete_state_t, model_t
    use rwmf_model_floor_motion, only: follows_roof, storey_motion
    use rwmf_model_hysteresis_spring_laws, only: branch_word
    use rwmf_model_hysteresis_spring_set, only: pass_window, renew_window
@@ -571,24 +572,48 @@ contains
       associate (model => path%scene%equation%model_t, state => path%scene%equation%state)
          before = state
          call pass_window(model, state, is_rising)
-         if (state%tendon%kind /= before%tendon%kind) call mark_branch(path, 'tendon', &
-            branch_word(model%cable%tendon, state%tendon))
          do i = 1, size(model%springs)
             if (state%springs(i)%kind == before%springs(i)%kind) cycle
-            select case (model%springs(i)%place)
-            case (place_left)
-               name = 'fuse_left'
-            case (place_right)
-               name = 'fuse_right'
-            case default
-               name = 'frame'
-               if (count(model%springs%place == model%springs(i)%place) > 1) name = storey_name(i)
-            end select
+            name = 'frame'
+            if (model%springs(i)%element > 0) then
+               name = element_name(model%elements, model%springs(i)%element, &
+                  path%scene%has_offsets)
+            else if (count(model%springs%element == 0) > 1) then
+               name = storey_name(i)
+            end if
             call mark_branch(path, name, branch_word(model%springs(i)%spring, state%springs(i)))
          end do
       end associate
       call rebalance(path)
    end subroutine pass_rotation
+
+   !> Name of a vertical element in marks, with its number unless it is the only one of its group.
+   pure function element_name(elements, number, has_offsets) result(name)
+      type(element_t), intent(in) :: elements(:)
+      integer, intent(in) :: number
+      !! number of the element
+      logical, intent(in) :: has_offsets
+      !! the case gives the places of the fuses
+      character(mark_length) :: name
+      integer :: k
+
+      associate (group => elements(number)%group)
+         k = count(elements(:number)%group == group)
+         select case (group)
+         case (of_cable)
+            name = 'tendon'
+         case (of_fuse)
+            name = 'fuse'
+            if (.not. has_offsets) name = trim(merge('fuse_left ', 'fuse_right', k == 1))
+            if (.not. has_offsets) return
+         case (of_coupling)
+            name = 'coupling'
+         case default
+            name = 'restraint'
+         end select
+         if (count(elements%group == group) > 1) name = trim(name)//'_'//integer_to_text(k)
+      end associate
+   end function element_name
 
    !> Name of a storey in marks.
    pure function storey_name(number) result(name)

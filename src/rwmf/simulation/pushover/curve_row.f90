@@ -1,16 +1,14 @@
 !> Values of one step of a static curve, with the words and signs of the history of a run.
 module rwmf_simulation_pushover_curve_row
    use rwmf_core_kinds, only: wp
-   use rwmf_model_system_assembly, only: cable_at, kinematics_at
+   use rwmf_model_system_assembly, only: kinematics_at
    use rwmf_model_system_bent_sections, only: find_bent_extremes, find_bent_sections
-   use rwmf_model_cable, only: cable_state_t
    use rwmf_model_system_demands, only: demands_at, demands_t
    use rwmf_model_system_energy, only: mechanical_energy, yielding_loss
    use rwmf_model_floors_yielding_storeys, only: put_shears
-   use rwmf_model_equation, only: frame_displacement
+   use rwmf_model_equation, only: cable_force_at, frame_displacement, has_elements
    use rwmf_model_floor_motion, only: follows_roof
    use rwmf_model_history_row, only: create_row, history_row_t, put
-   use rwmf_model_hysteresis_spring_set, only: put_spring_forces
    use rwmf_model_system_reactions, only: link_tilt, plastic_part, reactions_at, reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, find_section_extremes, &
       link_places, links_t, section_extremes_t
@@ -18,6 +16,7 @@ module rwmf_simulation_pushover_curve_row
    use rwmf_simulation_pushover_curve, only: add_row, static_curve_t
    use rwmf_simulation_pushover_demand_columns, only: instant_key, put_demands
    use rwmf_simulation_pushover_static_scene, only: loaded_displacements, static_scene_t
+   use rwmf_simulation_recorder_element_demands, only: put_element_forces, put_frame_force
    implicit none
    private
 
@@ -101,14 +100,14 @@ contains
       type(static_scene_t), intent(inout) :: scene
       type(history_row_t), intent(inout) :: row
       type(demands_t) :: demands
-      type(cable_state_t) :: cable
 
       associate (equation => scene%equation, y => scene%y, p => scene%equation%p)
          if (equation%has_cable) then
-            cable = cable_at(equation, y(1))
-            call put(row, id%cable_force_over_m_w_g, cable%force)
+            call put(row, id%cable_force_over_m_w_g, cable_force_at(equation, y(1), &
+               equation%state%side))
          end if
-         if (allocated(equation%springs)) call put_spring_forces(row, equation, y(1))
+         if (allocated(equation%springs)) call put_frame_force(row, equation, y(1))
+         if (has_elements(equation)) call put_element_forces(row, equation, scene%has_offsets, y)
          if (equation%floors%yields .and. follows_roof(equation)) call put_shears(row, equation, y)
          if (scene%building%drifts > 0) then
             call demands_at(scene%building, equation, 0.0_wp, y, 0*y, demands)

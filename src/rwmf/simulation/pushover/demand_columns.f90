@@ -4,17 +4,17 @@
 !> They carry the numbers of the largest values of a run; `instant_key` makes their keys.
 module rwmf_simulation_pushover_demand_columns
    use rwmf_core_kinds, only: wp
-   use rwmf_model_cable, only: cable_state_t, cable_strain
-   use rwmf_model_equation, only: frame_displacement, tip_displacement
+   use rwmf_model_elements, only: of_cable, of_fuse, tendon_strain
+   use rwmf_model_equation, only: cable_force_at, frame_displacement, has_elements, tip_displacement
    use rwmf_model_history_row, only: history_row_t, numbered, put
-   use rwmf_model_system_assembly, only: cable_at
    use rwmf_model_system_reactions, only: friction_demand, reactions_t, wall_drift
    use rwmf_model_system_wall_sections, only: links_t
    use rwmf_problem_case, only: case_t
    use rwmf_problem_quantity_table, only: id, key_length, key_of
    use rwmf_simulation_pushover_static_scene, only: static_scene_t
-   use rwmf_simulation_recorder_force_envelopes, only: find_sections, fuse_stroke, lay_strip, &
-      place_sections, put_strip
+   use rwmf_simulation_recorder_element_demands, only: largest_stroke
+   use rwmf_simulation_recorder_force_envelopes, only: find_sections, lay_strip, place_sections, &
+      put_strip
    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
    implicit none
    private
@@ -33,10 +33,10 @@ contains
       scene%sections%building = scene%building
       call place_sections(scene%sections, scene%equation)
       call lay_strip(scene%sections, case, scene%equation)
-      scene%sections%has_fuses = allocated(case%fuse)
+      if (allocated(case%fuse)) scene%has_offsets = allocated(case%fuse%offset)
       if (.not. scene%equation%has_cable) return
       if (allocated(case%cable%area)) scene%tendon_stress = case%unit_mass*scene%equation%p%g &
-         /case%cable%area
+         /case%cable%area(1)
       if (allocated(case%cable%rupture_strain)) scene%tendon_rupture = case%cable%rupture_strain
    end subroutine prepare_demands
 
@@ -65,8 +65,10 @@ contains
          else
             call put(row, id%friction_demand, demand_of(reactions))
          end if
-         if (sections%has_fuses) call put(row, id%fuse_stroke_max_m, fuse_stroke(equation, &
-            abs(y(1))))
+         if (has_elements(equation)) then
+            if (any(equation%elements%group == of_fuse)) call put(row, id%fuse_stroke_max_m, &
+               largest_stroke(equation, y(1)))
+         end if
          if (equation%has_cable) call put_tendon(row, scene)
          sections%links = links
          call put_sections(row, scene)
@@ -86,14 +88,22 @@ contains
    subroutine put_tendon(row, scene)
       type(history_row_t), intent(inout) :: row
       type(static_scene_t), intent(in) :: scene
-      type(cable_state_t) :: cable
 
-      if (scene%tendon_stress > 0) then
-         cable = cable_at(scene%equation, scene%y(1))
-         call put(row, id%tendon_stress_max_Pa, cable%force*scene%tendon_stress)
-      end if
-      if (scene%equation%cable%length > 0) call put(row, id%tendon_strain_max, &
-         min(cable_strain(scene%equation%cable, scene%y(1)), scene%tendon_rupture))
+      real(wp) :: strain
+      integer :: i
+
+      associate (equation => scene%equation)
+         if (scene%tendon_stress > 0 .and. count(equation%elements%group == of_cable) == 1) &
+            call put(row, id%tendon_stress_max_Pa, cable_force_at(equation, scene%y(1), &
+            equation%state%side)*scene%tendon_stress)
+         strain = -huge(strain)
+         do i = 1, count(equation%elements%group == of_cable)
+            if (.not. equation%elements(i)%length > 0) return
+            strain = max(strain, tendon_strain(equation%elements(i), scene%y(1)))
+            if (allocated(scene%tendon_rupture)) strain = min(strain, scene%tendon_rupture(i))
+         end do
+         call put(row, id%tendon_strain_max, strain)
+      end associate
    end subroutine put_tendon
 
    !> Append shear and moment of the wall at mid-height and on both sides of the floors.

@@ -86,8 +86,10 @@ module rwmf_simulation_pushover_static_scene
       !! sections of the wall, and the strip under its base
       real(wp) :: tendon_stress = 0
       !! stress of the strands per force over m_w g [Pa]; 0: unknown
-      real(wp) :: tendon_rupture = huge(1.0_wp)
-      !! strain at which the tendon breaks [-]
+      real(wp), allocatable :: tendon_rupture(:)
+      !! (tendons) strains at which they break [-]; absent if they do not
+      logical :: has_offsets = .false.
+      !! the case gives the places of the fuses
    end type static_scene_t
 
 contains

@@ -6,6 +6,7 @@ module rwmf_simulation_recorder_demand_extremes
    use rwmf_model_scene, only: demand_list_t
    use rwmf_model_system_assembly, only: equation_t
    use rwmf_model_system_demands, only: building_of, building_t, demands_at, demands_t
+   use rwmf_model_system_reactions, only: has_section_forces
    use rwmf_problem_case, only: case_t, output_t, seeks
    use rwmf_problem_frame_strength, only: has_strength, storeys_have_strengths
    use rwmf_problem_quantity_table, only: id
@@ -62,6 +63,7 @@ contains
          if (building%is_linear) recorder%leader(drifts + 1:2*drifts) = recorder%leader(:drifts)
       end associate
       call drop_others(recorder, case%output)
+      if (.not. has_section_forces(equation)) recorder%building%has_sections = .false.
    end subroutine create_demands
 
    !> Drop the searches that serve no requested quantity.
@@ -193,7 +195,7 @@ contains
          call put(row, id%floor_i_acceleration_g, present%acceleration/g)
          if (recorder%building%roof_height > 0) call put(row, id%overturning_moment_over_weight_m, &
             present%overturning)
-         if (.not. equation%has_wall) return
+         if (.not. (equation%has_wall .and. has_section_forces(equation))) return
          call put(row, id%wall_shear_over_m_w_g, present%wall%shear/g)
          call put(row, id%wall_moment_over_m_w_g_m, present%wall%moment/g)
       end associate
@@ -234,7 +236,7 @@ contains
             extremes%overturning_max = largest(n - 2)
             extremes%t_overturning_max = t(n - 2)
          end if
-         if (.not. equation%has_wall) return
+         if (.not. (equation%has_wall .and. has_section_forces(equation))) return
          extremes%wall_shear_max = largest(n - 1)/g
          extremes%wall_shear_height = recorder%z_shear
          extremes%wall_moment_max = largest(n)/g

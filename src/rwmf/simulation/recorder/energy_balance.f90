@@ -6,7 +6,8 @@ module rwmf_simulation_recorder_energy_balance
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_explicit_pair, only: explicit_pair_t
-   use rwmf_model_equation, only: has_further_effects
+   use rwmf_model_elements, only: of_cable
+   use rwmf_model_equation, only: has_elements, has_further_effects
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_lanes, only: of_bending, of_input, of_plastic, of_viscous, &
       power_count
@@ -118,6 +119,8 @@ contains
       integer :: i
 
       does = .false.
+      if (has_elements(equation)) does = any(equation%elements%group /= of_cable &
+         .and. (equation%elements%spring > 0 .or. equation%elements%stiffness > 0))
       if (.not. allocated(equation%effects)) return
       do i = 1, size(equation%effects)
          does = does .or. associated(equation%effects(i)%energy)

@@ -1,18 +1,20 @@
-!> Envelopes of the design forces of wall and links, velocities of floors, travel of fuses.
+!> Envelopes of the design forces of wall and links, velocities of floors, forces and travel of
+!> vertical elements.
 !>
 !> Shear and moment are computed below and above every floor, at the base and at mid-height. The
 !> module `rwmf_simulation_recorder_peak_search` finds the peaks.
 module rwmf_simulation_recorder_force_envelopes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_model_equation, only: corner_share, frame_motion, kinematics_at
+   use rwmf_model_equation, only: frame_motion, kinematics_at
+   use rwmf_model_elements, only: of_cable
    use rwmf_model_floor_motion, only: floor_motion, follows_roof
    use rwmf_model_history_row, only: history_row_t, put
    use rwmf_model_no_tension_strip, only: contact_length, settlement_stress, strip_t
    use rwmf_model_system_assembly, only: equation_t, interval_of
    use rwmf_model_system_bent_sections, only: find_bent_sections
    use rwmf_model_system_demands, only: building_of, building_t, links_of
-   use rwmf_model_system_reactions, only: reactions_at, reactions_t
+   use rwmf_model_system_reactions, only: has_section_forces, normal_range, reactions_at, reactions_t
    use rwmf_model_system_wall_sections, only: find_forces_beside, links_t
    use rwmf_motion_ground_motion, only: interval_at, velocities_at_knots, velocity
    use rwmf_problem_case, only: case_t, has_numbers, numbers_of
@@ -21,6 +23,8 @@ module rwmf_simulation_recorder_force_envelopes
    use rwmf_simulation_events_step_view, only: step_view_t
    use rwmf_simulation_events_rotation_events, only: keeps_direction, rotation_t
    use rwmf_simulation_events_watched_spans, only: moment_t, span_between, span_of, span_t, watch_t
+   use rwmf_simulation_recorder_element_demands, only: extremes_of, force_of, travel_of, &
+      watched_elements
    use rwmf_simulation_recorder_peak_search, only: begin_search, peak_search_t, search_piece
    use rwmf_simulation_recorder_step_states, only: step_states_t
    use rwmf_simulation_state_result, only: envelope_extremes_t
@@ -29,7 +33,7 @@ module rwmf_simulation_recorder_force_envelopes
 
    public :: envelope_recorder_t, create_envelopes, observe_envelopes
    public :: put_envelopes, envelope_extremes
-   public :: place_sections, lay_strip, find_sections, put_strip, fuse_stroke
+   public :: place_sections, lay_strip, find_sections, put_strip
 
    integer, parameter :: of_normal = 1
    !! places of the quantities after the velocities of the floors; normal force of the pivot
@@ -65,9 +69,10 @@ module rwmf_simulation_recorder_force_envelopes
       !! (sections) node of each section of a bending wall
       real(wp), allocatable :: below(:, :), above(:, :)
       !! (2, sections) shear and moment at the last instant [m/s2], [m2/s2]
-      real(wp) :: travel(2) = 0
-      !! travel of the left and the right fuse [m]
-      logical :: has_fuses = .false.
+      integer, allocatable :: watched(:)
+      !! numbers of the vertical elements with own outputs
+      real(wp), allocatable :: travel(:)
+      !! (these elements) sum of strokes [m]
       integer :: n_links = 0
       !! number of link forces
       type(strip_t), allocatable :: strip
@@ -90,6 +95,7 @@ contains
       real(wp), intent(in) :: y(:)
       !! (states) at the beginning
       real(wp), allocatable :: least(:)
+      integer :: i
 
       if (.not. allocated(case%output)) return
       if (.not. case%output%envelopes) return
@@ -98,7 +104,8 @@ contains
       recorder%ground_velocity = velocities_at_knots(equation%motion)
       recorder%velocity_before = velocity(equation%motion, recorder%ground_velocity, &
          interval_at(equation%motion, 0.0_wp), 0.0_wp)
-      recorder%has_fuses = allocated(case%fuse)
+      recorder%watched = watched_elements(equation)
+      recorder%travel = spread(0.0_wp, 1, size(recorder%watched))
       associate (n => recorder%building%floors)
          least = spread(-1.0_wp, 1, n)
          if (equation%has_wall) then
@@ -109,9 +116,18 @@ contains
                + recorder%n_links)]
             call lay_strip(recorder, case, equation)
             if (allocated(recorder%strip)) least = [least, -huge(1.0_wp), -1.0_wp]
+            least = [least, spread(-huge(1.0_wp), 1, 2*size(recorder%watched))]
          end if
          call begin_search(recorder, equation, y, least)
-         if (equation%has_wall) call mark_equal_sections(recorder, equation)
+         if (.not. equation%has_wall) return
+         call mark_equal_sections(recorder, equation)
+         ! only tendons report their smallest force
+         associate (last => size(recorder%leader))
+            do i = 1, size(recorder%watched)
+               if (equation%elements(recorder%watched(i))%group /= of_cable) recorder%leader(last &
+                  - 2*size(recorder%watched) + 2*i) = 0
+            end do
+         end associate
       end associate
    end subroutine create_envelopes
 
@@ -198,6 +214,7 @@ contains
       call find_forces(self, equation, t, y, y_dot)
       reactions = reactions_at(equation, t, y, y_dot)
       associate (forces => found(n + 1:), below => self%below, above => self%above)
+         reactions%normal = maxval(normal_range(equation, reactions%normal, y))
          forces(of_normal) = reactions%normal
          forces(of_base:of_base + 1) = abs(above(:, 1))
          forces(of_middle:of_middle + 1) = max(abs(below(:, self%middle)), &
@@ -210,9 +227,16 @@ contains
          end do
          associate (last => of_sections + per_floor*n + self%n_links)
             forces(last - self%n_links + 1:last) = norm2(self%links%force, 1)
-            if (allocated(self%strip)) forces(last + 1:) = at_base(self, reactions%normal, y(1))
+            if (allocated(self%strip)) forces(last + 1:last + of_strip) = at_base(self, &
+               reactions%normal, y(1))
          end associate
       end associate
+      do i = 1, size(self%watched)
+         associate (last => size(found) - 2*(size(self%watched) - i), &
+            force => force_of(equation, self%watched(i), y))
+            found(last - 1:last) = [abs(force), -force]
+         end associate
+      end do
    end subroutine find_envelopes
 
    !> Contact length, negative [m], and stress of the toe's settlement [Pa] of the strip.
@@ -310,11 +334,12 @@ contains
       !! the integrator fails
 
       call search_piece(recorder, piece, states, error)
-      if (.not. allocated(error) .and. recorder%has_fuses) call follow_fuses(recorder, piece, error)
+      if (.not. allocated(error) .and. size(recorder%watched) > 0) call follow_elements(recorder, piece, &
+         error)
    end subroutine observe_envelopes
 
-   !> Add the travel of the fuses over a piece, with every turning point of the rotation.
-   subroutine follow_fuses(recorder, piece, error)
+   !> Add the travel of the elements over a piece, with every turning point of the rotation.
+   subroutine follow_elements(recorder, piece, error)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(step_view_t), intent(in) :: piece
       type(error_t), allocatable, intent(out) :: error
@@ -346,36 +371,21 @@ contains
          span = span_between(rotation, span%b, b)
       end do
       call add_travel(recorder, piece%equation, span%a%f(1, 0), b%f(1, 0))
-   end subroutine follow_fuses
+   end subroutine follow_elements
 
-   !> Add the travel of the fuses between two rotations.
-   !>
-   !> A rocking wall stretches the fuse under the lifted corner, a hinged wall moves both fuses.
+   !> Add the travel of the elements between two rotations.
    pure subroutine add_travel(recorder, equation, theta_a, theta_b)
       type(envelope_recorder_t), intent(inout) :: recorder
       type(equation_t), intent(in) :: equation
       real(wp), intent(in) :: theta_a, theta_b
       !! [rad]
-      real(wp) :: way
+      integer :: i
 
-      way = abs(fuse_stroke(equation, theta_b) - fuse_stroke(equation, theta_a))
-      if (.not. equation%has_impacts) then
-         recorder%travel = recorder%travel + way
-      else
-         associate (drawn => recorder%travel(merge(1, 2, equation%state%side > 0)))
-            drawn = drawn + way
-         end associate
-      end if
+      do i = 1, size(recorder%watched)
+         recorder%travel(i) = recorder%travel(i) + travel_of(equation, recorder%watched(i), &
+            theta_a, theta_b)
+      end do
    end subroutine add_travel
-
-   !> Stroke of the fuse under a corner: its chord, with half the arm for a hinged wall [m].
-   pure real(wp) function fuse_stroke(equation, theta) result(stroke)
-      type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta
-      !! [rad]
-
-      stroke = corner_share(equation)*4*equation%p%R*equation%p%sin_alpha*sin(theta/2)
-   end function fuse_stroke
 
    !> Fill in the columns of the history at one instant.
    subroutine put_envelopes(row, recorder, equation, t, y, y_dot)
@@ -391,6 +401,7 @@ contains
       type(reactions_t) :: reactions
 
       if (.not. equation%has_wall) return
+      if (.not. has_section_forces(equation)) return
       call find_forces(recorder, equation, t, y, y_dot)
       associate (base => recorder%above(:, 1)/equation%p%g, force => recorder%links%force, &
                  n => recorder%building%floors)
@@ -422,23 +433,29 @@ contains
    end subroutine put_strip
 
    !> Return the envelopes of the run.
-   subroutine envelope_extremes(recorder, equation, theta_max, extremes)
+   subroutine envelope_extremes(recorder, equation, theta, y, extremes)
       type(envelope_recorder_t), intent(in) :: recorder
       type(equation_t), intent(in) :: equation
-      real(wp), intent(in) :: theta_max
-      !! largest |theta| [rad]
+      real(wp), intent(in) :: theta(2)
+      !! smallest and largest rotation [rad]
+      real(wp), intent(in) :: y(:)
+      !! (states) at the end
       type(envelope_extremes_t), intent(out) :: extremes
-      integer :: n
+      integer :: i, n
 
       n = recorder%building%floors
       if (n > 0) extremes%velocity_max = recorder%largest(:n)
-      if (recorder%has_fuses) then
-         extremes%fuse_stroke_max = fuse_stroke(equation, theta_max)
-         extremes%fuse_stroke_sum = maxval(recorder%travel)
-      end if
       if (.not. equation%has_wall) return
+      if (size(recorder%watched) > 0) allocate (extremes%elements(size(recorder%watched)))
+      do i = 1, size(recorder%watched)
+         extremes%elements(i) = extremes_of(equation, recorder%watched(i), theta, y)
+         extremes%elements(i)%travel = recorder%travel(i)
+         associate (last => size(recorder%largest) - 2*(size(recorder%watched) - i))
+            extremes%elements(i)%force = [-1, 1]*recorder%largest([last, last - 1])/equation%p%g
+         end associate
+      end do
       if (allocated(recorder%strip)) then
-         associate (last => size(recorder%largest))
+         associate (last => size(recorder%largest) - 2*size(recorder%watched))
             extremes%contact_min = -recorder%largest(last - 1)
             extremes%toe_stress_max = min(recorder%largest(last), recorder%strip%strength)
             if (allocated(recorder%modulus)) extremes%toe_strain_max = recorder%largest(last) &
@@ -447,6 +464,7 @@ contains
       end if
       associate (forces => recorder%largest(n + 1:)/equation%p%g)
          extremes%normal_max = forces(of_normal)
+         if (.not. has_section_forces(equation)) return
          extremes%base = forces(of_base:of_base + 1)
          extremes%middle = forces(of_middle:of_middle + 1)
          if (n == 0) return

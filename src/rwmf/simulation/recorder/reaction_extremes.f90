@@ -8,7 +8,8 @@ module rwmf_simulation_recorder_reaction_extremes
    use rwmf_core_kinds, only: wp
    use rwmf_math_roots, only: bracket_between, bracket_t, is_wider, narrow
    use rwmf_model_system_assembly, only: equation_t
-   use rwmf_model_system_reactions, only: friction_demand, reactions_at, reactions_t
+   use rwmf_model_system_reactions, only: friction_demand, normal_range, reactions_at, &
+      reactions_t
    use rwmf_model_system_reactions_loop, only: demand, low_normal, reaction_count, shear
    use rwmf_problem_case, only: case_t, seeks
    use rwmf_problem_quantity_table, only: id
@@ -122,7 +123,7 @@ contains
       type(reactions_t) :: reactions
 
       reactions = reactions_at(equation, t, y, y_dot)
-      found(low_normal) = -reactions%normal
+      found(low_normal) = -minval(normal_range(equation, reactions%normal, y))
       found(shear) = abs(reactions%base_shear)
       if (equation%parts%has_shear_key) then
          self%present_demand = abs(reactions%horizontal)

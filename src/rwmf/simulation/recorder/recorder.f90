@@ -6,14 +6,13 @@ module rwmf_simulation_recorder_recorder
    use rwmf_core_kinds, only: i8, wp
    use rwmf_math_roots, only: close_in, secant_between, secant_t, stationary_point
    use rwmf_math_sign_changes, only: no_change, one_change
-   use rwmf_model_cable, only: cable_state_t
-   use rwmf_model_equation, only: enter_interval, frame_motion
+   use rwmf_model_equation, only: cable_force_at, enter_interval, frame_motion, has_elements, &
+      has_tendons
    use rwmf_model_floors_floor_forces, only: put_floors
    use rwmf_model_floors_yielding_storeys, only: put_shears
    use rwmf_model_history_row, only: create_row, history_row_t, put
    use rwmf_model_hysteresis_bouc_wen, only: bouc_wen_force
-   use rwmf_model_hysteresis_spring_set, only: put_spring_forces
-   use rwmf_model_system_assembly, only: cable_at, equation_t, frame_displacement, interval_of, &
+   use rwmf_model_system_assembly, only: equation_t, frame_displacement, interval_of, &
       rates_at, second_derivative
    use rwmf_model_system_energy, only: impact_loss, mechanical_energy, yielding_loss
    use rwmf_motion_ground_motion, only: acceleration, interval_end, vertical_acceleration
@@ -28,6 +27,7 @@ module rwmf_simulation_recorder_recorder
       span_between, span_of, span_t, watch_t
    use rwmf_simulation_recorder_demand_extremes, only: create_demands, demand_recorder_t, &
       put_demands, put_storeys
+   use rwmf_simulation_recorder_element_demands, only: put_element_forces, put_frame_force
    use rwmf_simulation_recorder_energy_balance, only: integrate_powers, put_energies
    use rwmf_simulation_recorder_force_envelopes, only: create_envelopes, envelope_recorder_t, &
       observe_envelopes, put_envelopes
@@ -76,7 +76,11 @@ module rwmf_simulation_recorder_recorder
    !> Running maxima, counts and records.
    type, extends(peaks_t) :: recorder_t
       real(wp) :: cable_max
-      !! largest P/(m_w g) of a tendon that can yield or fracture [-]
+      !! largest P/(m_w g) of tendons that can yield, go slack or break [-]
+      logical :: follows_cable = .false.
+      !! a tendon can do that
+      logical :: has_offsets = .false.
+      !! the case gives the places of the fuses
       logical :: seeks_velocity = .true.
       !! the largest |theta'| is requested
       logical :: keeps_energy
@@ -138,6 +142,9 @@ contains
       recorder%theta_dot_max = 0
       recorder%theta_dot_ends = 0
       recorder%cable_max = 0
+      recorder%follows_cable = has_tendons(equation)
+      recorder%has_offsets = .false.
+      if (allocated(case%fuse)) recorder%has_offsets = allocated(case%fuse%offset)
       recorder%impacts = 0
       recorder%lift_offs = 0
       recorder%keeps_energy = .false.
@@ -249,16 +256,13 @@ contains
       !! [s]
       real(wp), intent(in) :: y(:)
       !! (states)
-      type(cable_state_t) :: cable
       real(wp) :: u
 
       recorder%theta_max = max(recorder%theta_max, y(1))
       recorder%theta_min = min(recorder%theta_min, y(1))
       recorder%theta_dot_ends = max(recorder%theta_dot_ends, abs(y(2)))
-      if (equation%cable%is_tendon) then
-         cable = cable_at(equation, y(1))
-         recorder%cable_max = max(recorder%cable_max, cable%force)
-      end if
+      if (recorder%follows_cable) recorder%cable_max = max(recorder%cable_max, &
+         cable_force_at(equation, y(1), equation%state%side))
       if (allocated(recorder%top)) then
          recorder%top = max(recorder%top, abs(top_displacements(equation, y)))
       end if
@@ -275,7 +279,7 @@ contains
    pure logical function has_more_than_peaks(recorder) result(has_more)
       type(recorder_t), intent(in) :: recorder
 
-      has_more = sees_forces(recorder) .or. recorder%keeps_energy .or. recorder%cable_max > 0 &
+      has_more = sees_forces(recorder) .or. recorder%keeps_energy .or. recorder%follows_cable &
          .or. allocated(recorder%drifts) .or. allocated(recorder%top)
    end function has_more_than_peaks
 
@@ -626,11 +630,12 @@ contains
       real(wp), intent(in) :: y(:)
       real(wp), intent(in) :: y_dot(:)
       type(energy_t), intent(in) :: energy
-      type(cable_state_t) :: cable
       real(wp) :: u_s
       !! [m]
       real(wp) :: u_s_dot
       !! [m/s]
+      real(wp) :: cable
+      !! force of all tendons over m_w g [-]
       integer :: i
 
       u_s = 0
@@ -650,13 +655,15 @@ contains
          if (equation%has_vertical) call put(row, id%v_g_ddot_m_s2, &
             vertical_acceleration(equation%motion, interval_of(equation), t))
          if (equation%has_cable) then
-            cable = cable_at(equation, y(1))
-            call put(row, id%cable_force_over_m_w_g, cable%force)
-            if (m_w_g > 0) call put(row, id%cable_force_N, cable%force*m_w_g)
+            cable = cable_force_at(equation, y(1), equation%state%side)
+            call put(row, id%cable_force_over_m_w_g, cable)
+            if (m_w_g > 0) call put(row, id%cable_force_N, cable*m_w_g)
          end if
          if (equation%has_loading_direction) call put(row, id%frame_force_over_m_s_g, &
             bouc_wen_force(equation, y)/equation%p%g)
-         if (equation%has_bilinear_springs) call put_spring_forces(row, equation, y(1))
+         if (equation%has_bilinear_springs) call put_frame_force(row, equation, y(1))
+         if (has_elements(equation)) call put_element_forces(row, equation, &
+            recorder%has_offsets, y)
          if (equation%beam%n > 0) call put(row, id%q_i_m, y(equation%beam%first: &
             equation%beam%first + equation%beam%n - 1))
          if (allocated(equation%floors%m)) call put_floors(row, equation, y)

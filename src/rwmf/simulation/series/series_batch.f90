@@ -3,10 +3,13 @@ module rwmf_simulation_series_series_batch
    use rwmf_core_kinds, only: wp
    use rwmf_integrator_series_series_kernels, only: series_kernels_of, series_kernels_t
    use rwmf_integrator_series_series_lanes, only: series_lanes_t, series_width
-   use rwmf_model_effects_numbers, only: damper_effect, fuse_effect, inerter_effect, &
-      p_delta_effect, storeys_effect, vertical_effect
-   use rwmf_model_equation, only: equation_t
-   use rwmf_model_scene, only: frame_term, linear_cable_term, straight_cable_term
+   use rwmf_model_effects_numbers, only: inerter_effect, p_delta_effect, storeys_effect, &
+      vertical_effect
+   use rwmf_model_elements, only: chord_row, of_fuse
+   use rwmf_model_equation, only: equation_t, has_elements, has_tendons
+   use rwmf_model_lanes, only: chord_coefficients
+   use rwmf_model_scene, only: axis_term, chord_term, frame_term, line_term
+   use rwmf_model_stroke, only: along_line
    use rwmf_motion_ground_motion, only: interval_end, interval_last, is_curved, line_of, line_t, &
       motion_t, vertical_line_of
    implicit none
@@ -152,9 +155,8 @@ contains
    !> cables, springs with memory, devices at the corners, vertical motion and gravity on the frame.
    pure logical function is_served(equation)
       type(equation_t), intent(in) :: equation
-      integer, parameter :: known(*) = [frame_term, linear_cable_term, straight_cable_term, &
-         damper_effect, inerter_effect, fuse_effect, vertical_effect, p_delta_effect, &
-         storeys_effect]
+      integer, parameter :: known(*) = [frame_term, axis_term, line_term, chord_term, &
+         inerter_effect, vertical_effect, p_delta_effect, storeys_effect]
       integer :: i
 
       is_served = equation%has_impacts .and. equation%n == 2 .and. .not. ( &
@@ -162,19 +164,38 @@ contains
       do i = 1, size(equation%scene%terms)
          is_served = is_served .and. any(known == equation%scene%terms(i)%effect)
       end do
-      if (is_served .and. equation%has_fuses) is_served = bears_on_ground(equation)
+      if (is_served .and. has_elements(equation)) is_served = serves_elements(equation)
    end function is_served
 
-   !> Return whether fuses never lift the wall off both corners.
-   pure logical function bears_on_ground(equation)
+   !> Return whether the series knows the elements of a scene: no straight tendon off the axis, equal
+   !> damping on both sides, and springs that never lift the wall off both corners.
+   pure logical function serves_elements(equation) result(is_served)
       type(equation_t), intent(in) :: equation
-      real(wp) :: capacity
+      real(wp) :: capacity, rows(chord_coefficients, 2)
 
       capacity = equation%p%g
-      if (.not. equation%cable%is_tendon) capacity = capacity*(1 + equation%p%eta_0)
-      associate (fuse => equation%springs(size(equation%springs))%spring)
-         bears_on_ground = 2*fuse%breakaway*fuse%yield <= capacity
+      if (.not. has_tendons(equation)) capacity = capacity*(1 + equation%p%eta_0)
+      rows(:, 1) = chord_row(equation%elements, equation%state%springs, -1, equation%p%R)
+      rows(:, 2) = chord_row(equation%elements, equation%state%springs, 1, equation%p%R)
+      associate (elements => equation%elements)
+         is_served = abs(rows(3, 1) - rows(3, 2)) <= 0 .and. .not. any(elements%stroke%kind &
+            == along_line .and. (abs(elements%offset) > 0 .or. count(elements%stroke%kind &
+            == along_line) > 1)) .and. push_of(equation) <= capacity
       end associate
-   end function bears_on_ground
+   end function serves_elements
+
+   !> Largest force with which fuses may push the wall up, over m_w [m/s2].
+   pure real(wp) function push_of(equation) result(push)
+      type(equation_t), intent(in) :: equation
+      integer :: i
+
+      push = 0
+      do i = 1, size(equation%elements)
+         if (equation%elements(i)%group /= of_fuse) cycle
+         associate (spring => equation%springs(equation%elements(i)%spring)%spring)
+            push = push + spring%breakaway*spring%yield
+         end associate
+      end do
+   end function push_of
 
 end module rwmf_simulation_series_series_batch

@@ -8,12 +8,13 @@ module rwmf_simulation_series_series_loading
    use rwmf_integrator_series_series_lanes, only: left, most_terms_of_series, right, &
       series_lanes_t, series_width
    use rwmf_math_roots, only: bracket_between, bracket_t, keep_inside, narrow
-   use rwmf_model_cable, only: cable_row, cable_state_t
+   use rwmf_model_elements, only: axis_row, chord_row, line_rows
    use rwmf_model_drift_limits, only: drift_ratios
-   use rwmf_model_effects_numbers, only: damper_effect, inerter_effect, p_delta_effect
-   use rwmf_model_equation, only: cable_at, enter_interval, enter_side, equation_t, &
+   use rwmf_model_effects_numbers, only: inerter_effect, p_delta_effect
+   use rwmf_model_equation, only: cable_force_at, enter_interval, enter_side, equation_t, &
       frame_displacement, frame_mass, interval_of
    use rwmf_model_hysteresis_spring_set, only: renew_window
+   use rwmf_model_scene, only: axis_term, chord_term, line_term
    use rwmf_model_system_assembly, only: second_derivative
    use rwmf_model_system_lift_off, only: find_uplift_acceleration
    use rwmf_model_system_rest_after_chatter, only: inverse_inertia
@@ -153,20 +154,17 @@ contains
          end do
          lanes%excited(i) = equation%floors%excited_mass_ratio
          lanes%weight_share(i) = equation%uplift%weight_share
-         lanes%has_straight_cable = equation%cable%is_straight
-         lanes%has_fuses = equation%has_fuses
+         lanes%has_straight_cable = any(equation%scene%terms%effect == line_term)
+         lanes%has_fuses = equation%may_hold
          lanes%has_branches = equation%has_bilinear_springs
          lanes%has_curves = .not. is_piecewise_linear(equation%motion)
          lanes%curve(i, :, :) = 0
          lanes%is_plain = .not. (lanes%has_curves .or. equation%has_vertical &
-            .or. equation%has_fuses .or. equation%cable%is_straight) &
+            .or. any(equation%scene%terms%effect == chord_term) .or. lanes%has_straight_cable) &
             .and. abs(lanes%excited(i) - 1) <= 0
          do m = 1, size(equation%scene%terms)
             associate (coef => equation%state%coef(1, equation%scene%terms(m)%coef))
                select case (equation%scene%terms(m)%effect)
-               case (damper_effect)
-                  lanes%damper(i) = 0.5_wp*coef
-                  lanes%is_plain = .false.
                case (inerter_effect)
                   lanes%inerter(i) = 0.5_wp*coef
                   lanes%has_inerter = .true.
@@ -186,36 +184,43 @@ contains
       integer, intent(in) :: i
       !! number of the lane in the batch
       type(series_batch_t), intent(inout) :: batch
-      real(wp) :: row(4)
-      integer :: m
+      integer :: k, m, side
 
       associate (lanes => batch%lanes, p => equation%p, state => equation%state)
          lanes%stiffness(i) = state%frame_slope
-         do m = 1, size(equation%scene%terms)
-            if (equation%scene%terms(m)%effect == p_delta_effect) lanes%stiffness(i) = &
-               lanes%stiffness(i) - state%coef(1, equation%scene%terms(m)%coef)/lanes%mass(i)
-         end do
          lanes%offset(i) = state%frame_offset/p%R
          do m = left, right
-            row = 0
-            if (equation%has_cable) row = cable_row(equation%cable, state%tendon, 2*m - 3, &
-               p%g_over_R)
-            if (equation%cable%is_straight) then
-               lanes%straight(i, :) = row
-               row = 0
-            end if
-            lanes%cable(i, m) = row(1)
-            lanes%cable_slope(i, m) = row(2)
+            lanes%cable(i, m) = 0
+            lanes%cable_slope(i, m) = 0
             lanes%uplift(i, m) = state%uplift_acceleration(2*m - 3)
          end do
          lanes%gain(i) = inverse_inertia(equation)
-         if (.not. equation%has_fuses) return
-         ! the left fuse, under the corner that lifts for theta > 0, precedes the right one
-         do m = left, right
-            associate (fuse => state%springs(size(state%springs) + left - m))
-               lanes%fuse(i, m) = 2*p%sin_alpha*fuse%offset/p%R
-               lanes%fuse_slope(i, m) = (2*p%sin_alpha)**2*fuse%slope
-            end associate
+         do k = 1, size(equation%scene%terms)
+            do m = left, right
+               side = 2*m - 3
+               select case (equation%scene%terms(k)%effect)
+               case (p_delta_effect)
+                  if (m == left) lanes%stiffness(i) = lanes%stiffness(i) - state%coef(1, &
+                     equation%scene%terms(k)%coef)/lanes%mass(i)
+               case (axis_term)
+                  associate (row => axis_row(equation%elements, state%springs, side, p%R))
+                     lanes%cable(i, m) = row(1)
+                     lanes%cable_slope(i, m) = row(2)
+                  end associate
+               case (line_term)
+                  ! half of the length at rest
+                  lanes%straight(i, :) = line_rows(equation%elements, state%springs, side, p%R) &
+                     *[1.0_wp, 1.0_wp, 0.5_wp, 1.0_wp]
+               case (chord_term)
+                  associate (row => chord_row(equation%elements, state%springs, side, p%R))
+                     lanes%fuse(i, m) = row(1)
+                     lanes%fuse_slope(i, m) = 0.5_wp*row(2)
+                     lanes%damper(i) = 0.5_wp*row(3)
+                  end associate
+               case default
+                  ! loaded with the coefficients that do not change
+               end select
+            end do
          end do
       end associate
    end subroutine load_branches
@@ -457,16 +462,13 @@ contains
       real(wp), intent(in) :: t_top(2)
       !! their times [s]
       type(recorder_t), intent(inout) :: recorder
-      type(cable_state_t) :: cable
       real(wp) :: u
       integer :: m, side
 
       do m = left, right
          side = 2*m - 3
-         if (equation%cable%is_tendon) then
-            cable = cable_at(equation, side*top(m), side)
-            recorder%cable_max = max(recorder%cable_max, cable%force)
-         end if
+         if (recorder%follows_cable) recorder%cable_max = max(recorder%cable_max, &
+            cable_force_at(equation, side*top(m), side))
          if (.not. equation%has_frame) cycle
          u = abs(frame_displacement(equation, side, [side*top(m)]))
          if (.not. u > recorder%u_max) cycle

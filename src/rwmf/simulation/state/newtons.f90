@@ -4,6 +4,7 @@
 module rwmf_simulation_state_newtons
    use rwmf_core_kinds, only: wp
    use rwmf_problem_case, only: has_floors, structure_t
+   use rwmf_problem_scene_axes, only: walls_of
    use rwmf_problem_quantity_table, only: key_of
    implicit none
    private
@@ -36,7 +37,7 @@ contains
          if (index(key, '_over_m_s_g') > 0) then
             weight = frame*weight
          else if (index(key, '_over_weight') > 0) then
-            weight = (merge(1, 0, allocated(case%wall)) + floors)*weight
+            weight = (merge(walls_of(case), 0, allocated(case%wall)) + floors)*weight
          end if
       end associate
    end function weight_under

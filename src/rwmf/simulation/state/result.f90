@@ -5,7 +5,7 @@ module rwmf_simulation_state_result
    private
 
    public :: result_t, history_t, event_t, energy_t, reaction_extremes_t, demand_extremes_t
-   public :: envelope_extremes_t, sensitivities_t
+   public :: envelope_extremes_t, element_extremes_t, sensitivities_t
    public :: append_event, shorten_events, add_warning
    public :: event_impact, event_peak, event_lift_off, event_rest, event_overturned, event_name
    public :: event_branch, event_rupture, event_passage, event_collapsed, ending_name
@@ -159,14 +159,28 @@ module rwmf_simulation_state_result
       !! its height above the base [m]
    end type demand_extremes_t
 
+   !> Strokes and forces of one vertical element.
+   type :: element_extremes_t
+      integer :: group = 0
+      !! its group, as in `rwmf_model_elements`
+      real(wp) :: stroke(2) = 0
+      !! smallest and largest stroke [m]
+      real(wp) :: travel = 0
+      !! sum of all strokes there and back [m]
+      real(wp) :: force(2) = 0
+      !! smallest force of a tendon, and largest magnitude, over m_w g [-]
+      real(wp) :: force_end = 0
+      !! force at the end over m_w g [-]
+      real(wp) :: loss = 0
+      !! lost force at theta = 0 over m_w g [-]
+   end type element_extremes_t
+
    !> Envelopes of forces over m_w g. Components that do not apply are not allocated.
    type :: envelope_extremes_t
       real(wp), allocatable :: velocity_max(:)
       !! (floors) peak absolute velocities [m/s]; absent without a frame
-      real(wp), allocatable :: fuse_stroke_max
-      !! [m]; absent without fuses, as is the next
-      real(wp), allocatable :: fuse_stroke_sum
-      !! total travel of the fuse with the longer travel [m]
+      type(element_extremes_t), allocatable :: elements(:)
+      !! vertical elements with own outputs; absent without any
       real(wp), allocatable :: normal_max
       !! largest pivot reaction [-]; absent without a wall, as are the following
       real(wp), allocatable :: base(:), middle(:)
@@ -234,7 +248,12 @@ module rwmf_simulation_state_result
       !! (storeys) drifts in static equilibrium after the motion [-]; absent without an equilibrium,
       !! and unless storeys yield individually
       real(wp), allocatable :: theta_end_over_alpha
-      !! theta/alpha at the end [-]; absent unless fuses may hold the wall up
+      !! theta/alpha at the end [-]; absent unless springs may hold the wall up
+      real(wp), allocatable :: uplift(:)
+      !! ground acceleration over g at which the wall at rest lifts off, to theta > 0 and to theta <
+      !! 0 [-]; absent unless elements stand off the axis
+      real(wp), allocatable :: coupling_ratio
+      !! share of the couplings in the moment of all walls at yield [-]; absent without them
       real(wp), allocatable :: e
       !! velocity factor at impact [-]; absent without impacts
       real(wp), allocatable :: modal_damping(:, :)
