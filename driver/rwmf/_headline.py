@@ -6,6 +6,8 @@ import textwrap
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from rwmf.case import Case
 from rwmf.quantities import SENSITIVITY, Quantity, find_numbered
 
@@ -76,7 +78,7 @@ def headline_rows(summary: Mapping[str, Any], tendon_yield: float | None) -> dic
 
 
 def tendon_yield_of(case: Case) -> float | None:
-    """Return the force at which the tendon of a case yields.
+    """Return the force at which all tendons of a case yield.
 
     Parameters
     ----------
@@ -88,7 +90,10 @@ def tendon_yield_of(case: Case) -> float | None:
     float or None
         Force over the weight of the wall [-]; None for an elastic tendon, or without one.
     """
-    return case.cable.eta_y if case.cable is not None and "eta_y" in case.cable else None
+    if case.cable is None or "eta_y" not in case.cable:
+        return None
+    forces, places = np.atleast_1d(case.cable.eta_y), case.cable.get("offset", (0.0,))
+    return float(forces.sum() * len(places) / forces.size)
 
 
 def is_complete(summary: Mapping[str, Any]) -> bool:

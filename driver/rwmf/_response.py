@@ -18,7 +18,7 @@ from rwmf.quantities import QUANTITIES, Quantity
 __all__ = ["LEVELS", "Response", "as_response"]
 
 # dimensions of quantities with a number
-LEVELS = ("storey", "floor", "mode")
+LEVELS = ("storey", "floor", "mode", "tendon", "fuse", "restraint")
 
 
 class Response(xr.Dataset):  # type: ignore[no-untyped-call]
@@ -28,7 +28,8 @@ class Response(xr.Dataset):  # type: ignore[no-untyped-call]
     ``storey``, ``floors_acceleration_max_g`` over ``floor``. Coordinates are the numbers from the
     ground up, ``storey_height`` (from floor to floor) and ``floor_height`` (above the base) [m]. A
     name with a number is the value of that storey or floor: ``response["storey_3_drift_max"]``.
-    Floors without a value, for example without a link, are NaN.
+    Floors without a value, for example without a link, are NaN. Modes, tendons, fuses and restraints
+    are numbered likewise, elements in the order of their `offset`.
 
     Printing shows the headline, the scalars by group, and the names of the histories.
 

@@ -268,6 +268,9 @@ def level_coordinates(case: Case, sizes: dict[str, int], dims: set[str]) -> dict
         ("storey", heights, "height of the storey, from floor to floor"),
         ("floor", list(accumulate(heights)), "height of the floor above the base"),
         ("mode", [], ""),
+        ("tendon", [], ""),
+        ("fuse", [], ""),
+        ("restraint", [], ""),
     ):
         if level in dims:
             text = f"number of the {level}" + (", from the ground up" if meaning else "")

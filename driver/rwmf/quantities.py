@@ -111,10 +111,12 @@ class Quantity:
 
     @property
     def level(self) -> str:
-        """Dimension of a numbered quantity: 'storey', 'floor' or 'mode'; '' for the others."""
+        """Dimension of a numbered quantity: 'storey', 'floor', 'fuse' ...; '' for the others."""
         if "{i}" not in self.key:
             return ""
-        numbered = re.search(r"(\w+) \{i\}", self.meaning)
+        # the sensitivity of a peak has the dimension of the peak
+        own = QUANTITIES.get(self.key.removeprefix("sensitivity_"), self)
+        numbered = re.search(r"(\w+) \{i\}", own.meaning)
         return numbered[1] if numbered else "mode"
 
     @property

@@ -2,7 +2,7 @@
 module reaction_scenes
    use rwmf_core_error, only: error_t
    use rwmf_core_kinds, only: wp
-   use rwmf_problem_case, only: case_t, damper_t, fuse_t, inerter_t, link_t
+   use rwmf_problem_case, only: case_t, devices_t, inerter_t, link_t
    use rwmf_problem_equivalent_frame, only: set_equivalent_frame
    use rwmf_simulation_state_result, only: result_t
    use scenes, only: rwmf_scene
@@ -37,7 +37,7 @@ contains
       type(case_t) :: case
 
       case = scene('exact', 'truss')
-      case%damper = damper_t(2.0_wp)
+      case%damper = devices_t(c=[2.0_wp, 2.0_wp])
    end function damped
 
    function pinned() result(case)
@@ -60,8 +60,9 @@ contains
       type(case_t) :: case
 
       case = pinned()
-      case%damper = damper_t(2.0_wp)
-      case%fuse = fuse_t(0.4_wp, 0.002_wp, 0.02_wp)
+      case%damper = devices_t(c=[2.0_wp, 2.0_wp])
+      case%fuse = devices_t(eta_y=[0.4_wp, 0.4_wp], stroke_y=[0.002_wp, 0.002_wp], &
+         hardening=[0.02_wp, 0.02_wp])
       case%inerter = inerter_t(1.5_wp)
    end function pinned_with_corners
 
@@ -70,7 +71,8 @@ contains
       type(case_t) :: case
 
       case = scene('exact', 'truss')
-      case%fuse = fuse_t(0.4_wp, 0.002_wp, 0.02_wp)
+      case%fuse = devices_t(eta_y=[0.4_wp, 0.4_wp], stroke_y=[0.002_wp, 0.002_wp], &
+         hardening=[0.02_wp, 0.02_wp])
    end function fused
 
    function with_inerter() result(case)
@@ -94,8 +96,8 @@ contains
       type(case_t) :: case
 
       case = scene('exact', law)
-      case%cable%eta_y = 1.3_wp
-      case%cable%hardening = 0.02_wp
+      case%cable%eta_y = [1.3_wp]
+      case%cable%hardening = [0.02_wp]
    end function with_tendon
 
    !> Scene with a frame that yields smoothly.

@@ -24,8 +24,8 @@ contains
       case%frame%T_s = T_s
       case%frame%gamma = gamma
       case%frame%xi_s = 0.05_wp
-      case%cable%eta_0 = 1
-      case%cable%eta_alpha = 5
+      case%cable%eta_0 = [1.0_wp]
+      case%cable%eta_alpha = [5.0_wp]
       case%cable%law = 'linear'
       case%impact%rule = 'constant'
       case%impact%e = 0.9_wp

@@ -6,7 +6,7 @@ program test_element
    use rwmf, only: case_t, create_element, element_response_t, err_input, error_t, &
       uplift_demand_of, next_impact, next_lift_off, read_case_text, respond, settles, &
       velocity_factor, wall_element_t, wp
-   use rwmf_problem_case, only: fuse_t, inerter_t
+   use rwmf_problem_case, only: devices_t, inerter_t
    use scenes, only: rwmf_scene
    implicit none
 
@@ -338,7 +338,8 @@ contains
       case%inerter = inerter_t(1.0_wp)
       call create_element(element, case, error)
       call checks%no_error(error, 'inerters')
-      case%fuse = fuse_t(0.4_wp, 0.002_wp, 0.02_wp)
+      case%fuse = devices_t(eta_y=[0.4_wp, 0.4_wp], stroke_y=[0.002_wp, 0.002_wp], &
+         hardening=[0.02_wp, 0.02_wp])
       call create_element(element, case, error)
       call checks%has_error(error, err_input, '&fuse', 'fuses')
       deallocate (case%fuse)

@@ -56,7 +56,7 @@ program test_stepping
       query_events, query_forces, query_state, respond, restore_stepping, result_t, save_stepping, &
       simulate, snapshot_t, stepping_t, wall_element_t, wall_forces_t, wall_state_t, wp
    use rwmf_core_kinds, only: pi
-   use rwmf_problem_case, only: damper_t, inerter_t
+   use rwmf_problem_case, only: devices_t, inerter_t
    use scenes, only: frame_scene, rwmf_scene
    implicit none
 
@@ -326,7 +326,7 @@ contains
       case = record_scene('dop853')
       case%wall%m_w = 2.0e4_wp
       if (has_corners) then
-         case%damper = damper_t(3.0_wp)
+         case%damper = devices_t(c=[3.0_wp, 3.0_wp])
          case%inerter = inerter_t(1.5_wp)
          allocate (case%upward)
          case%upward%ratio = 0.65_wp

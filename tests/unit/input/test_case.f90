@@ -43,7 +43,7 @@ contains
       type(case_t) :: case
 
       call accept(scene//'&cable eta_0 = 2.0 /', case)
-      call checks%close_to(case%cable%eta_alpha, 2.0_wp, 'eta_alpha is eta_0')
+      call checks%close_to(case%cable%eta_alpha(1), 2.0_wp, 'eta_alpha is eta_0')
       call checks%that(case%cable%law == 'linear', 'law')
       call checks%that(case%model%formulation == 'exact', 'formulation')
       call checks%close_to(case%model%g, real(9.81_dp, wp), 'g')

@@ -126,7 +126,7 @@ contains
          case = changed
          if (i == 1) first = case
       end do
-      call checks%close_to(case%cable%eta_alpha, 5.0_wp, 'the last number holds', rtol=1e-15_wp)
+      call checks%close_to(case%cable%eta_alpha(1), 5.0_wp, 'the last number holds', rtol=1e-15_wp)
       call checks%that(size(case%values%numbers) <= size(first%values%numbers) &
          .and. len(case%values%texts) <= len(first%values%texts), 'values do not pile up')
       call describe_case(case, text)

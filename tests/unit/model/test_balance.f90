@@ -282,11 +282,12 @@ contains
       couple = 0
       if (equation%has_impacts .or. .not. allocated(case%fuse)) return
       associate (b => case%wall%b, half => y(1)/2, fuse => case%fuse, g => case%model%g)
-         force = case%damper%c_over_m_w*b*cos(half)*y(2) + case%inerter%inertance_over_m_w &
+         force = case%damper%c(1)*b*cos(half)*y(2) + case%inerter%inertance_over_m_w &
             *(b*cos(half)*y_ddot - b*sin(half)*y(2)**2/2)
          largest = 2*b*sin(0.13_wp/2)
-         force = force + sign(fuse%eta_y*g*(1 + fuse%hardening*(largest/fuse%stroke_y - 1)), half) &
-            + fuse%eta_y*g/fuse%stroke_y*(2*b*sin(half) - sign(largest, half))
+         force = force + sign(fuse%eta_y(1)*g*(1 + fuse%hardening(1)*(largest/fuse%stroke_y(1) &
+            - 1)), half) &
+            + fuse%eta_y(1)*g/fuse%stroke_y(1)*(2*b*sin(half) - sign(largest, half))
          couple = -2*force*b*cos(half)
       end associate
    end function couple

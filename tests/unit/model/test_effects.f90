@@ -6,12 +6,13 @@ program test_effects
    use rwmf_core_kinds, only: wp
    use rwmf_embedding_stepping, only: advance_stepping, create_stepping, destroy_stepping, &
       query_state, stepping_t, wall_state_t
+   use rwmf_model_lanes, only: chord_coefficients
    use rwmf_model_kinematics, only: kinematics_t
    use rwmf_model_system_assembly, only: build_equation, enter_side, equation_t, &
       kinematics_at, second_derivative
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
    use rwmf_motion_record_lines, only: merged_times
-   use rwmf_problem_case, only: case_t, damper_t, inerter_t, link_t
+   use rwmf_problem_case, only: case_t, devices_t, inerter_t, link_t
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: result_t
    use scenes, only: rwmf_scene
@@ -62,7 +63,7 @@ contains
       type(case_t) :: case
 
       case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-      case%damper = damper_t(c_over_m_w)
+      case%damper = devices_t(c=spread(c_over_m_w, 1, 2))
    end function damped
 
    !> Wall and frame with corner inerters.
@@ -98,11 +99,11 @@ contains
       call build_equation(case, motion, with)
       deallocate (case%damper)
       call build_equation(case, motion, without)
-      call checks%that(.not. allocated(without%effects), 'no further effect')
-      call checks%that(size(with%effects) == 1, 'the damper alone')
+      call checks%that(size(without%elements) == 1, 'the tendon alone')
+      call checks%that(size(with%elements) == 3, 'a damper at each corner')
       call checks%that(size(with%scene%terms) == size(without%scene%terms) + 1, 'one loop more')
       call checks%that(with%scene%n == without%scene%n, 'no state more')
-      call checks%that(with%scene%n_coef == without%scene%n_coef + with%effects(1)%n_coef, &
+      call checks%that(with%scene%n_coef == without%scene%n_coef + chord_coefficients, &
          'the coefficients of the damper alone')
    end subroutine check_absent
 

@@ -12,7 +12,7 @@ program test_memory
    use rwmf_model_system_assembly, only: build_equation, enter_interval, enter_side, equation_t, &
       second_derivative
    use rwmf_motion_ground_motion, only: motion_from_case, motion_t
-   use rwmf_problem_case, only: case_t, fuse_t
+   use rwmf_problem_case, only: case_t, devices_t
    use rwmf_simulation_simulate, only: simulate
    use rwmf_simulation_state_result, only: result_t
    use scenes, only: frame_scene, rwmf_scene
@@ -195,9 +195,10 @@ contains
       type(case_t) :: case
 
       case = rwmf_scene(formulation, 5.0_wp, 1.0_wp, method)
-      case%cable%eta_y = 1.4_wp
-      case%cable%hardening = 0.02_wp
-      case%fuse = fuse_t(0.4_wp, 0.004_wp, 0.05_wp)
+      case%cable%eta_y = [1.4_wp]
+      case%cable%hardening = [0.02_wp]
+      case%fuse = devices_t(eta_y=spread(0.4_wp, 1, 2), stroke_y=spread(0.004_wp, 1, 2), &
+         hardening=spread(0.05_wp, 1, 2))
       allocate (case%yielding)
       case%yielding%u_y = 0.05_wp
       case%yielding%hardening = 0.1_wp
@@ -214,17 +215,18 @@ contains
       do f = 1, 2
          case = rwmf_scene(trim(formulations(f)), 5.0_wp, 1.0_wp, 'dop853')
          call simulate(case, limit, error)
-         case%cable%eta_y = 1.0e6_wp
+         case%cable%eta_y = [1.0e6_wp]
          call compare(case, limit, 'a tendon too strong to yield')
-         case%cable%eta_y = 1.4_wp
-         case%cable%hardening = 1 - 1.0e-12_wp
+         case%cable%eta_y = [1.4_wp]
+         case%cable%hardening = [1 - 1.0e-12_wp]
          call compare(case, limit, 'a tendon as stiff after yielding')
          deallocate (case%cable%eta_y)
-         case%cable%hardening = 0
-         case%cable%rupture_strain = 1.0e3_wp
+         case%cable%hardening = [0.0_wp]
+         case%cable%rupture_strain = [1.0e3_wp]
          call compare(case, limit, 'a tendon too tough to break')
          deallocate (case%cable%rupture_strain)
-         case%fuse = fuse_t(1.0e-13_wp, 0.01_wp, 0.0_wp)
+         case%fuse = devices_t(eta_y=spread(1.0e-13_wp, 1, 2), stroke_y=spread(0.01_wp, 1, 2), &
+            hardening=spread(0.0_wp, 1, 2))
          call compare(case, limit, 'fuses without strength')
          deallocate (case%fuse)
          allocate (case%yielding)
@@ -238,8 +240,8 @@ contains
       deallocate (case%cable)
       call simulate(case, limit, error)
       case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
-      case%cable%eta_0 = 0
-      case%cable%eta_y = 1.0e-300_wp
+      case%cable%eta_0 = [0.0_wp]
+      case%cable%eta_y = [1.0e-300_wp]
       call compare(case, limit, 'a tendon without strength')
       case = rwmf_scene('published', 5.0_wp, 1.0_wp, 'dop853')
       call simulate(case, limit, error)
@@ -278,7 +280,8 @@ contains
       case = rwmf_scene('symmetric', 5.0_wp, 1.0_wp, 'dop853')
       motion = motion_from_case(case)
       call build_equation(case, motion, without)
-      case%fuse = fuse_t(0.4_wp, 0.004_wp, 0.0_wp)
+      case%fuse = devices_t(eta_y=spread(0.4_wp, 1, 2), stroke_y=spread(0.004_wp, 1, 2), &
+         hardening=spread(0.0_wp, 1, 2))
       call build_equation(case, motion, with)
       force = 0.4_wp*case%model%g*4*case%wall%b*sin(phi/2)/0.004_wp
       mass = with%p%R**2*(4.0_wp/3 + 4*with%p%gamma*cos(with%p%alpha - phi)**2)
@@ -339,7 +342,7 @@ contains
       do side = -1, 1, 2
          case = rwmf_scene('exact', 5.0_wp, 1.0_wp, 'dop853')
          deallocate (case%motion)
-         case%cable%eta_y = 1.4_wp
+         case%cable%eta_y = [1.4_wp]
          allocate (case%initial)
          case%initial%theta_over_alpha = 0.25_wp*side
          case%initial%theta_dot = 0
@@ -365,7 +368,7 @@ contains
       type(error_t), allocatable :: error
 
       case = sprung(formulation, method)
-      case%cable%rupture_strain = 0.1_wp
+      case%cable%rupture_strain = [0.1_wp]
       allocate (case%output)
       case%output%energy = .true.
       call simulate(case, result, error)
@@ -469,7 +472,7 @@ contains
       case = sprung('exact', 'dop853')
       call create_stepping(wall, case, error)
       deallocate (case%fuse, case%yielding, case%cable%eta_y)
-      case%cable%hardening = 0
+      case%cable%hardening = [0.0_wp]
       call create_stepping(elastic, case, error)
       call save_stepping(elastic, snapshot, error)
       call restore_stepping(wall, snapshot, error)

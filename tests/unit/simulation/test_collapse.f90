@@ -258,8 +258,8 @@ contains
       type(error_t), allocatable :: error
 
       case = rwmf_scene('exact', 0.0_wp, 1.0_wp, method)
-      case%cable%eta_0 = 200
-      case%cable%eta_alpha = 200
+      case%cable%eta_0 = [200.0_wp]
+      case%cable%eta_alpha = [200.0_wp]
       case%wall%h = 3
       if (.not. rests) deallocate (case%wall, case%cable)
       case%motion%omega_p = 2*pi/0.3_wp
