@@ -26,13 +26,14 @@ __all__ = ["Loop", "check_springs", "draw", "find_loops", "group_by_kind", "spri
 
 Array = npt.NDArray[np.float64]
 
-_FUSES = {"left": 1.0, "right": -1.0}
 # title of a panel and label of its displacement
 _PANELS = {
     "frame": ("Frame", "displacement $u_s$ (mm)"),
     "storey": ("Storeys", "storey drift (mm)"),
     "cable": ("Tendon", "elongation (mm)"),
-    "fuse": ("Fuses", "corner uplift (mm)"),
+    "fuse": ("Fuses", "stroke (mm)"),
+    "coupling": ("Couplings", "stroke (mm)"),
+    "restraint": ("Restraints", "stroke (mm)"),
 }
 
 
@@ -43,10 +44,10 @@ class Loop:
     Attributes
     ----------
     spring : str
-        'frame', 'storey 1' and so on, 'cable', 'left fuse' or 'right fuse'.
+        'frame', 'storey 1' and so on, 'cable', 'left fuse', 'right fuse', 'coupling', or group and
+        number of an element with an `offset`.
     displacement : numpy.ndarray, shape (n,)
-        Displacement of the frame, drift of the storey, elongation of the cable, uplift of the
-        fuse's corner [m].
+        Displacement of the frame, drift of the storey, stroke of a vertical element [m].
     force : numpy.ndarray, shape (n,)
         Force over the weight of the frame's mass or of the wall [-].
     label : str
@@ -177,17 +178,13 @@ def _springs(case: Case) -> dict[str, _Spring]:
         )
     if case.wall is None:
         return found
-    found["cable"] = (
-        "cable_force_over_m_w_g",
-        r"$P/(m_w g)$",
-        lambda columns: _elongation(columns["theta"], case),
-    )
-    for corner, side in _FUSES.items():
-        found[f"{corner} fuse"] = (
-            f"fuse_{corner}_force_over_m_w_g",
-            r"$F/(m_w g)$",
-            partial(_uplift, case=case, side=side),
-        )
+    for group in ("cable", "fuse", "coupling", "restraint"):
+        for name, column, i in _elements(case, group):
+            found[name] = (
+                f"{column}_force_over_m_w_g",
+                r"$P/(m_w g)$" if group == "cable" else r"$F/(m_w g)$",
+                partial(_stroke, case=case, group=group, i=i),
+            )
     return found
 
 
@@ -218,9 +215,11 @@ def check_springs(case: CaseLike) -> None:
         When it has no such spring.
     """
     case = case_of(case)
-    if not {"yielding", "cable", "fuse"} & case.groups.keys():
+    if not {"yielding", "cable", "fuse", "coupling", "restraint"} & case.groups.keys():
         source = case.source or "the case"
-        raise InputError(f"{source}: loops need a spring: &yielding, &cable or &fuse")
+        raise InputError(
+            f"{source}: loops need a spring: &yielding, &cable, &fuse, &coupling or &restraint"
+        )
 
 
 def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
@@ -234,7 +233,7 @@ def group_by_kind(loops: Iterable[Loop]) -> dict[str, list[Loop]]:
     Returns
     -------
     dict
-        Loops by kind: 'frame', 'storey', 'cable', 'fuse'.
+        Loops by kind: 'frame', 'storey', 'cable', 'fuse', 'coupling', 'restraint'.
 
     Raises
     ------
@@ -255,21 +254,41 @@ def _sway(columns: _Columns, height: float, name: str) -> Array:
     return height * columns[name]
 
 
-def _uplift(columns: _Columns, case: Case, side: float) -> Array:
-    """Return the uplift 4b sin(theta/2) of the corner that lifts for this sign of theta [m]."""
-    return 4 * case.wall.b * np.sin(np.maximum(0.0, side * columns["theta"]) / 2)
+def _elements(case: Case, group: str) -> list[tuple[str, str, int]]:
+    """Return name, column without its ending, and number of each element of a group."""
+    given = getattr(case, group)
+    if given is None:
+        return []
+    if "offset" not in given:
+        corners = ("left", "right")
+        if group == "fuse":
+            return [(f"{corner} fuse", f"fuse_{corner}", i) for i, corner in enumerate(corners)]
+        return [(group, group, 0)]
+    n = len(given.offset)
+    return [(f"{group} {i + 1}", f"{group}_{i + 1}", i) for i in range(n)]
 
 
-def _elongation(theta: Array, case: Case) -> Array:
-    """Return the elongation since theta = 0 [m]: b |theta| for Eq. (1), else the exact one."""
+def _stroke(columns: _Columns, case: Case, group: str, i: int) -> Array:
+    """Return the stroke of an element since theta = 0 (docs/theory/elements.md) [m]."""
+    given, theta = getattr(case, group), columns["theta"]
     h, b = float(case.wall.h), float(case.wall.b)
-    phi = theta if case.model.formulation == "published" else np.abs(theta)
-    if case.cable.law != "truss":
-        return b * phi
+    phi = np.abs(theta)
+    if group == "coupling":
+        return (2 * b + float(given.span)) * np.sin(theta)
+    corners = (-b, b) if group == "fuse" else (0.0,)
+    arm = b - np.where(theta < 0, -1.0, 1.0) * given.get("offset", corners)[i]
     half = np.sin(phi / 2)
-    rise = 4 * b * (b * half**2 + h * np.sin(phi))
-    elongation: Array = rise / (np.sqrt(4 * h**2 + rise) + 2 * h)
-    return elongation
+    if group == "fuse":
+        return 2 * arm * half
+    height = np.atleast_1d(given.get("height", 2 * h))
+    z = float(height[i if height.size > 1 else 0])
+    if group == "restraint":
+        return arm * np.sin(phi) - 2 * z * half**2
+    if given.law != "truss":
+        return arm * (theta if case.model.formulation == "published" else phi)
+    rise = 2 * arm * (2 * arm * half**2 + z * np.sin(phi))
+    stroke: Array = rise / (np.sqrt(z**2 + rise) + z)
+    return stroke
 
 
 @checked

@@ -12,7 +12,7 @@ from rwmf.quantities import Quantity
 __all__ = ["captions_of", "compare_with_frame", "uplift_acceleration"]
 
 # with these, the acceleration at uplift is no constant of the case
-_CHANGING_UPLIFT = ("storeys", "bending", "vertical", "initial")
+_CHANGING_UPLIFT = ("storeys", "bending", "vertical", "initial", "coupling", "restraint")
 # energies that are dissipated, and their names
 _DISSIPATED = {
     "impact": "impacts",
@@ -81,7 +81,9 @@ def uplift_acceleration(case: Case) -> float | None:
     """
     if case.wall is None or case.wall.base != "rocking":
         return None
-    if any(name in case.groups for name in _CHANGING_UPLIFT):
+    if any(name in case.groups for name in _CHANGING_UPLIFT) or case.wall.walls > 1:
+        return None
+    if case.cable is not None and "offset" in case.cable:
         return None
     prestress = 0.0 if case.cable is None else float(case.cable.eta_0)
     gamma = 0.0 if case.frame is None else float(case.frame.gamma)

@@ -255,6 +255,13 @@ def _refuse(case: Case) -> None:
     def stop(group: str, why: str) -> None:
         raise InputError(f"{case.label}: &{group}: OpenSees lacks {why}")
 
+    if case.wall is not None and case.wall.walls > 1:
+        stop("wall", "several walls in this export; walls = 1")
+    for name in ("cable", "fuse", "damper", "nl_damper"):
+        group = getattr(case, name)
+        for key in ("offset", "height"):
+            if group is not None and key in group:
+                stop(name, f"{key} in this export: elements at the axis and the corners only")
     if case.inerter is not None:
         stop("inerter", "an inerter; leave the group out")
     for name in ("yielding", "fuse"):
