@@ -6,9 +6,8 @@ import textwrap
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from rwmf.case import Case
+from rwmf.case.elements import total
 from rwmf.quantities import SENSITIVITY, Quantity, find_numbered
 
 __all__ = [
@@ -92,8 +91,7 @@ def tendon_yield_of(case: Case) -> float | None:
     """
     if case.cable is None or "eta_y" not in case.cable:
         return None
-    forces, places = np.atleast_1d(case.cable.eta_y), case.cable.get("offset", (0.0,))
-    return float(forces.sum() * len(places) / forces.size)
+    return total(case.cable, case.cable.eta_y)
 
 
 def is_complete(summary: Mapping[str, Any]) -> bool:

@@ -274,18 +274,22 @@ def _stroke(columns: _Columns, case: Case, group: str, i: int) -> Array:
     h, b = float(case.wall.h), float(case.wall.b)
     phi = np.abs(theta)
     if group == "coupling":
-        return (2 * b + float(given.span)) * np.sin(theta)
+        moved: Array = (2 * b + float(given.span)) * np.sin(theta)
+        return moved
     corners = (-b, b) if group == "fuse" else (0.0,)
     arm = b - np.where(theta < 0, -1.0, 1.0) * given.get("offset", corners)[i]
     half = np.sin(phi / 2)
     if group == "fuse":
-        return 2 * arm * half
+        chord: Array = 2 * arm * half
+        return chord
     height = np.atleast_1d(given.get("height", 2 * h))
     z = float(height[i if height.size > 1 else 0])
     if group == "restraint":
-        return arm * np.sin(phi) - 2 * z * half**2
+        rise_of_point: Array = arm * np.sin(phi) - 2 * z * half**2
+        return rise_of_point
     if given.law != "truss":
-        return arm * (theta if case.model.formulation == "published" else phi)
+        along: Array = arm * (theta if case.model.formulation == "published" else phi)
+        return along
     rise = 2 * arm * (2 * arm * half**2 + z * np.sin(phi))
     stroke: Array = rise / (np.sqrt(z**2 + rise) + z)
     return stroke

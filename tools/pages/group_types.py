@@ -34,7 +34,13 @@ class Groups:
     that is present; ``"wall" in case.groups`` tests for it.
 '''
 _ATTRIBUTES = "\n    Attributes\n    ----------\n"
-_TYPES = {"real": "float", "reals": "float | tuple[float, ...]", "integer": "int", "logical": "bool", "text": "str"}
+_TYPES = {
+    "real": "float",
+    "reals": "float | tuple[float, ...]",
+    "integer": "int",
+    "logical": "bool",
+    "text": "str",
+}
 _WIDTH = 100
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rwmf.case import Case
+from rwmf.case.elements import total
 from rwmf.quantities import Quantity
 
 __all__ = ["captions_of", "compare_with_frame", "uplift_acceleration"]
@@ -85,7 +86,7 @@ def uplift_acceleration(case: Case) -> float | None:
         return None
     if case.cable is not None and "offset" in case.cable:
         return None
-    prestress = 0.0 if case.cable is None else float(case.cable.eta_0)
+    prestress = 0.0 if case.cable is None else total(case.cable, case.cable.eta_0)
     gamma = 0.0 if case.frame is None else float(case.frame.gamma)
     return float(case.wall.b / case.wall.h) * (1.0 + prestress) / (1.0 + 2.0 * gamma)
 

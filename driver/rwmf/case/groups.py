@@ -27,6 +27,8 @@ class Wall(Group):
         Or its density and thickness: m_w = 4 h b thickness density [kg/m3].
     thickness : float
         Across the plane of the motion [m].
+    walls : int
+        Number of equal walls side by side that turn together; m_w, h, b are those of one.
     shear_key : bool
         A key keeps the base from sliding: its force is reported, not the friction demand.
     base : str
@@ -39,6 +41,7 @@ class Wall(Group):
     m_w: float
     density: float
     thickness: float
+    walls: int
     shear_key: bool
     base: Literal["rocking", "pinned"]
 
@@ -129,15 +132,18 @@ class Damper(Group):
 
     Attributes
     ----------
-    c_over_m_w : float
-        Viscous damper under each corner of the base: its constant over m_w [1/s].
-    c : float
+    offset : tuple[float, ...]
+        Place of each to the right of the axis, at most 4 b away; absent: two, at -b and b [m].
+    c_over_m_w : float | tuple[float, ...]
+        Constant of each viscous damper over m_w [1/s].
+    c : float | tuple[float, ...]
         Or its constant [N s/m].
     """
 
     __slots__ = ()
-    c_over_m_w: float
-    c: float
+    offset: tuple[float, ...]
+    c_over_m_w: float | tuple[float, ...]
+    c: float | tuple[float, ...]
 
 
 class Inerter(Group):
@@ -161,16 +167,18 @@ class Fuse(Group):
 
     Attributes
     ----------
-    eta_y : float
-        Yield force of the fuse at each edge of the base over m_w g.
-    stroke_y : float
+    offset : tuple[float, ...]
+        Place of each to the right of the axis, at most 4 b away; absent: two, at -b and b [m].
+    eta_y : float | tuple[float, ...]
+        Yield force of each over m_w g.
+    stroke_y : float | tuple[float, ...]
         Stroke at which it yields first [m].
-    F_y : float
+    F_y : float | tuple[float, ...]
         Or the yield force [N].
-    k : float
+    k : float | tuple[float, ...]
         Or the stiffness until then: stroke_y = F_y/k [N/m].
-    hardening : float
-        Stiffness of the fuse after yield over its elastic one.
+    hardening : float | tuple[float, ...]
+        Stiffness after yield over the elastic one.
     law : str
         Bilinear, slipping, or self-centring.
     breakaway : float
@@ -180,11 +188,12 @@ class Fuse(Group):
     """
 
     __slots__ = ()
-    eta_y: float
-    stroke_y: float
-    F_y: float
-    k: float
-    hardening: float
+    offset: tuple[float, ...]
+    eta_y: float | tuple[float, ...]
+    stroke_y: float | tuple[float, ...]
+    F_y: float | tuple[float, ...]
+    k: float | tuple[float, ...]
+    hardening: float | tuple[float, ...]
     law: Literal["elastic_plastic", "friction", "flag"]
     breakaway: float
     flag_height: float
@@ -289,17 +298,20 @@ class NlDamper(Group):
 
     Attributes
     ----------
-    eta_1 : float
+    offset : tuple[float, ...]
+        Place of each to the right of the axis, at most 4 b away; absent: two, at -b and b [m].
+    eta_1 : float | tuple[float, ...]
         Force at 1 m/s of the damper under each corner over m_w g.
-    F_1 : float
+    F_1 : float | tuple[float, ...]
         Or that force [N].
     exponent : float
         Power of the velocity of the stroke that the force follows; 1 is &damper.
     """
 
     __slots__ = ()
-    eta_1: float
-    F_1: float
+    offset: tuple[float, ...]
+    eta_1: float | tuple[float, ...]
+    F_1: float | tuple[float, ...]
     exponent: float
 
 
@@ -340,50 +352,151 @@ class Bending(Group):
     nu: float
 
 
+class Coupling(Group):
+    """Group ``&coupling``.
+
+    Attributes
+    ----------
+    eta_y : float | tuple[float, ...]
+        Yield force of each over m_w g.
+    stroke_y : float | tuple[float, ...]
+        Stroke at which it yields first [m].
+    F_y : float | tuple[float, ...]
+        Or the yield force [N].
+    k : float | tuple[float, ...]
+        Or the stiffness; with F_y, that until it yields [N/m].
+    hardening : float | tuple[float, ...]
+        Stiffness after yield over the elastic one.
+    law : str
+        Bilinear, slipping, or self-centring.
+    breakaway : float
+        Force at which friction lets go over that at which it slips; friction only.
+    flag_height : float
+        Force by which a flag unloads lower, over its yield force; flag only.
+    k_over_m_w : float | tuple[float, ...]
+        Stiffness of each linear spring over m_w [1/s2].
+    c_over_m_w : float | tuple[float, ...]
+        Constant of each viscous damper over m_w [1/s].
+    c : float | tuple[float, ...]
+        Or its constant [N s/m].
+    span : float
+        Clear span of coupling beams with both ends clamped in the walls; 0: plates or dampers [m].
+    """
+
+    __slots__ = ()
+    eta_y: float | tuple[float, ...]
+    stroke_y: float | tuple[float, ...]
+    F_y: float | tuple[float, ...]
+    k: float | tuple[float, ...]
+    hardening: float | tuple[float, ...]
+    law: Literal["elastic_plastic", "friction", "flag"]
+    breakaway: float
+    flag_height: float
+    k_over_m_w: float | tuple[float, ...]
+    c_over_m_w: float | tuple[float, ...]
+    c: float | tuple[float, ...]
+    span: float
+
+
+class Restraint(Group):
+    """Group ``&restraint``.
+
+    Attributes
+    ----------
+    offset : tuple[float, ...]
+        Place of each held point to the right of the axis, at most 20 b away [m].
+    height : float | tuple[float, ...]
+        Height of each held point above the base, at most 2h [m].
+    eta_y : float | tuple[float, ...]
+        Yield force of each over m_w g.
+    stroke_y : float | tuple[float, ...]
+        Stroke at which it yields first [m].
+    F_y : float | tuple[float, ...]
+        Or the yield force [N].
+    k : float | tuple[float, ...]
+        Or the stiffness; with F_y, that until it yields [N/m].
+    hardening : float | tuple[float, ...]
+        Stiffness after yield over the elastic one.
+    law : str
+        Bilinear, slipping, or self-centring.
+    breakaway : float
+        Force at which friction lets go over that at which it slips; friction only.
+    flag_height : float
+        Force by which a flag unloads lower, over its yield force; flag only.
+    k_over_m_w : float | tuple[float, ...]
+        Stiffness of each linear spring over m_w [1/s2].
+    c_over_m_w : float | tuple[float, ...]
+        Constant of each viscous damper over m_w [1/s].
+    c : float | tuple[float, ...]
+        Or its constant [N s/m].
+    """
+
+    __slots__ = ()
+    offset: tuple[float, ...]
+    height: float | tuple[float, ...]
+    eta_y: float | tuple[float, ...]
+    stroke_y: float | tuple[float, ...]
+    F_y: float | tuple[float, ...]
+    k: float | tuple[float, ...]
+    hardening: float | tuple[float, ...]
+    law: Literal["elastic_plastic", "friction", "flag"]
+    breakaway: float
+    flag_height: float
+    k_over_m_w: float | tuple[float, ...]
+    c_over_m_w: float | tuple[float, ...]
+    c: float | tuple[float, ...]
+
+
 class Cable(Group):
     """Group ``&cable``.
 
     Attributes
     ----------
-    eta_0 : float
+    eta_0 : float | tuple[float, ...]
         P(0)/(m_w g), Eq. (1).
-    eta_alpha : float
-        P(alpha)/(m_w g).
+    eta_alpha : float | tuple[float, ...]
+        P(alpha)/(m_w g) of such a tendon on the axis: sets its stiffness.
     law : str
         Eq. (1), or the exact length of the straight cable.
-    eta_y : float
+    offset : tuple[float, ...]
+        Place of each tendon to the right of the axis, at most 4 b away; absent: one, at 0 [m].
+    height : float | tuple[float, ...]
+        Height of each upper anchor, at most 2h, the default [m].
+    eta_y : float | tuple[float, ...]
         P/(m_w g) at which the tendon yields; absent: it stays elastic.
-    hardening : float
+    hardening : float | tuple[float, ...]
         Stiffness of the tendon after yield over its elastic one.
-    rupture_strain : float
+    rupture_strain : float | tuple[float, ...]
         Strain at which it breaks, that of the prestress included; absent: never.
-    length : float
-        Length that is strained, with strands or rupture_strain; absent: 2h [m].
-    strands : int
+    length : float | tuple[float, ...]
+        Length that is strained, with strands or rupture_strain; absent: height [m].
+    strands : float | tuple[float, ...]
         Number of strands: P(0) = strands strand_area initial_stress.
-    strand_area : float
+    strand_area : float | tuple[float, ...]
         Area of each [m2].
-    modulus : float
+    modulus : float | tuple[float, ...]
         Of elasticity: P(alpha) follows from the elongation at alpha over length [Pa].
-    initial_stress : float
+    initial_stress : float | tuple[float, ...]
         Stress at theta = 0 [Pa].
-    yield_stress : float
+    yield_stress : float | tuple[float, ...]
         Stress at which it yields; absent: it stays elastic [Pa].
     """
 
     __slots__ = ()
-    eta_0: float
-    eta_alpha: float
+    eta_0: float | tuple[float, ...]
+    eta_alpha: float | tuple[float, ...]
     law: Literal["linear", "truss"]
-    eta_y: float
-    hardening: float
-    rupture_strain: float
-    length: float
-    strands: int
-    strand_area: float
-    modulus: float
-    initial_stress: float
-    yield_stress: float
+    offset: tuple[float, ...]
+    height: float | tuple[float, ...]
+    eta_y: float | tuple[float, ...]
+    hardening: float | tuple[float, ...]
+    rupture_strain: float | tuple[float, ...]
+    length: float | tuple[float, ...]
+    strands: float | tuple[float, ...]
+    strand_area: float | tuple[float, ...]
+    modulus: float | tuple[float, ...]
+    initial_stress: float | tuple[float, ...]
+    yield_stress: float | tuple[float, ...]
 
 
 class Impact(Group):
@@ -732,6 +845,51 @@ class Limits(Group):
         Largest stroke of a fuse [m].
     fuse_stroke_sum_m : float
         Travel of a fuse there and back, of both the longer one [m].
+    cables_force_max_over_m_w_g : tuple[float, ...]
+        Largest force of tendon over weight of wall: one for all, or one each.
+    cables_prestress_loss_over_m_w_g : tuple[float, ...]
+        Force of tendon at theta = 0 that is lost at the end over weight of wall: one for all, or
+        one each.
+    fuses_stroke_max_m : tuple[float, ...]
+        Largest stroke of fuse: one for all, or one each [m].
+    fuses_stroke_sum_m : tuple[float, ...]
+        Travel of fuse there and back: one for all, or one each [m].
+    fuses_force_max_over_m_w_g : tuple[float, ...]
+        Largest magnitude of the force of fuse over weight of wall: one for all, or one each.
+    fuses_force_end_over_m_w_g : tuple[float, ...]
+        Force of fuse at the end over weight of wall: one for all, or one each.
+    restraints_stroke_max_m : tuple[float, ...]
+        Largest stroke of restraint: one for all, or one each [m].
+    restraints_stroke_sum_m : tuple[float, ...]
+        Travel of restraint there and back: one for all, or one each [m].
+    restraints_force_max_over_m_w_g : tuple[float, ...]
+        Largest magnitude of the force of restraint over weight of wall: one for all, or one each.
+    restraints_force_end_over_m_w_g : tuple[float, ...]
+        Force of restraint at the end over weight of wall: one for all, or one each.
+    coupling_stroke_max_m : float
+        Largest magnitude of the stroke of a coupling [m].
+    coupling_stroke_sum_m : float
+        Travel of a coupling there and back [m].
+    coupling_force_max_over_m_w_g : float
+        Largest magnitude of the force of a coupling over weight of wall.
+    coupling_force_end_over_m_w_g : float
+        Force of a coupling at the end over weight of wall.
+    cables_force_max_N : tuple[float, ...]
+        Largest force of tendon: one for all, or one each [N].
+    cables_prestress_loss_N : tuple[float, ...]
+        Force of tendon at theta = 0 that is lost at the end: one for all, or one each [N].
+    fuses_force_max_N : tuple[float, ...]
+        Largest magnitude of the force of fuse: one for all, or one each [N].
+    fuses_force_end_N : tuple[float, ...]
+        Force of fuse at the end: one for all, or one each [N].
+    restraints_force_max_N : tuple[float, ...]
+        Largest magnitude of the force of restraint: one for all, or one each [N].
+    restraints_force_end_N : tuple[float, ...]
+        Force of restraint at the end: one for all, or one each [N].
+    coupling_force_max_N : float
+        Largest magnitude of the force of a coupling [N].
+    coupling_force_end_N : float
+        Force of a coupling at the end [N].
     floors_velocity_max_m_s : tuple[float, ...]
         Largest absolute velocity of floor: one for all, or one each [m/s].
     wall_shear_base_max_N : float
@@ -817,6 +975,28 @@ class Limits(Group):
     pivot_normal_max_over_m_w_g: float
     fuse_stroke_max_m: float
     fuse_stroke_sum_m: float
+    cables_force_max_over_m_w_g: tuple[float, ...]
+    cables_prestress_loss_over_m_w_g: tuple[float, ...]
+    fuses_stroke_max_m: tuple[float, ...]
+    fuses_stroke_sum_m: tuple[float, ...]
+    fuses_force_max_over_m_w_g: tuple[float, ...]
+    fuses_force_end_over_m_w_g: tuple[float, ...]
+    restraints_stroke_max_m: tuple[float, ...]
+    restraints_stroke_sum_m: tuple[float, ...]
+    restraints_force_max_over_m_w_g: tuple[float, ...]
+    restraints_force_end_over_m_w_g: tuple[float, ...]
+    coupling_stroke_max_m: float
+    coupling_stroke_sum_m: float
+    coupling_force_max_over_m_w_g: float
+    coupling_force_end_over_m_w_g: float
+    cables_force_max_N: tuple[float, ...]
+    cables_prestress_loss_N: tuple[float, ...]
+    fuses_force_max_N: tuple[float, ...]
+    fuses_force_end_N: tuple[float, ...]
+    restraints_force_max_N: tuple[float, ...]
+    restraints_force_end_N: tuple[float, ...]
+    coupling_force_max_N: float
+    coupling_force_end_N: float
     floors_velocity_max_m_s: tuple[float, ...]
     wall_shear_base_max_N: float
     wall_moment_base_max_N_m: float
@@ -959,6 +1139,10 @@ class Groups:
         Group ``&nl_damper``.
     bending : Bending
         Group ``&bending``.
+    coupling : Coupling
+        Group ``&coupling``.
+    restraint : Restraint
+        Group ``&restraint``.
     cable : Cable
         Group ``&cable``.
     impact : Impact
@@ -999,6 +1183,8 @@ class Groups:
     p_delta: PDelta
     nl_damper: NlDamper
     bending: Bending
+    coupling: Coupling
+    restraint: Restraint
     cable: Cable
     impact: Impact
     motion: Motion
@@ -1026,6 +1212,8 @@ TYPES: dict[str, type[Group]] = {
     "p_delta": PDelta,
     "nl_damper": NlDamper,
     "bending": Bending,
+    "coupling": Coupling,
+    "restraint": Restraint,
     "cable": Cable,
     "impact": Impact,
     "motion": Motion,

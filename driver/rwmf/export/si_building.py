@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from rwmf._simulation import simulate
 from rwmf.case import Case
+from rwmf.case.elements import single
 from rwmf.errors import InputError
 
 __all__ = ["BentWall", "Building", "Frame", "Law", "Tendon", "read_building"]
@@ -212,13 +213,15 @@ def read_building(case: Case) -> Building:
     m_w = 0.0 if wall is None else _number(wall.get("m_w")) or 1.0
     h, b = (0.0, 0.0) if wall is None else (wall.h, wall.b)
     weight = m_w * g
-    damper = (case.damper.c_over_m_w * m_w, 1.0) if case.damper is not None else (0.0, 1.0)
+    damper = (single("&damper: c_over_m_w", case.damper.c_over_m_w) * m_w, 1.0) if case.damper is not None else (0.0, 1.0)
     if case.nl_damper is not None:
-        damper = (case.nl_damper.eta_1 * weight, case.nl_damper.exponent)
+        damper = (
+            single("&nl_damper: eta_1", case.nl_damper.eta_1) * weight, case.nl_damper.exponent,
+        )
     fuse = None
     if case.fuse is not None:
-        force = case.fuse.eta_y * weight
-        fuse = Law(force / case.fuse.stroke_y, force, dict(case.fuse))
+        force = single("&fuse: eta_y", case.fuse.eta_y) * weight
+        fuse = Law(force / single("&fuse: stroke_y", case.fuse.stroke_y), force, dict(case.fuse))
     initial = case.initial
     dt, a, a_v, t_end = _motions(case)
     return Building(
@@ -400,7 +403,8 @@ def _law(case: Case, k: float, u_y: float | None) -> Law:
 def _tendon(case: Case, weight: float) -> Tendon:
     """Return the tendon; `weight` is that of the wall."""
     h, b, cable = case.wall.h, case.wall.b, case.cable
-    alpha, first = math.atan2(b, h), cable.eta_0 * weight
+    eta_0 = single("&cable: eta_0", cable.eta_0)
+    alpha, first = math.atan2(b, h), eta_0 * weight
     is_straight = cable.law == "truss"
     end = b * alpha
     if is_straight:
@@ -408,18 +412,20 @@ def _tendon(case: Case, weight: float) -> Tendon:
         rise = 2 * h * math.cos(alpha) + b * math.sin(alpha)
         aside = b * (1 - math.cos(alpha)) + 2 * h * math.sin(alpha)
         end = math.hypot(aside, rise) - 2 * h
-    last = _number(cable.get("eta_alpha", cable.eta_0))
-    k = (last - cable.eta_0) * weight / end
+    last = _number(cable.get("eta_alpha", eta_0))
+    k = (last - eta_0) * weight / end
     rupture = math.inf
     if cable.get("rupture_strain") is not None:
         length = _number(cable.get("length")) or 2 * h
-        rupture = cable.rupture_strain * length - (first / k if k > 0 else 0.0)
+        rupture = single("&cable: rupture_strain", cable.rupture_strain) * length - (first / k if k > 0 else 0.0)
     return Tendon(
         is_straight=is_straight,
         k=k,
         force=first,
-        force_y=math.inf if cable.get("eta_y") is None else cable.eta_y * weight,
-        hardening=cable.hardening,
+        force_y=math.inf
+        if cable.get("eta_y") is None
+        else single("&cable: eta_y", cable.eta_y) * weight,
+        hardening=single("&cable: hardening", cable.hardening),
         elongation_at_rupture=rupture,
     )
 

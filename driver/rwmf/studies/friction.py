@@ -84,7 +84,7 @@ def _prestress(case: Case, found: xr.Dataset, grid: Mapping[str, object]) -> xr.
     keys = [key_of_column(name) for name in ("b", *name_axes(grid)) if name not in PAIRS]
     axes = {key[1]: key for key in keys if key[0] in _RATIO and key[1] in found.dims}
     if not axes or "eta_0" not in case.cable.derived:
-        return float(case.cable.eta_0)
+        return total(case.cable, case.cable.eta_0)
     values = np.empty([found.sizes[name] for name in axes])
     for place in np.ndindex(values.shape):
         changes: dict[str, dict[str, object]] = {}

@@ -134,6 +134,7 @@ contains
    pure function sum_of_forces(elements, groups, branches, side, phi, rate) result(force)
       type(element_t), intent(in) :: elements(:)
       integer, intent(in) :: groups(:)
+      !! numbers of the groups
       type(branch_t), allocatable, intent(in) :: branches(:)
       !! (springs) active branches
       integer, intent(in) :: side
@@ -156,6 +157,7 @@ contains
    pure function sum_of_moments(elements, groups, branches, side, phi) result(moment)
       type(element_t), intent(in) :: elements(:)
       integer, intent(in) :: groups(:)
+      !! numbers of the groups
       type(branch_t), allocatable, intent(in) :: branches(:)
       !! (springs) active branches
       integer, intent(in) :: side

@@ -36,6 +36,7 @@ contains
       integer, intent(in) :: n
       !! number of elements
       type(error_t), allocatable, intent(out) :: error
+      !! names the key and the allowed numbers
       real(wp), allocatable :: list(:)
       integer :: i
 
@@ -62,6 +63,7 @@ contains
       real(wp), intent(in) :: most
       !! largest |offset| over b [-]
       type(error_t), allocatable, intent(out) :: error
+      !! names the key and the allowed range
       real(wp), allocatable :: offset(:), b(:)
 
       if (.not. has_key(values, group, 'offset')) return
@@ -101,7 +103,9 @@ contains
       character(*), intent(in) :: group
       !! name of the group, without &
       character(*), intent(in) :: key
+      !! key of the group
       real(wp), allocatable, intent(out) :: list(:)
+      !! (elements) [unit of the key]
 
       call get_list(values, group, key, list)
       if (.not. allocated(list)) return

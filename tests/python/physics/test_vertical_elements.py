@@ -23,7 +23,9 @@ def simulate(case: rwmf.Case, **output: object) -> rwmf.Response:
     return rwmf.simulate(case.replace(output=output))
 
 
-def scene(groups: str = "", wall: str = "", release: float | None = None, **solver: object) -> rwmf.Case:
+def scene(
+    groups: str = "", wall: str = "", release: float | None = None, **solver: object
+) -> rwmf.Case:
     """Return a wall with a frame, under a pulse or let go at theta/alpha."""
     start = (
         f"&motion kind='one_sine', a_max_g={PULSE['a_max_g']}, T_p={PULSE['T_p']} /"

@@ -49,6 +49,7 @@ contains
    !> Raise the velocity of the stroke over 1 m/s to the exponent, |v|**exponent.
    pure subroutine raise_rate(coef, motion, power)
       real(wp), intent(in) :: coef(lane_count, 4)
+      !! coefficients of `add_nl_damper` [m], [1/s2], [-], [m/s2]
       type(lane_motion_t), intent(in) :: motion
       real(wp), intent(out) :: power(lane_count)
       !! |v|**exponent, with v in m/s [-]
