@@ -63,15 +63,7 @@ def _pyrotd(module: ModuleType, a: Array, dt: float) -> list[float]:
 
 
 def main(record: str, unit: str | None) -> None:
-    """Print values and differences.
-
-    Parameters
-    ----------
-    record : str
-        File with samples at equal intervals.
-    unit : str, optional
-        Unit of the samples where the file gives none.
-    """
+    """Print values and differences."""
     motion = records.read(record, unit=unit)
     times = motion.times
     dt = float(f"{(times[-1] - times[0]) / (times.size - 1):.9g}")

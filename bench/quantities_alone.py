@@ -27,18 +27,7 @@ from alone import differences
 
 
 def check_scene(number: int) -> tuple[list[str], str]:
-    """Compare the quantities of a scene.
-
-    Parameters
-    ----------
-    number : int
-        Of the scene.
-
-    Returns
-    -------
-    list of str, str
-        Differences, and the reason why the scene cannot be computed, '' for none.
-    """
+    """Compare the quantities of a scene."""
     with tempfile.TemporaryDirectory() as folder:
         try:
             return list(differences(number, Path(folder))), ""

@@ -19,18 +19,7 @@ ENDINGS = (".knet", ".v1", ".v2", ".raw", ".asc", ".v1c", ".v2c", ".ew", ".ns", 
 
 
 def main(folder: str) -> int:
-    """Print a table of the peaks found.
-
-    Parameters
-    ----------
-    folder : str
-        Folder with unpacked packages.
-
-    Returns
-    -------
-    int
-        Exit status: 0 when at least one record was read and none was refused.
-    """
+    """Print a table of the peaks found."""
     files = sorted(path for path in Path(folder).rglob("*") if path.suffix.lower() in ENDINGS)
     read = refused = 0
     print("| record | format | direction | samples | dt [s] | peak [g] | at [s] |")

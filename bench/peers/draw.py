@@ -23,18 +23,7 @@ FLOOR = 1e-13
 
 
 def spectra(rows: Sequence[Row], dependence: dict[str, Any], path: Path) -> None:
-    """Draw everything into a file.
-
-    Parameters
-    ----------
-    rows : sequence of Row
-        All programs.
-    dependence : dict
-        'tolerances' (rows of `auto`), and lists of points of 'ordinates', 'seconds of motion' and
-        'threads'.
-    path : Path
-        File to write.
-    """
+    """Draw everything into a file."""
     with new_figure(8.4) as figure:
         grid = figure.add_gridspec(3, 3, height_ratios=(1.3, 1.3, 1.0))
         precision = [figure.add_subplot(grid[i, :]) for i in range(len(GAMMAS))]

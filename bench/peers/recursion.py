@@ -16,23 +16,7 @@ REPEATS = 20
 
 
 def build(name: str) -> Path:
-    """Build a program of bench/ in the folder build/.
-
-    Parameters
-    ----------
-    name : str
-        Its name.
-
-    Returns
-    -------
-    Path
-        The program.
-
-    Raises
-    ------
-    RuntimeError
-        When it cannot be built.
-    """
+    """Build a program of bench/ in the folder build/."""
     ninja = Path(sys.executable).parent / "ninja"
     done = subprocess.run(
         [ninja if ninja.exists() else "ninja", "-C", ROOT / "build", f"bench/{name}"],

@@ -25,22 +25,7 @@ Points = list[tuple[float, float]]
 
 
 def ordinates(record: Record, most: int, repeats: int) -> Points:
-    """Time over the number of ordinates.
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    most : int
-        Ordinates at the most.
-    repeats : int
-        Runs of all but the largest spectra, of which the fastest counts.
-
-    Returns
-    -------
-    list of tuple
-        Number of ordinates from 0.3 to 3 s at gamma = 5, time of one on one thread [s].
-    """
+    """Time over the number of ordinates."""
     found, n = [], 1
     while n <= most:
         # a list of periods is limited, a grid is not
@@ -53,22 +38,7 @@ def ordinates(record: Record, most: int, repeats: int) -> Points:
 
 
 def lengths(record: Record, T_s: Array, repeats: int) -> Points:
-    """Time over the length of the record: the first part of it, or several times in a row.
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    T_s : Array
-        Periods [s].
-    repeats : int
-        Runs, of which the fastest counts.
-
-    Returns
-    -------
-    list of tuple
-        Duration of the motion [s], time of one ordinate at gamma = 5 [s].
-    """
+    """Time over the length of the record: the first part of it, or several times in a row."""
     found = []
     with tempfile.TemporaryDirectory() as folder:
         for factor in LENGTHS:
@@ -87,24 +57,7 @@ def _scaled(record: Record, factor: float, path: Path) -> Record:
 
 
 def tolerances(record: Record, T_s: Array, truth: dict[float, Array], repeats: int) -> list[Row]:
-    """Measure time and error over the requested tolerance.
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    T_s : Array
-        Periods [s].
-    truth : dict
-        Their peaks for each gamma [m].
-    repeats : int
-        Runs, of which the fastest counts.
-
-    Returns
-    -------
-    list of Row
-        Of `auto`.
-    """
+    """Measure time and error over the requested tolerance."""
     return [
         kernel_row(record, "auto", rtol, gamma, T_s, truth[gamma], repeats)
         for gamma in GAMMAS
@@ -113,22 +66,7 @@ def tolerances(record: Record, T_s: Array, truth: dict[float, Array], repeats: i
 
 
 def threads(record: Record, n: int, repeats: int) -> Points:
-    """Time over the number of threads, measured in turn.
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    n : int
-        Ordinates.
-    repeats : int
-        Runs, of which the fastest counts.
-
-    Returns
-    -------
-    list of tuple
-        Threads, time of one ordinate by the wall clock [s].
-    """
+    """Time over the number of threads, measured in turn."""
     counts = sorted({1, *(2**k for k in range(1, 10) if 2**k <= (os.cpu_count() or 1))})
     best = dict.fromkeys(counts, np.inf)
     T_s = np.linspace(0.3, 3.0, n)
@@ -140,22 +78,7 @@ def threads(record: Record, n: int, repeats: int) -> Points:
 
 
 def formulations(record: Record, n: int, repeats: int) -> list[tuple[str, float, list[float]]]:
-    """Time of formulations and cable laws in each band of periods.
-
-    Parameters
-    ----------
-    record : Record
-        The motion.
-    n : int
-        Periods in a band.
-    repeats : int
-        Runs, of which the fastest counts.
-
-    Returns
-    -------
-    list of tuple
-        Name, gamma, time of one ordinate in each band [s].
-    """
+    """Time of formulations and cable laws in each band of periods."""
     found = []
     for formulation, law in FORMULATIONS:
         for gamma in GAMMAS:

@@ -21,19 +21,7 @@ PACKAGES = {
 
 
 def how_to_install(purpose: str) -> str:
-    """Return the command that installs the packages for a purpose.
-
-    Parameters
-    ----------
-    purpose : str
-        Name of the optional dependencies.
-
-    Returns
-    -------
-    str
-        Command for the running Python. In a checkout, where pip has no package rwmf, it lists the
-        packages themselves.
-    """
+    """Return the command that installs the packages for a purpose."""
     try:
         importlib.metadata.distribution("rwmf")
     except importlib.metadata.PackageNotFoundError:

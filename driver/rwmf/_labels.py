@@ -26,22 +26,6 @@ def dataset(
 
     The result equals ``xarray.Dataset(...)``. That constructor searches for indexes, copies and
     aligns, which takes ten times as long as a short run; none of it is needed here.
-
-    Parameters
-    ----------
-    variables : mapping of str to tuple
-        Dimensions, values and attributes of each variable.
-    coordinates : mapping of str to tuple
-        Likewise; a coordinate with the name of its only dimension becomes an index.
-    attributes : mapping of str to object
-        Attributes of the dataset.
-    kind : type
-        Class of the dataset.
-
-    Returns
-    -------
-    xarray.Dataset
-        The dataset.
     """
     make = _quick_way(kind)
     if make is None:

@@ -175,18 +175,7 @@ def _names_of_runs() -> dict[str, tuple[Quantity, str]]:
 
 
 def as_response(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset with names of single storeys and floors, for example one read from a file.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.simulate`, or another one.
-
-    Returns
-    -------
-    xarray.Dataset
-        A `Response` for a dataset over storeys or floors, otherwise the dataset.
-    """
+    """Return a dataset with names of single storeys and floors, for example one from a file."""
     if isinstance(dataset, Response) or not set(LEVELS) & set(dataset.dims):
         return dataset
     return Response(dataset.data_vars, dataset.coords, dataset.attrs)

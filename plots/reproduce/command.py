@@ -20,23 +20,7 @@ _PAGES = {"claims.md": pages.claims_page, "validation.md": pages.validation_page
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make the requested products.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As `rwmf.cli` parses them, with all folders.
-
-    Returns
-    -------
-    int
-        Exit status 0.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the simulations, the readers of histories and the writers of files.
-    """
+    """Make the requested products."""
     started = time.perf_counter()
     names = list(dict.fromkeys(figures.find(word) for word in options.figures or figures.FIGURES))
     _check_folders(options, names)

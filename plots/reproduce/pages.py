@@ -58,23 +58,7 @@ of g5:
 
 
 def claims_page(cache: ResponseCache) -> str:
-    """Write the page on the paper's claims.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where responses come from.
-
-    Returns
-    -------
-    str
-        Markdown.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the simulations and the readers of histories.
-    """
+    """Write the page on the paper's claims."""
     claims = tables.claims_table(cache)
     return "\n".join(
         (
@@ -128,23 +112,7 @@ _READING = """## Conclusions
 
 
 def validation_page(cache: ResponseCache) -> str:
-    """Write the page on the validation against engines.
-
-    Parameters
-    ----------
-    cache : ResponseCache
-        Where responses come from.
-
-    Returns
-    -------
-    str
-        Markdown.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the simulations and the readers of histories.
-    """
+    """Write the page on the validation against engines."""
     return "\n".join(
         (
             "# Validation against engines\n",

@@ -46,13 +46,7 @@ _SWEEP_FILE = """&sweep
 
 
 def rows() -> Iterator[Row]:
-    """List the rows of sweeps and studies.
-
-    Yields
-    ------
-    Row
-        One for each function.
-    """
+    """List the rows of sweeps and studies."""
     for name in _SWEEPS:
         yield Row(f"python/sweep/{name}", partial(sweep, name))
     yield Row("python/sweep/file", sweep_file, False)
@@ -61,45 +55,17 @@ def rows() -> Iterator[Row]:
 
 
 def sweep(name: str) -> str:
-    """Run one of the sweeps in memory.
-
-    Parameters
-    ----------
-    name : str
-        Its name.
-
-    Returns
-    -------
-    str
-        The dataset.
-    """
+    """Run one of the sweeps in memory."""
     return _dump(_SWEEPS[name])
 
 
 def study(name: str) -> str:
-    """Run one of the studies.
-
-    Parameters
-    ----------
-    name : str
-        Its name.
-
-    Returns
-    -------
-    str
-        The dataset.
-    """
+    """Run one of the studies."""
     return _dump(_STUDIES[name])
 
 
 def sweep_file() -> str:
-    """Run a sweep from its file by the command, into a file.
-
-    Returns
-    -------
-    str
-        Contents of the file.
-    """
+    """Run a sweep from its file by the command, into a file."""
     from rwmf.__main__ import main
 
     _records()

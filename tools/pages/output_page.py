@@ -83,13 +83,7 @@ _SECTIONS = {
 
 
 def make() -> str:
-    """Make the page in Markdown.
-
-    Returns
-    -------
-    str
-        One table for each output, in the order of the kernel's table.
-    """
+    """Make the page in Markdown."""
     parts = [_INTRODUCTION.rstrip("\n")]
     for output, title in _SECTIONS.items():
         parts.append(f"\n## {title}.\n\n| key | name | type | unit | meaning | found | present |")

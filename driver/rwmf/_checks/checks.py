@@ -58,18 +58,7 @@ class Limit:
         return self.key in _SMALLEST
 
     def ratio(self, demand: Any) -> Any:  # noqa: ANN401 (a number or an array)
-        """Return demand over limit, or limit over demand where the smallest demand counts.
-
-        Parameters
-        ----------
-        demand : float or numpy.ndarray of any shape
-            Demand in its unit.
-
-        Returns
-        -------
-        float or numpy.ndarray of any shape
-            The ratio: the limit is met up to 1.
-        """
+        """Return demand over limit, or limit over demand where the smallest demand counts."""
         if not self.is_least:
             return np.abs(demand) / self.value
         with np.errstate(divide="ignore"):
@@ -254,18 +243,7 @@ def checks(case: CaseLike, result: xr.Dataset | Mapping[str, Any]) -> Checks:
 
 
 def limits_of(case: Case) -> list[Limit]:
-    """Return the limits of a case, one for each floor or storey.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    list of Limit
-        In the order of the table of quantities; empty without ``&limits``.
-    """
+    """Return the limits of a case, one for each floor or storey."""
     found = []
     for key in case.kernel.limited_demands():
         quantity, number = find_numbered(key)

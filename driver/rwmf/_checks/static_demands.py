@@ -21,21 +21,7 @@ _ROUND_OFF = 1e-12
 
 
 def crossings_of(case: Case, curve: xr.Dataset) -> list[tuple[str, int, float]]:
-    """Find where a curve first exceeds the limits of a case.
-
-    Parameters
-    ----------
-    case : Case
-        The case, with ``&limits``.
-    curve : xarray.Dataset
-        From `rwmf.pushover`.
-
-    Returns
-    -------
-    list of tuple
-        Name of the mark, ``limit_`` and the key of the demand; first step above the limit; drift
-        of the roof at the limit.
-    """
+    """Find where a curve first exceeds the limits of a case."""
     columns = columns_by_key(curve)
     found = []
     for limit in limits_of(case):
@@ -50,20 +36,7 @@ def crossings_of(case: Case, curve: xr.Dataset) -> list[tuple[str, int, float]]:
 
 
 def drift_at_limit(ratios: Array, drift: Array) -> float:
-    """Return the drift of the roof at which a ratio first exceeds 1.
-
-    Parameters
-    ----------
-    ratios : numpy.ndarray, shape (steps,)
-        From `ratios_of`.
-    drift : numpy.ndarray, shape (steps,)
-        Drift of the roof.
-
-    Returns
-    -------
-    float
-        The drift, interpolated between two steps; NaN when the limit is met.
-    """
+    """Return the drift of the roof at which a ratio first exceeds 1."""
     above = np.flatnonzero(ratios > 1)
     if not above.size:
         return math.nan
@@ -76,41 +49,13 @@ def drift_at_limit(ratios: Array, drift: Array) -> float:
 
 
 def ratios_of(limit: Limit, demand: Array) -> Array:
-    """Return the ratio of demand over limit at every step; round-off does not exceed a limit.
-
-    Parameters
-    ----------
-    limit : Limit
-        The limit.
-    demand : numpy.ndarray, shape (steps,)
-        Demand in its unit.
-
-    Returns
-    -------
-    numpy.ndarray, shape (steps,)
-        The ratios.
-    """
+    """Return the ratio of demand over limit at every step; round-off does not exceed a limit."""
     ratios = np.asarray(limit.ratio(demand), dtype=np.float64)
     return np.where(np.abs(ratios - 1) < _ROUND_OFF, 1.0, ratios)
 
 
 def demand_along(case: Case, columns: Mapping[str, Array], key: str) -> Array | None:
-    """Return a demand at every step.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    columns : mapping of str to numpy.ndarray, each shape (steps,)
-        Columns of the curve by key.
-    key : str
-        Key of the demand in ``rwmf run --json``.
-
-    Returns
-    -------
-    numpy.ndarray, shape (steps,), or None
-        The demand in its unit; None when no static curve has it.
-    """
+    """Return a demand at every step."""
     name = key.replace("_max", "").replace("_min", "")
     if name in columns:
         return columns[name]

@@ -49,23 +49,7 @@ class DesignRequest:
 
 
 def request_of(case: Case) -> DesignRequest | None:
-    """Read the group `&design` of a case.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    DesignRequest or None
-        None without the group.
-
-    Raises
-    ------
-    InputError
-        When a parameter is given twice.
-    """
+    """Read the group `&design` of a case."""
     group = case.design
     if group is None:
         return None

@@ -36,29 +36,6 @@ def cheapest(
 
     Differential evolution visits the whole range; from its best designs sequential quadratic
     programming follows gradients of the targets for the real variables.
-
-    Parameters
-    ----------
-    runs : SuiteRuns
-        Values of the targets.
-    variables : sequence of Variable
-        The variables.
-    cost : callable
-        Cost of an array of the numbers.
-    designs : int
-        Number of designs that the first stage may visit.
-    guess : numpy.ndarray, shape (variables,), optional
-        Design to begin with.
-
-    Returns
-    -------
-    numpy.ndarray, shape (variables,)
-        One of the designs in ``runs.values``.
-
-    Raises
-    ------
-    InputError
-        When SciPy is not installed.
     """
     try:
         from scipy.optimize import Bounds, NonlinearConstraint, differential_evolution

@@ -26,19 +26,6 @@ _LARGE, _COLLAPSED = 10.0, 1e3
 class SuiteRuns:
     """Values of the targets for designs; each design is computed once.
 
-    Parameters
-    ----------
-    case : Case
-        Settings common to all designs.
-    variables : sequence of Variable
-        Numbers that differ.
-    targets : sequence of Target
-        The targets.
-    records : sequence of RecordFile
-        The suite; none for the motion of the case.
-    threads : int
-        Threads, 0 for all.
-
     Attributes
     ----------
     values : dict of tuple to numpy.ndarray, each shape (targets,)
@@ -62,18 +49,7 @@ class SuiteRuns:
         self.warnings: list[str] = []
 
     def utilisations(self, designs: Array) -> Array:
-        """Compute values over limits.
-
-        Parameters
-        ----------
-        designs : numpy.ndarray, shape (designs, variables)
-            The numbers.
-
-        Returns
-        -------
-        numpy.ndarray, shape (designs, targets)
-            Utilisations; above 10 they grow with the logarithm, up to 1000 after collapses.
-        """
+        """Compute values over limits."""
         found = self.compute(designs)
         rows = np.array([
             [item.utilisation(float(x)) for item, x in zip(self._targets, row, strict=True)]
@@ -84,23 +60,7 @@ class SuiteRuns:
         return np.where(np.isfinite(rows), limited, _COLLAPSED)
 
     def compute(self, designs: Array) -> Array:
-        """Compute the values of the targets.
-
-        Parameters
-        ----------
-        designs : numpy.ndarray, shape (designs, variables)
-            The numbers.
-
-        Returns
-        -------
-        numpy.ndarray, shape (designs, targets)
-            Quantiles, and shares of collapses.
-
-        Raises
-        ------
-        InputError
-            When runs have no value of a quantity.
-        """
+        """Compute the values of the targets."""
         rows = [tuple(float(x) for x in row) for row in designs]
         missing = list(dict.fromkeys(row for row in rows if row not in self.values))
         if missing:

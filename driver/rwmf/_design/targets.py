@@ -85,20 +85,7 @@ class Target:
         return f"{goal} in {100 * self.share:g} % of the motions{factor}"
 
     def value_of(self, values: Array, fallen: npt.NDArray[np.bool_]) -> float:
-        """Return the quantile that the limit is for, or the share of collapses.
-
-        Parameters
-        ----------
-        values : numpy.ndarray, shape (motions,)
-            The quantity.
-        fallen : numpy.ndarray of bool, shape (motions,)
-            Whether wall or frame overturned or collapsed.
-
-        Returns
-        -------
-        float
-            Infinite when too many motions end in collapse.
-        """
+        """Return the quantile that the limit is for, or the share of collapses."""
         if self.quantity == COLLAPSE:
             return float(fallen.mean())
         # larger is worse; residuals have a sign
@@ -109,18 +96,7 @@ class Target:
         return max(-worst, 0.0) if self.is_least else worst
 
     def utilisation(self, value: float) -> float:
-        """Return value over limit: the target is met up to 1.
-
-        Parameters
-        ----------
-        value : float
-            From `value_of`.
-
-        Returns
-        -------
-        float
-            The quotient; for a collapse 1 plus the share above the allowed one.
-        """
+        """Return value over limit: the target is met up to 1."""
         if self.quantity == COLLAPSE:
             return 1.0 + value - (1.0 - self.share) - 1e-12
         if self.is_least:
@@ -131,28 +107,7 @@ class Target:
 def variables_of(
     bounds: Mapping[str, Sequence[float]], case: Case, has_records: bool = False
 ) -> list[Variable]:
-    """Look up the variables of a design.
-
-    Parameters
-    ----------
-    bounds : mapping
-        Lower and upper bounds by key.
-    case : Case
-        The case, for keys of several groups.
-    has_records : bool
-        True when records replace the motion of the case.
-
-    Returns
-    -------
-    list of Variable
-        In the same order.
-
-    Raises
-    ------
-    InputError
-        When a key is unknown or no number of structure or motion, or when bounds are not two
-        increasing numbers.
-    """
+    """Look up the variables of a design."""
     if not isinstance(bounds, Mapping) or not bounds:
         raise InputError(
             f"bounds = {show(bounds)}: must be keys with (low, high); the default is &design"
@@ -195,27 +150,7 @@ def _two(name: str, ends: object) -> Array:
 
 
 def targets_of(targets: Sequence[Mapping[str, Any]], case: Case) -> list[Target]:
-    """Read the targets of a design.
-
-    Parameters
-    ----------
-    targets : sequence of mapping
-        ``quantity`` and ``limit``, with ``percentile`` [%] or ``probability`` of exceedance, or
-        ``quantity='collapse'`` with ``probability``; ``scale`` is a factor on the motions. The
-        quantity 'limits' without a limit means every limit of the case.
-    case : Case
-        The case, for its limits.
-
-    Returns
-    -------
-    list of Target
-        In the same order.
-
-    Raises
-    ------
-    InputError
-        When an entry is unknown, missing or out of range.
-    """
+    """Read the targets of a design."""
     items = [targets] if isinstance(targets, Mapping) else to_items(targets)
     if items is not None and not items:
         raise InputError(
@@ -265,25 +200,7 @@ def _target(item: Mapping[str, Any]) -> Target:
 
 
 def cost_of(cost: Cost, variables: Sequence[Variable]) -> Callable[[Array], float]:
-    """Make the cost of a design a function of its numbers.
-
-    Parameters
-    ----------
-    cost : mapping or callable
-        Weights by key, or a function of the values by key.
-    variables : sequence of Variable
-        The variables.
-
-    Returns
-    -------
-    callable
-        Cost of an array of the numbers.
-
-    Raises
-    ------
-    InputError
-        When a weight belongs to no variable, or the function returns no number.
-    """
+    """Make the cost of a design a function of its numbers."""
     names = [item.name for item in variables]
     if isinstance(cost, Mapping):
         unknown = [str(key) for key in cost if key not in names]

@@ -29,25 +29,7 @@ _LEAST_PART = 0.005
 def captions_of(
     case: Case, summary: Mapping[str, Any], t_lift_off: float | None, yields: Sequence[bool]
 ) -> list[str]:
-    """Explain the response of a case.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    summary : mapping
-        Named scalars of its run, with energies and reactions.
-    t_lift_off : float or None
-        Time of the first lift-off [s], None without one.
-    yields : sequence of bool
-        True for each storey that yields; one value for a frame with one storey, empty for a linear
-        frame.
-
-    Returns
-    -------
-    list of str
-        Sentences, the cause first.
-    """
+    """Explain the response of a case."""
     found = [
         _uplift(case, summary, t_lift_off),
         _rotation(case, summary),
@@ -61,24 +43,7 @@ def captions_of(
 
 
 def uplift_acceleration(case: Case) -> float | None:
-    """Compute the ground acceleration at which the resting wall lifts off.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    float or None
-        Acceleration over g [-]; None if it depends on the motion before uplift, or without a
-        rocking wall.
-
-    Notes
-    -----
-    Before uplift the frame moves with the ground, so that the link carries its whole inertia at the
-    top of the wall. Moments about the corner give (b/h)(1 + eta_0)/(1 + 2 gamma).
-    """
+    """Compute the ground acceleration at which the resting wall lifts off."""
     if case.wall is None or case.wall.base != "rocking":
         return None
     if any(name in case.groups for name in _CHANGING_UPLIFT):
@@ -183,21 +148,7 @@ def _percent(part: float) -> str:
 
 
 def compare_with_frame(quantity: Quantity, value: float, alone: float | None) -> str:
-    """Compare a peak with that of the frame without a wall.
-
-    Parameters
-    ----------
-    quantity : Quantity
-        The quantity.
-    value, alone : float
-        Its values with and without the wall at the period of the case, in its unit; None or NaN
-        where there is none.
-
-    Returns
-    -------
-    str
-        A sentence; '' if there is nothing to compare.
-    """
+    """Compare a peak with that of the frame without a wall."""
     if alone is None or not (math.isfinite(value) and math.isfinite(alone) and alone > 0.0):
         return ""
     change = 100.0 * (value / alone - 1.0)

@@ -368,13 +368,7 @@ _INTERVAL = re.compile(r"([\[(])([^,\s]+), ([^\])]+)[\])]")
 
 
 def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
-    """Return the keys that the page may set.
-
-    Returns
-    -------
-    dict
-        Type, and the words of a choice, by group and key.
-    """
+    """Return the keys that the page may set."""
     return {
         row[:2]: (row.kind, tuple(row.allowed.split()) if row.kind == "choice" else ())
         for row in _library.schema()
@@ -383,14 +377,7 @@ def editable() -> dict[tuple[str, str], tuple[str, tuple[str, ...]]]:
 
 
 def describe() -> dict[str, Any]:
-    """Describe groups and keys for the page.
-
-    Returns
-    -------
-    dict
-        ``groups`` (name, title, needs, needed_too, can_be_added, keys), exclusions and
-        requirements.
-    """
+    """Describe groups and keys for the page."""
     keys: dict[str, list[dict[str, Any]]] = {}
     for row in _library.schema():
         if row[:2] not in _NOT_EDITABLE:

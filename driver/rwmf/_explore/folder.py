@@ -40,13 +40,7 @@ class Folder:
 
 
 def _locked(path: Path) -> int | None:
-    """Lock a folder of this user.
-
-    Returns
-    -------
-    int or None
-        Descriptor that holds the lock; None if the folder is missing or in use.
-    """
+    """Lock a folder of this user."""
     try:
         found = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
     except OSError:

@@ -72,22 +72,7 @@ class _Record(NamedTuple):
 
 
 def as_files(case: Case, folder: Path) -> tuple[Case, list[Path]]:
-    """Save the motions from arrays as files that a namelist can name.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    folder : Path
-        Folder for the files.
-
-    Returns
-    -------
-    Case
-        The case with files in place of arrays.
-    list of Path
-        These files.
-    """
+    """Save the motions from arrays as files that a namelist can name."""
     if not case.motions:
         return case, []
     path = folder / "case.nml"
@@ -96,20 +81,7 @@ def as_files(case: Case, folder: Path) -> tuple[Case, list[Path]]:
 
 
 def start(case: Case, made: list[Path]) -> dict[str, Any]:
-    """Describe keys and the initial case.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    made : list of Path
-        Files of its motions from arrays.
-
-    Returns
-    -------
-    dict
-        As `controls.describe`, with ``name``, ``state``, ``record``, ``made``, ``presets``.
-    """
+    """Describe keys and the initial case."""
     motion: Mapping[str, Any] = case.groups.get("motion", {})
     return describe() | {
         "name": Path(case.source or "in memory").name,
@@ -123,32 +95,13 @@ def start(case: Case, made: list[Path]) -> dict[str, Any]:
 
 
 def encode(value: object) -> bytes:
-    """Encode an answer as JSON.
-
-    Parameters
-    ----------
-    value : object
-        Numbers, texts, lists and dicts.
-
-    Returns
-    -------
-    bytes
-        One line without line end.
-    """
+    """Encode an answer as JSON."""
     # a file name may contain bytes that are not UTF-8
     return json.dumps(value, allow_nan=False).encode("ascii", "replace")
 
 
 class Model:
-    """Answers to requests about one case and its variants, for any number of pages.
-
-    Parameters
-    ----------
-    case : Case
-        Initial case of the pages.
-    folder : Path
-        Folder of uploaded records, each in a subfolder with its number.
-    """
+    """Answers to requests about one case and its variants, for any number of pages."""
 
     def __init__(self, case: Case, folder: Path) -> None:
         self._folder = folder
@@ -159,28 +112,7 @@ class Model:
         self._threads = max(1, (os.cpu_count() or 2) - 1)
 
     def history(self, question: Question, poll: Poll) -> dict[str, Any]:
-        """Run a case.
-
-        Parameters
-        ----------
-        question : Question
-            Selects the case.
-        poll : callable
-            Called about 20 times a second; an exception that it raises stops the kernel.
-
-        Returns
-        -------
-        dict
-            Columns over time, instants of impacts, loops, profile over the height, key numbers with
-            headline and groups, captions, warnings, namelist.
-
-        Raises
-        ------
-        InputError, NumericalError
-            As the kernel reports them.
-        BadQuestionError
-            When the record does not exist.
-        """
+        """Run a case."""
         case = self._case_of(question)
         t_end = float(case.solver.t_end)
         shown = case.replace(
@@ -220,30 +152,7 @@ class Model:
         }
 
     def spectrum(self, question: Question, poll: Poll) -> dict[str, Any]:
-        """Compute the spectrum of a case and that of its frame without a wall.
-
-        Parameters
-        ----------
-        question : Question
-            Selects case, number of periods and quantity, and the limit of steps.
-        poll : callable
-            As in `history`.
-
-        Returns
-        -------
-        dict
-            ``T``, ``axis`` (its meaning and the consequence), ``values``, ``alone`` (or None),
-            ``failed`` (number of each status) and ``overturned`` (periods). ``quantity`` describes
-            the quantity; ``quantities`` lists those of the scene. ``caption`` compares with the
-            frame alone at the period of the case.
-
-        Raises
-        ------
-        InputError, NumericalError
-            As the kernel reports them.
-        BadQuestionError
-            When the record does not exist.
-        """
+        """Compute the spectrum of a case and that of its frame without a wall."""
         case = self._case_of(question)
         if "T_s" not in case.kernel.axes():
             raise InputError("the scene has no period to vary: it has no spectrum")
@@ -273,26 +182,7 @@ class Model:
         }
 
     def cost(self, question: Question, report: Callable[[int, int], None]) -> dict[str, Any]:
-        """Measure the cost of accuracy.
-
-        Parameters
-        ----------
-        question : Question
-            Selects the case.
-        report : callable
-            Called with the numbers of finished and of all units of work; an exception that it
-            raises ends the measurement.
-
-        Returns
-        -------
-        dict
-            As ``rwmf cost --json``; values that are not finite are None.
-
-        Raises
-        ------
-        InputError, NumericalError
-            As the kernel reports them.
-        """
+        """Measure the cost of accuracy."""
         # quadruple precision needs a second library, loaded on demand
         from rwmf._cost import cost
 
@@ -300,28 +190,7 @@ class Model:
         return dict(_plain(found.to_dict()))
 
     def add_record(self, number: str, unit: str | None, dt: float | None) -> dict[str, Any]:
-        """Check a record uploaded by the page.
-
-        Parameters
-        ----------
-        number : str
-            Number of the record's folder, which contains this file only.
-        unit : str, optional
-            Unit of the accelerations, unless the file gives it.
-        dt : float, optional
-            Interval of the samples [s], for a file with one column.
-
-        Returns
-        -------
-        dict
-            ``record`` (number), ``name``, ``motion`` (keys of the group), ``end`` (time of the last
-            sample), ``facts``.
-
-        Raises
-        ------
-        InputError
-            When the kernel refuses the record; the message gives the file's original name.
-        """
+        """Check a record uploaded by the page."""
         (path,) = (self._folder / number).iterdir()
         base = self._with_record(path, unit, dt)
         motion = given(base)["motion"]
@@ -332,18 +201,7 @@ class Model:
         return {"record": number, "name": path.name, "motion": motion, "end": end, "facts": facts}
 
     def message_of(self, error: RwmfError) -> str:
-        """Return the message of an error without the file and lines of a namelist.
-
-        Parameters
-        ----------
-        error : RwmfError
-            Error of a request.
-
-        Returns
-        -------
-        str
-            The message.
-        """
+        """Return the message of an error without the file and lines of a namelist."""
         text = re.sub(r" \(line \d+\)", "", str(error))
         for label in (f"{self._case.source} (edited): ", f"{self._case.source}: "):
             text = text.removeprefix(label)

@@ -43,14 +43,7 @@ def _take(connection: Connection, tasks: queue.Queue[Any], stopped: threading.Ev
 
 
 def serve(connection: Connection) -> None:
-    """Answer requests until the server ends.
-
-    Parameters
-    ----------
-    connection : Connection
-        Delivers the case and the folder of the uploaded records, then tasks: name of a method of
-        `Model` and its arguments. Answers are pairs of kind and content.
-    """
+    """Answer requests until the server ends."""
     tasks: queue.Queue[Any] = queue.Queue()
     stopped = threading.Event()
 

@@ -73,15 +73,7 @@ class _Worker:
 
 
 class Workers:
-    """Processes that answer requests.
-
-    Parameters
-    ----------
-    case : Case
-        Initial case of the pages.
-    folder : Path
-        Folder of uploaded records.
-    """
+    """Processes that answer requests."""
 
     def __init__(self, case: Case, folder: Path) -> None:
         self._material = (case, folder)
@@ -96,35 +88,7 @@ class Workers:
     def ask(
         self, name: str, arguments: tuple[Any, ...], poll: Poll, report: Report | None = None
     ) -> bytes:
-        """Compute an answer.
-
-        Parameters
-        ----------
-        name : str
-            Method of `Model`.
-        arguments : tuple
-            Its arguments.
-        poll : callable
-            Called about 20 times a second; an exception that it raises stops the computation.
-        report : callable, optional
-            Called with the numbers of finished and of all units of work; otherwise as `poll`.
-
-        Returns
-        -------
-        bytes
-            The answer as JSON.
-
-        Raises
-        ------
-        InputError
-            When the kernel refuses the case; the message is the kernel's.
-        BadQuestionError
-            When the request is malformed.
-        BrokenError
-            When the process ended or failed unexpectedly.
-        BusyError
-            When the computation was stopped for other requests, or exceeded its time limit.
-        """
+        """Compute an answer."""
         worker = self._take(poll)
         usable = False
         try:
@@ -228,13 +192,7 @@ class Workers:
 
 
 def _stop(worker: _Worker) -> bool:
-    """Stop a computation.
-
-    Returns
-    -------
-    bool
-        True when the worker can take another task.
-    """
+    """Stop a computation."""
     until = time.monotonic() + _PATIENCE
     with suppress(EOFError, OSError):
         worker.connection.send(None)

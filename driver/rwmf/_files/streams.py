@@ -62,13 +62,7 @@ class _Text(io.TextIOWrapper):
 
 @contextmanager
 def guarded() -> Iterator[list[OSError]]:
-    """Handle errors of the standard streams of the process.
-
-    Yields
-    ------
-    list of OSError
-        Filled at the end of the block with the errors of the standard output.
-    """
+    """Handle errors of the standard streams of the process."""
     _fill()
     codecs.register_error(_ANYWAY, _show_anyway)
     errors: list[OSError] = []

@@ -56,20 +56,7 @@ class Estimate:
 
 
 def offsets_of(sides: tuple[bool, bool], factor: float = 1.0) -> Array:
-    """Return the relative changes of the lanes for one derivative.
-
-    Parameters
-    ----------
-    sides : (bool, bool)
-        Whether the parameter may decrease and increase.
-    factor : float
-        Factor on the steps [-].
-
-    Returns
-    -------
-    numpy.ndarray, shape (6,) or (4,)
-        Central differences (plus, minus for each step), or one-sided ones, largest step first.
-    """
+    """Return the relative changes of the lanes for one derivative."""
     if all(sides):
         return factor * np.array([sign * step for step in NEAR for sign in (1.0, -1.0)])
     sign = 1.0 if sides[1] else -1.0
@@ -77,22 +64,7 @@ def offsets_of(sides: tuple[bool, bool], factor: float = 1.0) -> Array:
 
 
 def derivative_at(offsets: Array, values: Array, centre: float) -> Estimate:
-    """Compute a derivative by Richardson steps.
-
-    Parameters
-    ----------
-    offsets : numpy.ndarray, shape (6,) or (4,)
-        From `offsets_of`.
-    values : numpy.ndarray, same shape
-        Values there.
-    centre : float
-        Value without a change.
-
-    Returns
-    -------
-    Estimate
-        The derivative; NaN where a value is missing.
-    """
+    """Compute a derivative by Richardson steps."""
     with np.errstate(invalid="ignore"):
         # values may be infinite
         slopes = (values - centre) / offsets
@@ -116,16 +88,6 @@ def resolution(values: Array) -> float:
 
     A quantity that is a difference of larger numbers, such as the increment of a force, has fewer
     binary digits than its type.
-
-    Parameters
-    ----------
-    values : numpy.ndarray, shape (n,)
-        Values of one quantity in several runs.
-
-    Returns
-    -------
-    float
-        The largest power of two that divides all values, or their round-off; 0 for equal values.
     """
     kept = values[np.isfinite(values) & (values != 0)]
     if kept.size == 0 or (kept == kept[0]).all():
@@ -137,25 +99,7 @@ def resolution(values: Array) -> float:
 
 
 def valid_range(offsets: Array, changes: Array, derivative: float, floor: float) -> float:
-    """Find the largest relative change up to which a linear prediction holds on every side.
-
-    Parameters
-    ----------
-    offsets : numpy.ndarray, shape (n,)
-        Relative changes in any order.
-    changes : numpy.ndarray, shape (n,)
-        Changes of the value; NaN where a run failed.
-    derivative : float
-        Derivative with respect to the relative change.
-    floor : float
-        Change of the value below which its difference from the prediction does not count.
-
-    Returns
-    -------
-    float
-        The relative change, at most the largest of `offsets`; the prediction errs by 10 % of the
-        change there or less. 0 when it errs more at the smallest one.
-    """
+    """Find the largest relative change up to which a linear prediction holds on every side."""
     if not np.isfinite(derivative):
         return 0.0
     predicted = derivative * offsets

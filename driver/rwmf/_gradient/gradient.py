@@ -25,20 +25,7 @@ __all__ = ["gradient", "requested"]
 
 
 def requested(case: Case) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the names that the case's `&sensitivity` requests.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    parameters : tuple of str
-        Keys, empty without the group.
-    quantities : tuple of str
-        Results, empty when the group does not name them.
-    """
+    """Return the names that the case's `&sensitivity` requests."""
     group = case.sensitivity
     if group is None:
         return (), ()
@@ -77,7 +64,7 @@ def gradient(
         is the factor on the motion. The default is ``parameters`` of the case's ``&sensitivity``.
     quantities : str or sequence of str, optional
         Quantities of a sweep; the default is that of ``&sensitivity``, else of `rwmf.sweep`.
-    points, grid, records, threads, unit, dt
+    points, grid, records
         As in `rwmf.sweep`; each run has a gradient.
     statistic : float or callable, optional
         Differentiate a statistic over the records instead. A number is the share of a quantile, by
@@ -85,6 +72,8 @@ def gradient(
         that of `rwmf.studies.fragility_median`. The steps are five times larger.
     over : str or sequence of str
         Dimensions of the array that the statistic takes, ``record`` first.
+    threads, unit, dt
+        As in `rwmf.sweep`.
 
     Returns
     -------

@@ -68,27 +68,7 @@ class Parameter:
 def find_parameters(
     case: Case, names: Sequence[str], columns: Sequence[str] = ()
 ) -> list[Parameter]:
-    """Look up the parameters of a request.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    names : sequence of str
-        Keys of the case, with or without their group, and elements of lists as ``k(2)``.
-    columns : sequence of str
-        Columns that vary over points and grid.
-
-    Returns
-    -------
-    list of Parameter
-        In the same order.
-
-    Raises
-    ------
-    InputError
-        When a name is unknown, or its key is not a real number of the case.
-    """
+    """Look up the parameters of a request."""
     if not names:
         raise InputError("parameters: none is given")
     found = [_find(case, name, columns) for name in names]
@@ -129,25 +109,7 @@ def _find(case: Case, name: str, columns: Sequence[str]) -> Parameter:
 
 
 def value_of(case: Case, item: Parameter) -> Array:
-    """Return the value of a parameter in a case.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    item : Parameter
-        The parameter.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        One number, or those of a list.
-
-    Raises
-    ------
-    InputError
-        When the case has no such number, or derives it from others.
-    """
+    """Return the value of a parameter in a case."""
     if item.column == SCALE:
         return np.ones(1)
     name, key = item.key
@@ -179,20 +141,7 @@ def value_of(case: Case, item: Parameter) -> Array:
 
 
 def is_given(case: Case, item: Parameter) -> bool:
-    """Return whether the case states a parameter, so that no other key changes it.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    item : Parameter
-        The parameter.
-
-    Returns
-    -------
-    bool
-        False for a default and for the period and mass ratio of storeys.
-    """
+    """Return whether the case states a parameter, so that no other key changes it."""
     name, key = item.key
     return item.column == SCALE or key in getattr(case.groups.get(name), "given", ())
 
@@ -205,20 +154,7 @@ def _givers(case: Case, group: str, key: str) -> list[str]:
 
 
 def scale_of(item: Parameter, value: float) -> float:
-    """Return the change of a parameter that counts as one.
-
-    Parameters
-    ----------
-    item : Parameter
-        The parameter.
-    value : float
-        Its value.
-
-    Returns
-    -------
-    float
-        The absolute value; for 0 the middle of the usual range, or 1 without one.
-    """
+    """Return the change of a parameter that counts as one."""
     if value != 0:
         return abs(value)
     ends = re.findall(r"[-+.\deE]+", "" if item.column == SCALE else _row(item).usual)
@@ -228,27 +164,7 @@ def scale_of(item: Parameter, value: float) -> float:
 
 
 def allowed_changes(case: Case, item: Parameter, value: float, scale: float) -> dict[bool, float]:
-    """Find the allowed decrease and increase of a parameter.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    item : Parameter
-        The parameter.
-    value, scale : float
-        Its value, and the change that counts as one.
-
-    Returns
-    -------
-    dict of bool to float
-        Largest of the tried changes for decreases (False) and increases (True); 0 for none.
-
-    Raises
-    ------
-    InputError
-        When the parameter can change in neither direction; the message is the kernel's.
-    """
+    """Find the allowed decrease and increase of a parameter."""
     found: dict[bool, float] = {}
     reasons: list[str] = []
     for is_up in (False, True):
@@ -282,22 +198,7 @@ def _accepted(case: Case, item: Parameter, value: float) -> Case | str:
 
 
 def changed_entries(case: Case, item: Parameter, value: float) -> Mapping[str, dict[str, object]]:
-    """Return the groups that give a parameter another value.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    item : Parameter
-        The parameter.
-    value : float
-        Its value; for a whole list the mean, whose numbers keep their ratios.
-
-    Returns
-    -------
-    dict of str to dict
-        Arguments of `Case.replace`.
-    """
+    """Return the groups that give a parameter another value."""
     name, key = item.key
     if not item.is_list:
         is_list = _row(item).kind.endswith("list")

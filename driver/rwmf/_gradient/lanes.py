@@ -51,17 +51,6 @@ class Request:
 class Lanes:
     """Runs with one changed parameter each.
 
-    Parameters
-    ----------
-    scenes : Scenes
-        The scenes.
-    parameters : sequence of Parameter
-        The parameters.
-    quantities : sequence of str
-        Names of the quantities.
-    threads : int
-        Threads, 0 for all.
-
     Attributes
     ----------
     values : numpy.ndarray, shape (rows, parameters)
@@ -107,25 +96,7 @@ class Lanes:
         self._scenes = scenes
 
     def run(self, requests: Sequence[Request]) -> tuple[Array, npt.NDArray[np.bool_]]:
-        """Compute runs.
-
-        Parameters
-        ----------
-        requests : sequence of Request
-            The runs.
-
-        Returns
-        -------
-        numpy.ndarray, shape (runs, quantities)
-            The quantities; NaN where a run failed.
-        numpy.ndarray of bool, shape (runs,)
-            Whether the run ended by overturning or collapse.
-
-        Raises
-        ------
-        InputError
-            When runs have no value of a quantity.
-        """
+        """Compute runs."""
         self.runs += len(requests)
         values = np.full((len(requests), len(self._names)), np.nan)
         fallen = np.zeros(len(requests), dtype=bool)

@@ -24,13 +24,6 @@ RECORD = "record"
 class Scenes:
     """Cases between which parameters do not change.
 
-    Parameters
-    ----------
-    case : Case
-        Settings common to all.
-    points, grid, records, unit, dt
-        As in `rwmf.sweep`.
-
     Attributes
     ----------
     case : Case
@@ -82,18 +75,7 @@ class Scenes:
         return found
 
     def case_of(self, number: int) -> Case:
-        """Return the case of a row, with the motion of the common case.
-
-        Parameters
-        ----------
-        number : int
-            Number of the row.
-
-        Returns
-        -------
-        Case
-            The case. Periods and mass ratios of storeys, which no case can state, are not in it.
-        """
+        """Return the case of a row, with the motion of the common case."""
         if number not in self._cases:
             changes: dict[str, dict[str, object]] = {}
             for column, value in self.rows[number].items():
@@ -105,13 +87,7 @@ class Scenes:
         return self._cases[number]
 
     def coordinates(self) -> dict[str, xr.DataArray]:
-        """Label the dimensions.
-
-        Returns
-        -------
-        dict of str to xarray.DataArray
-            Coordinates by name.
-        """
+        """Label the dimensions."""
         return {
             item.name: xr.DataArray(
                 np.asarray(
@@ -129,23 +105,7 @@ class Scenes:
         }
 
     def index_of(self, name: str) -> int:
-        """Return the position of a dimension.
-
-        Parameters
-        ----------
-        name : str
-            The dimension.
-
-        Returns
-        -------
-        int
-            The position.
-
-        Raises
-        ------
-        InputError
-            When there is no such dimension.
-        """
+        """Return the position of a dimension."""
         if name not in self.sizes:
             raise InputError(f"statistic: there is no dimension {name}: give records=[...]")
         return list(self.sizes).index(name)

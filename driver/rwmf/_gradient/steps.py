@@ -54,17 +54,6 @@ class Steps:
     Derivatives are with respect to relative changes, shape (cells, parameters, quantities); a cell
     is a scene, or a suite of scenes with a statistic.
 
-    Parameters
-    ----------
-    scenes : Scenes
-        The scenes.
-    lanes : Lanes
-        Their runs.
-    parameters : sequence of Parameter
-        The parameters.
-    statistic : SuiteStatistic, optional
-        Statistic over the records.
-
     Attributes
     ----------
     scales : numpy.ndarray, shape (rows, parameters)
@@ -175,18 +164,7 @@ class Steps:
         return self._statistic.of(centre), self._statistic.of(values), values
 
     def of_cells(self, values: Array) -> Array:
-        """Reduce values of scenes to the common value of each cell.
-
-        Parameters
-        ----------
-        values : numpy.ndarray, shape (rows, ...)
-            Values that do not depend on the dimensions of a statistic.
-
-        Returns
-        -------
-        numpy.ndarray, shape (cells, ...)
-            Those of the first scene of each cell.
-        """
+        """Reduce values of scenes to the common value of each cell."""
         return values if self._statistic is None else self._statistic.first(values)
 
     def _largest(self) -> Array:

@@ -20,22 +20,7 @@ _SUITES, _SEED = 200, 1963
 
 
 class SuiteStatistic:
-    """A statistic over dimensions of the scenes, of which the first are the records.
-
-    Parameters
-    ----------
-    statistic : float or callable
-        Share of a quantile in [0, 1], or a function of an array over the dimensions.
-    axes : tuple of int
-        Positions of the dimensions among those of the scenes, first that of the records.
-    sizes : tuple of int
-        Sizes of the dimensions of the scenes.
-
-    Raises
-    ------
-    InputError
-        When the statistic is neither.
-    """
+    """A statistic over dimensions of the scenes, of which the first are the records."""
 
     def __init__(self, statistic: Statistic, axes: tuple[int, ...], sizes: tuple[int, ...]) -> None:
         share = float_of(statistic)
@@ -46,50 +31,17 @@ class SuiteStatistic:
         self._axes, self._sizes = axes, sizes
 
     def of(self, values: Array) -> Array:
-        """Compute the statistic.
-
-        Parameters
-        ----------
-        values : numpy.ndarray, shape (rows, ...)
-            Values of the scenes.
-
-        Returns
-        -------
-        numpy.ndarray, shape (cells, ...)
-            The statistic of each combination of the other dimensions.
-        """
+        """Compute the statistic."""
         return self._reduce(self._records_first(values))
 
     def first(self, values: Array) -> Array:
-        """Return the values of the first record.
-
-        Parameters
-        ----------
-        values : numpy.ndarray, shape (rows, ...)
-            Values of the scenes.
-
-        Returns
-        -------
-        numpy.ndarray, shape (cells, ...)
-            Those of the first record.
-        """
+        """Return the values of the first record."""
         known = self._records_first(values)
         found: Array = known[(0,) * len(self._axes)]
         return found
 
     def of_resampled(self, values: Array) -> Iterator[Array]:
-        """Compute the statistic of suites drawn with replacement.
-
-        Parameters
-        ----------
-        values : numpy.ndarray, shape (rows, ...)
-            Values of the scenes; every value of a record is drawn together.
-
-        Yields
-        ------
-        numpy.ndarray, shape (cells, ...)
-            The statistic of one suite.
-        """
+        """Compute the statistic of suites drawn with replacement."""
         known = self._records_first(values)
         random = np.random.default_rng(_SEED)
         for _ in range(_SUITES):

@@ -22,15 +22,7 @@ class NotPickled:
 
 
 class Guard(Generic[_K]):
-    """Lends an object of the kernel to one call at a time; other threads wait.
-
-    Parameters
-    ----------
-    kept : object
-        The object.
-    name : str
-        Name of its class, for messages.
-    """
+    """Lends an object of the kernel to one call at a time; other threads wait."""
 
     __slots__ = ("_is_busy", "_kept", "_lock", "_name")
 
@@ -59,13 +51,7 @@ class Guard(Generic[_K]):
         return self._kept is not None
 
     def close(self) -> None:
-        """Drop the object; a second call has no effect.
-
-        Raises
-        ------
-        InputError
-            When one of its calls is not over.
-        """
+        """Drop the object; a second call has no effect."""
         if self._kept is not None:
             with self:
                 self._kept = None

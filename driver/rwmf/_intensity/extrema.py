@@ -32,22 +32,6 @@ def largest(
 
     Between two points a function exceeds the larger end by at most ``curvature width^2 / 8``. Steps
     that could exceed the largest known value are divided until no such gain is left.
-
-    Parameters
-    ----------
-    left, right : array, shape (rows, steps)
-        Values at begin and end of the steps.
-    widths : array, broadcasts to (rows, steps)
-        Lengths of the steps.
-    curvature : array, shape (rows, steps)
-        Bound on the magnitude of the second derivative in each step.
-    value : callable
-        Values inside steps: (row, step, time since the step's begin), three arrays of one shape.
-
-    Returns
-    -------
-    array, shape (rows,)
-        The largest magnitudes, to round-off.
     """
     left, right = np.abs(left), np.abs(right)
     ends = np.maximum(left, right)

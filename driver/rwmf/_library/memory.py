@@ -16,13 +16,7 @@ __all__ = ["Memory", "MemoryView"]
 
 
 class Memory:
-    """Memory of the kernel behind a handle, released with the last reference.
-
-    Parameters
-    ----------
-    handle : int
-        Handle of the kernel.
-    """
+    """Memory of the kernel behind a handle, released with the last reference."""
 
     __slots__ = ("handle",)
 
@@ -34,17 +28,7 @@ class Memory:
 
 
 class MemoryView:
-    """Array interface for numpy to an array of the kernel; it keeps the memory alive.
-
-    Parameters
-    ----------
-    memory : Memory
-        Memory that contains the array.
-    address : int
-        Address of the first number.
-    shape : tuple of int
-        Shape in C order.
-    """
+    """Array interface for numpy to an array of the kernel; it keeps the memory alive."""
 
     def __init__(self, memory: Memory, address: int, shape: tuple[int, ...]) -> None:
         self.memory = memory

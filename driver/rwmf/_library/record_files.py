@@ -62,23 +62,7 @@ class FileChannel(NamedTuple):
 
 
 def read_record_header(content: bytes) -> FileHeader:
-    """Read the header of a record file.
-
-    Parameters
-    ----------
-    content : bytes
-        The file.
-
-    Returns
-    -------
-    FileHeader
-        Its facts.
-
-    Raises
-    ------
-    InputError
-        When the format is another one, or the header is no header of a record.
-    """
+    """Read the header of a record file."""
     message, buffer = message_buffer(), np.empty(_BUFFER, dtype=np.int8)
     length, status, n = _cases.record_header(_bytes(content), buffer, message)
     raise_for(status, message, n)
@@ -87,28 +71,7 @@ def read_record_header(content: bytes) -> FileHeader:
 
 
 def read_record(content: bytes, unit: str | None, dt: float | None) -> list[FileChannel]:
-    """Read the samples of a record file.
-
-    Parameters
-    ----------
-    content : bytes
-        The file.
-    unit : str, optional
-        Unit of the samples; must agree with a unit in the file.
-    dt : float, optional
-        Interval of one column [s]; must agree with an interval in the file.
-
-    Returns
-    -------
-    list of FileChannel
-        One per column of accelerations.
-
-    Raises
-    ------
-    InputError
-        When the format is another one, the file is damaged, lacks unit or interval, or contradicts
-        them.
-    """
+    """Read the samples of a record file."""
     message = message_buffer()
     handle, channels, status, n = _cases.record_read(
         _bytes(content), encode(unit or ""), 0.0 if dt is None else dt, message
@@ -119,22 +82,7 @@ def read_record(content: bytes, unit: str | None, dt: float | None) -> list[File
 
 
 def unit_named(text: str) -> tuple[str, str, float, float]:
-    """Return the unit that a text of a file names.
-
-    Parameters
-    ----------
-    text : str
-        As in the file: 'cm/sec/sec', 'M/S**2', '%g'.
-
-    Returns
-    -------
-    quantity : str
-        'acceleration', 'velocity', 'displacement', 'time' or 'frequency'; '' if unknown.
-    base : str
-        Of an acceleration 'g', 'm/s2' or 'cm/s2'.
-    times, over : float
-        A number x in the unit is x*times/over of the base, or of s and Hz.
-    """
+    """Return the unit that a text of a file names."""
     ratio = np.ones(2)
     quantity, base = fetch_text(_cases.unit_named, encode(text), ratio).split("\t")
     return quantity, base, float(ratio[0]), float(ratio[1])

@@ -30,13 +30,6 @@ class Result:
     """A result in the kernel's memory, released at the end of the ``with`` block.
 
     Arrays that view the memory keep it alive.
-
-    Parameters
-    ----------
-    case : KernelCase
-        The computed case.
-    handle : int
-        Handle of the result.
     """
 
     def __init__(self, case: KernelCase, handle: int) -> None:
@@ -72,13 +65,7 @@ class Run(Result):
     """Result of one simulation."""
 
     def summary(self) -> dict[str, Any]:
-        """Return named scalars and lists: the keys of ``rwmf run --json`` in their order.
-
-        Returns
-        -------
-        dict
-            Values by key.
-        """
+        """Return named scalars and lists: the keys of ``rwmf run --json`` in their order."""
         lines: list[str] = []
         capacity = _FIRST_CAPACITY
         while True:
@@ -95,13 +82,6 @@ class Run(Result):
         """Return column names and values (columns, rows); both empty without `&output dt`.
 
         The values are a view of the kernel's memory: all views of this history share changes.
-
-        Returns
-        -------
-        list of str
-            Names of the columns.
-        numpy.ndarray, shape (columns, rows)
-            The values, in the units at the ends of the names.
         """
         address, n_rows, n_columns, _ = _kernel.result_history(self.handle)
         if n_columns == 0:
@@ -113,11 +93,6 @@ class Run(Result):
         """Return arrays over the events: kind (names), t [s], theta [rad] and theta_dot [rad/s].
 
         For the bare frame theta is the displacement [m] and theta_dot its rate [m/s].
-
-        Returns
-        -------
-        dict of str to numpy.ndarray, each shape (events,)
-            The arrays by name.
         """
         n = _kernel.result_history(self.handle)[3]
         kinds = np.zeros(n, dtype=np.intc)
@@ -128,24 +103,7 @@ class Run(Result):
         return {"kind": names[kinds - 1], "t": t, "theta": theta, "theta_dot": theta_dot}
 
     def write(self, text: str, source: str, folder: str) -> None:
-        """Write the files of the batch program, named after `source`, into `folder`.
-
-        Parameters
-        ----------
-        text : str
-            Namelist text of the case.
-        source : str
-            Path of the case's file.
-        folder : str
-            Folder for the files.
-
-        Raises
-        ------
-        OutputError
-            When a file cannot be written.
-        Interrupted
-            After Ctrl-C; earlier files of these names are then unchanged.
-        """
+        """Write the files of the batch program, named after `source`, into `folder`."""
         message = message_buffer()
         words = (encode(text), encode(source), encode(folder))
         status, n = write(
@@ -160,56 +118,26 @@ class Spectrum(Result):
     """Result of a spectrum."""
 
     def warnings(self) -> list[str]:
-        """Return the warnings for all ordinates.
-
-        Returns
-        -------
-        list of str
-            One line per warning.
-        """
+        """Return the warnings for all ordinates."""
         return [
             line for line in fetch_text(_kernel.spectrum_warnings, self.handle).split("\t") if line
         ]
 
     def method(self) -> str:
-        """Return the name of the method.
-
-        Returns
-        -------
-        str
-            As `KernelCase.spectrum_method`.
-        """
+        """Return the name of the method."""
         return self._case.spectrum_method()
 
     def axes(self) -> dict[str, SceneAxis]:
-        """Return the definitions of the axes in the scene.
-
-        Returns
-        -------
-        dict of str to SceneAxis
-            As `KernelCase.axes`.
-        """
+        """Return the definitions of the axes in the scene."""
         return self._case.axes()
 
     def facts(self) -> dict[str, Any]:
-        """Return sizes and cost: n_T, n_gamma, n_b, threads, rhs_evaluations, seconds.
-
-        Returns
-        -------
-        dict
-            Values by name; the time in s.
-        """
+        """Return sizes and cost: n_T, n_gamma, n_b, threads, rhs_evaluations, seconds."""
         names = ("n_T", "n_gamma", "n_b", "threads", "rhs_evaluations", "seconds")
         return dict(zip(names, _kernel.spectrum_shape(self.handle), strict=True))
 
     def values(self) -> dict[str, npt.NDArray[Any]]:
-        """Return T_s [s], gamma [-], b [m], status (b, gamma, T_s), and each quantity by its key.
-
-        Returns
-        -------
-        dict of str to numpy.ndarray
-            Axes of shape (n,), all others of shape (n_b, n_gamma, n_T).
-        """
+        """Return T_s [s], gamma [-], b [m], status (b, gamma, T_s) and quantities by their keys."""
         shape = tuple(_kernel.spectrum_shape(self.handle)[:3])
         keys = fetch_text(_kernel.spectrum_quantities, self.handle).split("\t")
         axes = [np.zeros(n) for n in shape]

@@ -20,26 +20,7 @@ __all__ = ["check_threads", "start_rows", "start_simulation", "start_spectrum"]
 
 
 def check_threads(threads: int, name: str = "threads") -> int:
-    """Check a number of threads.
-
-    Parameters
-    ----------
-    threads : int
-        Threads of the kernel, 0 for all.
-    name : str
-        Name of the argument, for the message.
-
-    Returns
-    -------
-    int
-        The number.
-
-    Raises
-    ------
-    InputError
-        When it is no valid number of threads or exceeds the limits of a spectrum: 16 for each
-        processor available to the process, and 256.
-    """
+    """Check a number of threads."""
     most = int(_kernel.most_threads())
     try:
         number = -1 if isinstance(threads, bool) else operator.index(threads)
@@ -51,29 +32,7 @@ def check_threads(threads: int, name: str = "threads") -> int:
 
 
 def start_simulation(case: KernelCase, source: str, progress: Progress | None = None) -> Run:
-    """Run one simulation in a worker thread.
-
-    Parameters
-    ----------
-    case : KernelCase
-        From `read_case`.
-    source : str
-        Beginning of messages: path of the case's file, or ''.
-    progress : callable, optional
-        Called about 20 times a second; an exception that it raises stops the kernel.
-
-    Returns
-    -------
-    Run
-        To be closed by the caller.
-
-    Raises
-    ------
-    InputError, NumericalError
-        As the kernel reports them.
-    Interrupted
-        After Ctrl-C.
-    """
+    """Run one simulation in a worker thread."""
     message = message_buffer()
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:
@@ -91,33 +50,7 @@ def start_spectrum(
     progress: Progress | None = None,
     quantities: Sequence[str] = (),
 ) -> Spectrum:
-    """Compute a spectrum in a worker thread.
-
-    Parameters
-    ----------
-    case : KernelCase
-        From `read_case`, with `&spectrum`.
-    source : str
-        Beginning of messages: path of the case's file, or ''.
-    threads : int
-        Threads of the kernel, 0 for all.
-    progress : callable, optional
-        Called about 20 times a second with the number of finished ordinates.
-    quantities : sequence of str
-        Keys of the requested quantities; none: those of the case.
-
-    Returns
-    -------
-    Spectrum
-        To be closed by the caller.
-
-    Raises
-    ------
-    InputError, NumericalError
-        As the kernel reports them.
-    Interrupted
-        After Ctrl-C.
-    """
+    """Compute a spectrum in a worker thread."""
     message = message_buffer()
     threads = check_threads(threads)
     keys = encode("\t".join(quantities))
@@ -139,38 +72,7 @@ def start_rows(
     threads: int = 0,
     progress: Progress | None = None,
 ) -> Spectrum:
-    """Compute runs of one case with different numbers in a worker thread.
-
-    Parameters
-    ----------
-    case : KernelCase
-        Case from `read_case`, common to all rows.
-    source : str
-        Beginning of messages: path of the case's file, or ''.
-    columns : sequence of str
-        ``T_s``, ``gamma``, ``b``, ``scale`` (a factor on the horizontal motion) or ``group.key``.
-    values : numpy.ndarray, shape (rows, columns)
-        The numbers, each in the unit of its key.
-    quantities : sequence of str
-        Keys of the requested quantities; none: those of the case.
-    threads : int
-        Threads of the kernel, 0 for all.
-    progress : callable, optional
-        Called about 20 times a second with the number of finished rows.
-
-    Returns
-    -------
-    Spectrum
-        To be closed by the caller; the rows are its last dimension, that of T_s. A row whose
-        numbers violate the rules of the case has the status ``refused`` and NaN.
-
-    Raises
-    ------
-    InputError, NumericalError
-        As the kernel reports them.
-    Interrupted
-        After Ctrl-C.
-    """
+    """Compute runs of one case with different numbers in a worker thread."""
     message = message_buffer()
     threads = check_threads(threads)
     # the kernel's order; row-wise data need no copy

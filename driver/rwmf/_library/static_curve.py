@@ -49,35 +49,7 @@ class StaticCurve:
 def compute_curve(
     case: KernelCase, source: str, pattern: str, forces: Array, drifts: Array, steps: int
 ) -> StaticCurve:
-    """Move the roof of a case slowly through a protocol of drifts.
-
-    Parameters
-    ----------
-    case : KernelCase
-        From `read_case`.
-    source : str
-        Beginning of messages: path of the case's file, or ''.
-    pattern : str
-        'first_mode', 'floors' or 'roof'.
-    forces : numpy.ndarray, shape (floors,)
-        Forces on the floors for 'floors', in any unit; otherwise empty.
-    drifts : numpy.ndarray, shape (legs,)
-        Drifts of the roof at the ends of the legs.
-    steps : int
-        Steps of a leg, without events.
-
-    Returns
-    -------
-    StaticCurve
-        The curve.
-
-    Raises
-    ------
-    InputError, NumericalError
-        As the kernel reports them.
-    Interrupted
-        After Ctrl-C.
-    """
+    """Move the roof of a case slowly through a protocol of drifts."""
     message = message_buffer()
 
     def call(control: npt.NDArray[np.int64]) -> tuple[int, int, int]:

@@ -28,24 +28,12 @@ __all__ = [
 
 @functools.cache
 def version() -> str:
-    """Return the version of the compiled kernel.
-
-    Returns
-    -------
-    str
-        Three numbers separated by dots.
-    """
+    """Return the version of the compiled kernel."""
     return fetch_text(_kernel.version)
 
 
 def instruction_set() -> str:
-    """Return the instruction set that spectra use on this processor.
-
-    Returns
-    -------
-    str
-        For example ``'x86-64-v4'``.
-    """
+    """Return the instruction set that spectra use on this processor."""
     return fetch_text(_kernel.instruction_set)
 
 
@@ -79,24 +67,12 @@ class KeyRow(NamedTuple):
 
 @functools.cache
 def schema() -> tuple[KeyRow, ...]:
-    """Return the kernel's table of groups and keys.
-
-    Returns
-    -------
-    tuple of KeyRow
-        In the order of the documentation.
-    """
+    """Return the kernel's table of groups and keys."""
     return tuple(KeyRow(*cells) for cells in split_table(fetch_text(_kernel.schema)))
 
 
 def needs_of_groups() -> dict[str, list[str]]:
-    """Return the groups of a case, each with the groups that it requires.
-
-    Returns
-    -------
-    dict of str to list of str
-        In the order of the documentation.
-    """
+    """Return the groups of a case, each with the groups that it requires."""
     rows = split_table(fetch_text(_kernel.groups))
     found: dict[str, list[str]] = {}
     for name, *needs in rows:
@@ -105,31 +81,12 @@ def needs_of_groups() -> dict[str, list[str]]:
 
 
 def quantities() -> list[list[str]]:
-    """Return the kernel's table of output quantities.
-
-    Returns
-    -------
-    list of list of str
-        One row per quantity, with the attributes of `rwmf.quantities.Quantity` in their order.
-    """
+    """Return the kernel's table of output quantities."""
     return split_table(fetch_text(_kernel.quantities))
 
 
 def digits_of(rtol: float, sensitivity: float) -> int:
-    """Count the digits of a peak that hold.
-
-    Parameters
-    ----------
-    rtol : float
-        Relative tolerance of the run [-].
-    sensitivity : float
-        Relative change of the peak per relative change of the motion [-].
-
-    Returns
-    -------
-    int
-        The number, 1 at least.
-    """
+    """Count the digits of a peak that hold."""
     return int(_kernel.digits_of(rtol, sensitivity))
 
 
@@ -142,73 +99,20 @@ def strip_under(
     phi: npt.NDArray[np.float64],
     found: npt.NDArray[np.float64],
 ) -> None:
-    """Compute contact, toe stress, moment and settlement of a strip under a base.
-
-    Parameters
-    ----------
-    width, thickness : float
-        Dimensions of the base [m].
-    k : float
-        Stiffness per area [N/m3].
-    strength : float
-        Largest stress [Pa].
-    normal : numpy.ndarray, shape (n,)
-        Compressive forces [N].
-    phi : numpy.ndarray, shape (n,)
-        Magnitudes of the rotation [rad].
-    found : numpy.ndarray, shape (n, 4), in the order of Fortran
-        Contact lengths [m], toe stresses [Pa], moments [N m], stiffness times settlement [Pa].
-    """
+    """Compute contact, toe stress, moment and settlement of a strip under a base."""
     _kernel.strip_under(width, thickness, k, strength, normal, phi, found)
 
 
 def meant_quantity(word: str) -> str:
-    """Find the quantity for a technical term or a misspelled key.
-
-    Parameters
-    ----------
-    word : str
-        The word.
-
-    Returns
-    -------
-    str
-        Key of the quantity, '' for none.
-    """
+    """Find the quantity for a technical term or a misspelled key."""
     return fetch_text(_kernel.meant_quantity, encode(word[:80]))
 
 
 def unusual_record(peak: float, interval: float, duration: float) -> str:
-    """Return the warning about a record that is no earthquake in these units.
-
-    Parameters
-    ----------
-    peak : float
-        Largest acceleration over g [-].
-    interval : float
-        Mean distance of the samples [s].
-    duration : float
-        Duration [s].
-
-    Returns
-    -------
-    str
-        The text, '' for a usual record.
-    """
+    """Return the warning about a record that is no earthquake in these units."""
     return fetch_text(_kernel.unusual_record, peak, interval, duration)
 
 
 def result_names(source: str) -> list[str]:
-    """Return the names of the files that the batch program may write for a case.
-
-    Parameters
-    ----------
-    source : str
-        Path of its namelist.
-
-    Returns
-    -------
-    list of str
-        Their names, without folder.
-    """
+    """Return the names of the files that the batch program may write for a case."""
     return split_lines(fetch_text(_kernel.result_names, encode(source)))

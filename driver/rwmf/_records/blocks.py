@@ -41,41 +41,12 @@ _CHANNEL = re.compile(r"(?:Sta )?Cha\w*\s+[\d?]*:\s*(.*?)\s*(?:\(|from\b|$)")
 
 
 def is_cosmos(lines: list[str]) -> bool:
-    """Recognise a COSMOS file of accelerations.
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-
-    Returns
-    -------
-    bool
-        True when its first line has a COSMOS version.
-    """
+    """Recognise a COSMOS file of accelerations."""
     return bool(lines) and "acceleration" in lines[0] and "(Format v" in lines[0]
 
 
 def read_cosmos(lines: list[str], name: str) -> list[Channel]:
-    """Read the accelerations of a COSMOS file, format 1.20.
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-    name : str
-        Name of the motions.
-
-    Returns
-    -------
-    list of Channel
-        Its channels; velocities and displacements are ignored.
-
-    Raises
-    ------
-    InputError
-        When the version or the unit is not read, or when the header contradicts the samples.
-    """
+    """Read the accelerations of a COSMOS file, format 1.20."""
     if _COSMOS_VERSION not in lines[0]:
         raise InputError("the version of the format is not 01.20, which alone is read")
     places = _places(lines, _COSMOS)
@@ -101,42 +72,13 @@ def read_cosmos(lines: list[str], name: str) -> list[Channel]:
 
 
 def is_cgs(lines: list[str]) -> bool:
-    """Recognise volume 1 or 2 of the California Geological Survey.
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-
-    Returns
-    -------
-    bool
-        True when it begins as their files.
-    """
+    """Recognise volume 1 or 2 of the California Geological Survey."""
     begins = ("Uncorrected Accelerogram Data", "Corrected accelerogram ")
     return bool(lines) and lines[0].startswith(begins)
 
 
 def read_cgs(lines: list[str], name: str) -> list[Channel]:
-    """Read the accelerations of volume 1 or 2 of the California Geological Survey (CSMIP).
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-    name : str
-        Name of the motions.
-
-    Returns
-    -------
-    list of Channel
-        Its channels; velocities and displacements are ignored.
-
-    Raises
-    ------
-    InputError
-        When the unit is not read, or when the header contradicts the samples.
-    """
+    """Read the accelerations of volume 1 or 2 of the California Geological Survey (CSMIP)."""
     places = _places(lines, _CGS)
     channels = []
     for number, (i, match) in enumerate(places, 1):

@@ -64,53 +64,13 @@ class Channel:
 
 
 def free_numbers(lines: Sequence[str], first: int) -> Values:
-    """Read numbers separated by blanks.
-
-    Parameters
-    ----------
-    lines : sequence of str
-        The lines.
-    first : int
-        Number of the first line in the file, for messages.
-
-    Returns
-    -------
-    array, shape (n,)
-        All numbers.
-
-    Raises
-    ------
-    InputError
-        When a word is not a finite number.
-    """
+    """Read numbers separated by blanks."""
     words = [line.split() for line in lines]
     return _numbers(words, first)
 
 
 def fixed_numbers(lines: Sequence[str], first: int, count: int, layout: tuple[int, int]) -> Values:
-    """Read numbers in columns of fixed width, which may touch.
-
-    Parameters
-    ----------
-    lines : sequence of str
-        Lines from the first number on; more may follow.
-    first : int
-        Number of the first line in the file, for messages.
-    count : int
-        Number of numbers.
-    layout : (int, int)
-        Numbers of a line, characters of a number.
-
-    Returns
-    -------
-    array, shape (count,)
-        The numbers.
-
-    Raises
-    ------
-    InputError
-        When a word is not a finite number, or when there are fewer.
-    """
+    """Read numbers in columns of fixed width, which may touch."""
     per_line, width = layout
     used = lines[: -(-count // per_line)]
     cells = [
@@ -150,27 +110,7 @@ def _is_finite(word: str) -> bool:
 
 
 def header_number(key: str, text: str | None, *, above: float = 0.0) -> float:
-    """Return a number of a header.
-
-    Parameters
-    ----------
-    key : str
-        Its name in the file, for messages.
-    text : str, optional
-        Its text; None when the header lacks it.
-    above : float
-        Lower bound.
-
-    Returns
-    -------
-    float
-        The number.
-
-    Raises
-    ------
-    InputError
-        When it is missing, not a number or too small.
-    """
+    """Return a number of a header."""
     if text is None:
         raise InputError(f"the header has no {key}")
     if not _is_finite(text) or float(text) <= above:
@@ -181,29 +121,7 @@ def header_number(key: str, text: str | None, *, above: float = 0.0) -> float:
 
 
 def in_base_unit(values: Values, text: str, key: str) -> tuple[Values, str]:
-    """Convert accelerations to a unit of a motion.
-
-    Parameters
-    ----------
-    values : array, shape (n,)
-        Numbers of the file.
-    text : str
-        Their unit as in the file, perhaps with a number in brackets.
-    key : str
-        Its name in the file, for messages.
-
-    Returns
-    -------
-    values : array, shape (n,)
-        The accelerations.
-    unit : str
-        'g', 'm/s2' or 'cm/s2'.
-
-    Raises
-    ------
-    InputError
-        When the unit is unknown, or one of another quantity.
-    """
+    """Convert accelerations to a unit of a motion."""
     quantity, base, times, over = _library.unit_named(_CODE.sub("", text))
     if quantity != "acceleration":
         raise InputError(
@@ -213,22 +131,7 @@ def in_base_unit(values: Values, text: str, key: str) -> tuple[Values, str]:
 
 
 def check_count(values: Values, stated: float, key: str) -> None:
-    """Compare the number of samples with that of the header.
-
-    Parameters
-    ----------
-    values : array, shape (n,)
-        The samples.
-    stated : float
-        Number of samples in the header.
-    key : str
-        Its name in the file.
-
-    Raises
-    ------
-    InputError
-        When they differ.
-    """
+    """Compare the number of samples with that of the header."""
     if values.size != stated:
         raise InputError(
             f"the file has {values.size} numbers where its header says {key} = {stated:g}"
@@ -239,20 +142,6 @@ def check_peak(values: Values, stated: str | None, key: str) -> None:
     """Compare the largest sample with the peak of the header.
 
     A file that is damaged, or another dialect of its format, rarely passes.
-
-    Parameters
-    ----------
-    values : array, shape (n,)
-        The samples, in the unit of the header's peak.
-    stated : str, optional
-        The peak as printed; None or '' without one.
-    key : str
-        Its name in the file.
-
-    Raises
-    ------
-    InputError
-        When they differ by more than the printed digits and 0.2 %.
     """
     if stated is None or not stated.strip():
         return

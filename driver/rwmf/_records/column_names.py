@@ -77,53 +77,18 @@ class ColumnName:
         return [float(token) for token in self.tokens if token[0].isdigit()]
 
     def consists_of(self, words: frozenset[str], *dimensions: str) -> bool:
-        """Check that all words of the name are known, and its unit has a dimension.
-
-        Parameters
-        ----------
-        words : frozenset of str
-            The known words; numbers are always known.
-        *dimensions : str
-            The dimensions beside ''.
-
-        Returns
-        -------
-        bool
-            True when nothing in the name is unknown.
-        """
+        """Check that all words of the name are known, and its unit has a dimension."""
         tokens = [token for token in self.tokens if not token[0].isdigit()]
         return words.issuperset(tokens) and self.dimension in ("", *dimensions)
 
 
 def known_words(text: str) -> frozenset[str]:
-    """Return the words of a text.
-
-    Parameters
-    ----------
-    text : str
-        Words with blanks between them.
-
-    Returns
-    -------
-    frozenset of str
-        The words.
-    """
+    """Return the words of a text."""
     return frozenset(text.split())
 
 
 def read_column_name(cell: str) -> ColumnName:
-    """Split 'Sa [m/s2]', 'PGA (g)', 'T_s', 'Sa in gal' into name and unit.
-
-    Parameters
-    ----------
-    cell : str
-        The name as in the file.
-
-    Returns
-    -------
-    ColumnName
-        Its words and unit; an unknown unit stays a word.
-    """
+    """Split 'Sa [m/s2]', 'PGA (g)', 'T_s', 'Sa in gal' into name and unit."""
     text = " ".join(cell.strip().strip("\"'").split())
     for match in reversed(list(_BRACKETS.finditer(text))):
         unit = unit_of_cell(match[1])
@@ -143,18 +108,7 @@ def read_column_name(cell: str) -> ColumnName:
 
 
 def unit_of_cell(cell: str) -> str | None:
-    """Return the unit that a cell below a name holds.
-
-    Parameters
-    ----------
-    cell : str
-        The cell, with or without brackets.
-
-    Returns
-    -------
-    str or None
-        The unit; None for another content.
-    """
+    """Return the unit that a cell below a name holds."""
     unit = cell.strip().strip("\"'[]()").removeprefix("in ").strip().lower()
     # the superscript as a byte of Latin-1
     unit = unit.replace("\udcb2", "2").encode("utf-8", errors="replace").decode()
@@ -171,20 +125,7 @@ def _find_unit(unit: str) -> tuple[str, float]:
 
 
 def convert(name: ColumnName, unit: str) -> float | None:
-    """Return the factor from the unit of a column to another one.
-
-    Parameters
-    ----------
-    name : ColumnName
-        The column.
-    unit : str
-        The other unit.
-
-    Returns
-    -------
-    float or None
-        The factor, 1 for a column without unit; None when the dimensions differ.
-    """
+    """Return the factor from the unit of a column to another one."""
     dimension, factor = _find_unit(unit)
     if not name.unit:
         return 1.0
@@ -193,17 +134,6 @@ def convert(name: ColumnName, unit: str) -> float | None:
 
 
 def unit_in_text(text: str) -> str | None:
-    """Find a unit other than s and g, or a logarithm, in a sentence.
-
-    Parameters
-    ----------
-    text : str
-        The sentence.
-
-    Returns
-    -------
-    str or None
-        The unit as written; None without one.
-    """
+    """Find a unit other than s and g, or a logarithm, in a sentence."""
     found = _IN_TEXT.search(text)
     return None if found is None else found[0]

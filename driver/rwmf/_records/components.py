@@ -46,20 +46,7 @@ _LEFT_BEHIND = frozenset(
 
 
 def component_of(name: str) -> tuple[str, str]:
-    """Return record and component of a file.
-
-    Parameters
-    ----------
-    name : str
-        Name of the file, without folders.
-
-    Returns
-    -------
-    key : str
-        Common to the components of one record; the name itself where no pattern fits.
-    part : str
-        Name of the component, `VERTICAL` for a vertical one, '' where no pattern fits.
-    """
+    """Return record and component of a file."""
     key, part, is_up = _split(name)
     return key, VERTICAL if is_up else part
 
@@ -78,19 +65,7 @@ def _split(name: str) -> tuple[str, str, bool]:
 
 
 def verticals_beside(paths: Iterable[Path]) -> set[Path]:
-    """Find the vertical components beside horizontal ones of the same record and folder.
-
-    Parameters
-    ----------
-    paths : iterable of path
-        Files of records.
-
-    Returns
-    -------
-    set of path
-        The vertical ones. A component 3 is vertical beside 1 and 2 alone in a format of networks,
-        otherwise it is the third record of a numbered suite.
-    """
+    """Find the vertical components beside horizontal ones of the same record and folder."""
     level: dict[tuple[Path, str], list[str]] = {}
     upward: list[tuple[tuple[Path, str], str, Path]] = []
     for path in paths:
@@ -116,16 +91,5 @@ def _is_table(path: Path) -> bool:
 
 
 def is_left_behind(path: Path) -> bool:
-    """Check whether an archive, a file manager or an editor has left a file or its folder behind.
-
-    Parameters
-    ----------
-    path : path
-        Path relative to the folder of a suite.
-
-    Returns
-    -------
-    bool
-        True for ``__MACOSX``, ``._name``, ``.DS_Store``, ``Thumbs.db`` and others.
-    """
+    """Check whether an archive, file manager or editor has left a file or its folder behind."""
     return any(part.lower() in _LEFT_BEHIND or part.startswith("._") for part in path.parts)

@@ -36,41 +36,12 @@ _KIK_NET = {
 
 
 def is_dyna(lines: list[str]) -> bool:
-    """Recognise an ASCII file of ESM or ITACA.
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-
-    Returns
-    -------
-    bool
-        True when it has a DYNA header.
-    """
+    """Recognise an ASCII file of ESM or ITACA."""
     return bool(lines) and lines[0].startswith("EVENT_NAME:")
 
 
 def read_dyna(lines: list[str], name: str) -> list[Channel]:
-    """Read an ASCII file of the Engineering Strong Motion database or ITACA.
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-    name : str
-        Name of the motion.
-
-    Returns
-    -------
-    list of Channel
-        Its channel.
-
-    Raises
-    ------
-    InputError
-        When the header lacks a value or contradicts the samples.
-    """
+    """Read an ASCII file of the Engineering Strong Motion database or ITACA."""
     n = next((i for i, line in enumerate(lines) if ":" not in line), len(lines))
     header = {
         key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines[:n])
@@ -92,41 +63,12 @@ def read_dyna(lines: list[str], name: str) -> list[Channel]:
 
 
 def is_nied(lines: list[str]) -> bool:
-    """Recognise an ASCII file of K-NET or KiK-net.
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-
-    Returns
-    -------
-    bool
-        True when it has the header of NIED.
-    """
+    """Recognise an ASCII file of K-NET or KiK-net."""
     return bool(lines) and lines[0].startswith("Origin Time")
 
 
 def read_nied(lines: list[str], name: str) -> list[Channel]:
-    """Read an ASCII file of K-NET or KiK-net; its mean is removed, as for the stated peak.
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-    name : str
-        Name of the motion.
-
-    Returns
-    -------
-    list of Channel
-        Its channel.
-
-    Raises
-    ------
-    InputError
-        When the header lacks a value or contradicts the samples.
-    """
+    """Read an ASCII file of K-NET or KiK-net; its mean is removed, as for the stated peak."""
     header = {line[:18].strip(): line[18:].strip() for line in lines[:_NIED_LINES]}
     if "Memo." not in header:
         raise InputError(f"the header ends before line {_NIED_LINES}, 'Memo.'")
@@ -149,41 +91,12 @@ def read_nied(lines: list[str], name: str) -> list[Channel]:
 
 
 def is_nied_csv(lines: list[str]) -> bool:
-    """Recognise a CSV file of K-NET or KiK-net.
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-
-    Returns
-    -------
-    bool
-        True when its first line names the network.
-    """
+    """Recognise a CSV file of K-NET or KiK-net."""
     return bool(lines) and lines[0].lower().startswith(("#k-net", "#kik-net"))
 
 
 def read_nied_csv(lines: list[str], name: str) -> list[Channel]:
-    """Read the channels of a CSV file of K-NET or KiK-net.
-
-    Parameters
-    ----------
-    lines : list of str
-        The lines of the file.
-    name : str
-        Name of the motions.
-
-    Returns
-    -------
-    list of Channel
-        Its channels.
-
-    Raises
-    ------
-    InputError
-        When the header lacks a value or contradicts the samples.
-    """
+    """Read the channels of a CSV file of K-NET or KiK-net."""
     begin = next((i for i, line in enumerate(lines) if _NIED_COLUMNS.match(line)), None)
     if begin is None:
         raise InputError("the header has no line '#Time,RelativeTime(s),...'")

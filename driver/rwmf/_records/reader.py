@@ -49,23 +49,7 @@ _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
 def read_bytes(path: Path) -> bytes:
-    """Read a regular file.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Returns
-    -------
-    bytes
-        Its content.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read.
-    """
+    """Read a regular file."""
     try:
         # opening a pipe could block for ever, reading a device could never end
         if not stat.S_ISREG(path.stat().st_mode):
@@ -76,75 +60,19 @@ def read_bytes(path: Path) -> bytes:
 
 
 def is_at2(content: bytes) -> bool:
-    """Recognise an AT2 file, whatever its name.
-
-    Parameters
-    ----------
-    content : bytes
-        The file.
-
-    Returns
-    -------
-    bool
-        True when it has an AT2 header.
-
-    Raises
-    ------
-    InputError
-        When the header is no header of a record.
-    """
+    """Recognise an AT2 file, whatever its name."""
     return _library.read_record_header(content).is_at2
 
 
 def unit_of_header(content: bytes) -> str | None:
-    """Return the unit that the header of a table or an AT2 file states.
-
-    Parameters
-    ----------
-    content : bytes
-        The file.
-
-    Returns
-    -------
-    str or None
-        The unit; None where none is given.
-
-    Raises
-    ------
-    InputError
-        When the header is no header of a record.
-    """
+    """Return the unit that the header of a table or an AT2 file states."""
     return _library.read_record_header(content).unit
 
 
 def read_channels(
     path: Path, content: bytes, unit: str | None, dt: float | None, *, is_any: bool = True
 ) -> Sequence[Channel]:
-    """Read the channels of a file.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    content : bytes
-        Its bytes.
-    unit : str, optional
-        Unit of the samples where the file gives none.
-    dt : float, optional
-        Interval of the samples of one column [s].
-    is_any : bool
-        False for formats and tables only of which `&motion` cannot take the one component.
-
-    Returns
-    -------
-    sequence of Channel
-        Its channels; empty for a file that `&motion` reads when `is_any` is False.
-
-    Raises
-    ------
-    InputError
-        When the format is not read, or the file is damaged.
-    """
+    """Read the channels of a file."""
     # a dialect shows in its first line, and long tables need no list of lines
     head = _lines(content[:_HEAD_BYTES])
     dialect = next((item for item in _DIALECTS if item.is_it(head)), None)

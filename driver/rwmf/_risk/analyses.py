@@ -238,23 +238,7 @@ def cloud(
 
 
 def designs_of(case: Designs) -> dict[str, Case]:
-    """Return the designs of an argument by name.
-
-    Parameters
-    ----------
-    case : Case, path, mapping or sequence
-        One structure or several.
-
-    Returns
-    -------
-    dict of str to Case
-        Names are those of the mapping, otherwise of the files.
-
-    Raises
-    ------
-    InputError
-        When there is none, when two have one name, or when a case is not acceptable.
-    """
+    """Return the designs of an argument by name."""
     if isinstance(case, Mapping):
         for name in case:
             if not isinstance(name, str):
@@ -282,23 +266,7 @@ def designs_of(case: Designs) -> dict[str, Case]:
 
 
 def levels_of(levels: Sequence[float]) -> Array:
-    """Check levels of intensity.
-
-    Parameters
-    ----------
-    levels : sequence of float
-        Intensities: accelerations over g [-], others in SI units.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Ascending, each once.
-
-    Raises
-    ------
-    InputError
-        When a level is not a finite number > 0.
-    """
+    """Check levels of intensity."""
     return np.unique(to_array("levels", levels, above=0.0, least=1))
 
 

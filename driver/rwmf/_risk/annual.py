@@ -111,18 +111,7 @@ def risk(
 
 
 def unit_of(fragility: object) -> str:
-    """Return the unit of the intensities of a fragility; g for a pair.
-
-    Parameters
-    ----------
-    fragility : xarray.Dataset, mapping or pair
-        As for `risk`.
-
-    Returns
-    -------
-    str
-        The unit.
-    """
+    """Return the unit of the intensities of a fragility; g for a pair."""
     if isinstance(fragility, xr.Dataset) and "median" in fragility:
         return str(fragility["median"].attrs.get("units", "g"))
     return "g"
@@ -142,22 +131,7 @@ def _check_range(curves: xr.Dataset, frequencies: Array) -> None:
 
 
 def integrate(hazard: Hazard, median: float, dispersion: float, edges: Array) -> Array:
-    """Integrate a lognormal fragility over a hazard curve, between edges, by quadrature.
-
-    Parameters
-    ----------
-    hazard : Hazard
-        Annual frequencies.
-    median, dispersion : float
-        Of the capacity; zero dispersion is a step at the median.
-    edges : numpy.ndarray, shape (n,)
-        Ascending intensities > 0 between the bins.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n + 1,)
-        Frequencies [1/year] of exceedance at intensities within each bin.
-    """
+    """Integrate a lognormal fragility over a hazard curve, between edges, by quadrature."""
     held = exceedance(edges, median, dispersion) * hazard.frequency(edges)
     # by parts: the integral of P over -dH is that of H over dP, and P H at the edges
     held = np.concatenate([[0.0], held, [0.0]])
@@ -203,22 +177,7 @@ def _quadrature(
 def closed_form(
     hazard: Hazard, median: npt.ArrayLike, dispersion: npt.ArrayLike, below: float = math.inf
 ) -> Array:
-    """Sum the closed forms of the power laws of a hazard curve.
-
-    Parameters
-    ----------
-    hazard : Hazard
-        Annual frequencies.
-    median, dispersion : array_like, shape (n,)
-        Of the capacities.
-    below : float
-        Largest capacity that counts.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Frequencies [1/year].
-    """
+    """Sum the closed forms of the power laws of a hazard curve."""
     median, dispersion = np.broadcast_arrays(*map(np.asarray, (median, dispersion)))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         centre = np.log(median)[..., None]

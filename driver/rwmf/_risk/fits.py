@@ -42,22 +42,7 @@ class Fit:
 
 
 def fit_counts(levels: Array, exceeded: Array, runs: Array) -> Fit:
-    """Fit counts of exceedance by maximum likelihood (Baker 2015, Earthquake Spectra 31(1)).
-
-    Parameters
-    ----------
-    levels : numpy.ndarray, shape (n,)
-        Different intensities > 0, ascending.
-    exceeded, runs : numpy.ndarray, shape (b, n)
-        Numbers of runs that exceed the limit, and of all runs.
-
-    Returns
-    -------
-    Fit
-        Without a level between none and all, a step halfway (in the logarithm) between them. A
-        single level between them is the step; at the lowest or highest one the median may be 0 or
-        infinite.
-    """
+    """Fit counts of exceedance by maximum likelihood (Baker 2015, Earthquake Spectra 31(1))."""
     n = len(exceeded)
     median, dispersion = np.full(n, math.nan), np.full(n, math.nan)
     regular = np.zeros(n, dtype=bool)
@@ -105,23 +90,7 @@ def _step(levels: Array, exceeded: Array, runs: Array) -> float | None:
 
 
 def fit_capacities(logarithms: Array, kinds: Kinds, weights: Array) -> Fit:
-    """Fit capacities of records; the dispersion has n - 1 degrees of freedom.
-
-    Parameters
-    ----------
-    logarithms : numpy.ndarray, shape (n,)
-        Logarithms of the capacities, or of their bounds.
-    kinds : numpy.ndarray of int, shape (n,)
-        ``EXACT``, ``OVER`` for a capacity above the bound, ``BELOW`` for one below.
-    weights : numpy.ndarray, shape (b, n)
-        Multiplicity of each record in each resample.
-
-    Returns
-    -------
-    Fit
-        Without censored records the geometric mean and the sample standard deviation of the
-        logarithms.
-    """
+    """Fit capacities of records; the dispersion has n - 1 degrees of freedom."""
     n = len(weights)
     mean, scatter = np.full(n, math.nan), np.full(n, math.nan)
     regular = np.zeros(n, dtype=bool)
@@ -156,25 +125,7 @@ def _holds(value: float, y: Array, kind: Kinds) -> bool:
 def fit_cloud(
     intensities: Array, demands: Array, kinds: Kinds, weights: Array, limit: float
 ) -> Fit:
-    """Fit a power law of the intensity with lognormal scatter to a cloud of demands.
-
-    Parameters
-    ----------
-    intensities, demands : numpy.ndarray, shape (n,)
-        Logarithms of the intensity and of the demand, or of its bound.
-    kinds : numpy.ndarray of int, shape (n,)
-        ``EXACT``, or ``OVER`` for a collapsed run, whose demand lies above the bound.
-    weights : numpy.ndarray, shape (b, n)
-        Multiplicity of each run in each resample.
-    limit : float
-        Logarithm of the limit of the demand.
-
-    Returns
-    -------
-    Fit
-        Distribution of the intensity at which the demand reaches the limit. Without collapsed runs
-        it is the least-squares line in logarithms with n - 2 degrees of freedom.
-    """
+    """Fit a power law of the intensity with lognormal scatter to a cloud of demands."""
     n = len(weights)
     median, scatter, slope = (np.full(n, math.nan) for _ in range(3))
     exact = kinds == EXACT

@@ -76,46 +76,14 @@ class Hazard:
     warnings: tuple[str, ...] = ()
 
     def frequency(self, intensity: npt.ArrayLike) -> Array:
-        """Compute annual frequencies of exceedance.
-
-        Parameters
-        ----------
-        intensity : array_like
-            Intensities > 0.
-
-        Returns
-        -------
-        numpy.ndarray, shape (...)
-            Frequencies [1/year].
-        """
+        """Compute annual frequencies of exceedance."""
         u = np.log(np.asarray(intensity, dtype=float))
         part = np.searchsorted(self.knots, u, side="right")
         return np.asarray(np.exp(self.factors[part] - self.exponents[part] * u))
 
 
 def hazard_of(value: Any, unit: str = "g") -> Hazard:  # noqa: ANN401 (several forms)
-    """Make the hazard curve of an argument.
-
-    Parameters
-    ----------
-    value : path, mapping, pair or Hazard
-        Path of a CSV file of two columns, or a mapping of two names to arrays. They are the
-        intensity with ``frequency`` [1/year], ``return_period`` [year] or ``poe_50`` (probability
-        of exceedance in 50 years, or in another number). ``{"k0": , "k": }`` or a pair (k0, k) for
-        the power law k0 intensity^-k.
-    unit : str
-        Unit of the fragility's intensities, into which a stated unit is converted.
-
-    Returns
-    -------
-    Hazard
-        The curve.
-
-    Raises
-    ------
-    InputError
-        When it has none of these forms, or when its frequencies grow with the intensity.
-    """
+    """Make the hazard curve of an argument."""
     if isinstance(value, Hazard):
         return value
     if isinstance(value, str | os.PathLike):

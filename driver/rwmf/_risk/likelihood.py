@@ -40,24 +40,7 @@ class Observations:
     kinds: npt.NDArray[np.int64]
 
     def value(self, weights: Array, parameters: Array) -> tuple[Array, Array, Array]:
-        """Compute log-likelihoods with gradient and Hessian.
-
-        Parameters
-        ----------
-        weights : numpy.ndarray, shape (b, n)
-            Multiplicity of each observation in each resample.
-        parameters : numpy.ndarray, shape (b, p)
-            Parameters of each resample.
-
-        Returns
-        -------
-        value : numpy.ndarray, shape (b,)
-            Log-likelihoods without constants.
-        gradient : numpy.ndarray, shape (b, p)
-            Their derivatives.
-        hessian : numpy.ndarray, shape (b, p, p)
-            Their second derivatives.
-        """
+        """Compute log-likelihoods with gradient and Hessian."""
         p = parameters.shape[1]
         z = parameters @ self.coefficients.T
         exact = self.kinds == EXACT
@@ -86,22 +69,7 @@ class Observations:
 
 
 def maximise(observations: Observations, weights: Array, start: Array) -> Array:
-    """Find the parameters of maximum likelihood of every resample.
-
-    Parameters
-    ----------
-    observations : Observations
-        The sample; its likelihood must have a maximum in every resample.
-    weights : numpy.ndarray, shape (b, n)
-        Multiplicity of each observation in each resample.
-    start : numpy.ndarray, shape (p,)
-        First estimate.
-
-    Returns
-    -------
-    numpy.ndarray, shape (b, p)
-        Parameters.
-    """
+    """Find the parameters of maximum likelihood of every resample."""
     found = np.tile(start.astype(float), (len(weights), 1))
     value, gradient, hessian = observations.value(weights, found)
     active = np.arange(len(weights))

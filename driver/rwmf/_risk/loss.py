@@ -35,23 +35,7 @@ _IMTS = {"peak_acceleration": "PGA", "average_acceleration": "AvgSA"}
 
 
 def loss_quantities(case: Case) -> list[str]:
-    """List the demands of a structure that pelicun takes.
-
-    Parameters
-    ----------
-    case : Case
-        The structure.
-
-    Returns
-    -------
-    list of str
-        Drifts, accelerations, velocities and residual drifts of all storeys and floors.
-
-    Raises
-    ------
-    InputError
-        When the structure has none of them.
-    """
+    """List the demands of a structure that pelicun takes."""
     known = case.replace(output={"reactions": True}).kernel.applicable()
     found: dict[str, str] = {}
     for pattern, kind, _ in _DEMANDS:
@@ -76,25 +60,6 @@ def write_pelicun(table: xr.Dataset, folder: Path) -> list[tuple[Path, int]]:
 
     Separate files, ``..._collapsed.csv``, hold runs that overturned or collapsed, because their
     demands end there. They have no residual drifts. Failed runs are left out.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        Table of `rwmf.stripes` or `rwmf.ida`; of the latter the common levels.
-    folder : path
-        Folder of the files; it is created.
-
-    Returns
-    -------
-    list of (path, int)
-        Files with their numbers of rows.
-
-    Raises
-    ------
-    InputError
-        When the table has no demand that pelicun takes.
-    OutputError
-        When a file cannot be written.
     """
     columns = _pelicun_columns(table)
     x = table["intensity"].values
@@ -161,23 +126,7 @@ def _pelicun_text(
 
 
 def nrml_text(fragility: xr.Dataset) -> str:
-    """Write fragility curves as a fragility model in NRML 0.5, one function per design.
-
-    Parameters
-    ----------
-    fragility : xarray.Dataset
-        From `rwmf.fragility`.
-
-    Returns
-    -------
-    str
-        XML text; mean and standard deviation are those of the lognormal intensity.
-
-    Raises
-    ------
-    InputError
-        When OpenQuake has no name for the measure of intensity.
-    """
+    """Write fragility curves as a fragility model in NRML 0.5, one function per design."""
     kind = str(fragility.attrs.get("intensity", ""))
     imt = _IMTS.get(kind)
     if kind == "pseudo_acceleration":

@@ -19,50 +19,17 @@ _FAR = -30.0
 
 
 def normal_cdf(x: npt.ArrayLike) -> Array:
-    """Compute the standard normal distribution function.
-
-    Parameters
-    ----------
-    x : array_like
-        Arguments [-]; infinities are allowed.
-
-    Returns
-    -------
-    numpy.ndarray, shape (...)
-        Probabilities [-], of the shape of `x`.
-    """
+    """Compute the standard normal distribution function."""
     return 0.5 * np.asarray(_erfc(-np.asarray(x, dtype=float) / _ROOT_2), dtype=float)
 
 
 def normal_density(x: Array) -> Array:
-    """Compute the standard normal density.
-
-    Parameters
-    ----------
-    x : numpy.ndarray, shape (...)
-        Arguments [-].
-
-    Returns
-    -------
-    numpy.ndarray, shape (...)
-        Densities [-], of the shape of `x`.
-    """
+    """Compute the standard normal density."""
     return np.asarray(np.exp(-0.5 * x**2) / _ROOT_2_PI)
 
 
 def log_normal_cdf(x: Array) -> tuple[Array, Array]:
-    """Compute the logarithm of the standard normal distribution function, and its derivative.
-
-    Parameters
-    ----------
-    x : numpy.ndarray, shape (...)
-        Arguments [-].
-
-    Returns
-    -------
-    value, derivative : numpy.ndarray, shape (...)
-        Of the shape of `x`. Far in the lower tail both follow the asymptotic series.
-    """
+    """Compute the logarithm of the standard normal distribution function, and its derivative."""
     near = np.maximum(x, _FAR)
     p = normal_cdf(near)
     value, slope = np.log(p), normal_density(near) / p
@@ -74,21 +41,7 @@ def log_normal_cdf(x: Array) -> tuple[Array, Array]:
 
 
 def exceedance(intensity: npt.ArrayLike, median: npt.ArrayLike, dispersion: npt.ArrayLike) -> Array:
-    """Compute the probability that a lognormal capacity is exceeded.
-
-    Parameters
-    ----------
-    intensity : array_like
-        Intensities >= 0, in the unit of the median.
-    median, dispersion : array_like
-        Median, and standard deviation of the logarithm [-]; with zero dispersion the probability
-        steps from 0 to 1 above the median. The three arrays are broadcast.
-
-    Returns
-    -------
-    numpy.ndarray, shape (...)
-        Probabilities [-].
-    """
+    """Compute the probability that a lognormal capacity is exceeded."""
     x, median, dispersion = (np.asarray(a, dtype=float) for a in (intensity, median, dispersion))
     with np.errstate(divide="ignore", invalid="ignore"):
         argument = np.log(x / median) / dispersion

@@ -19,25 +19,6 @@ def spectral_shape_factor(period: float, ductility: float, category: str) -> flo
 
     This is the formula behind Tables 7-1a and 7-1b. As in the tables, the factor is constant below
     0.5 s, above 1.5 s and above a ductility of 8.
-
-    Parameters
-    ----------
-    period : float
-        Fundamental period [s].
-    ductility : float
-        Period-based ductility >= 1 [-].
-    category : str
-        Seismic design category: ``B``, ``C``, ``Dmin`` or ``Dmax``.
-
-    Returns
-    -------
-    float
-        Factor on the collapse margin ratio [-].
-
-    Raises
-    ------
-    InputError
-        When an argument is outside the tables.
     """
     period = to_number("shape factor: period", period, above=0.0)
     ductility = to_number("shape factor: ductility", ductility)
@@ -52,23 +33,7 @@ def spectral_shape_factor(period: float, ductility: float, category: str) -> flo
 
 
 def shape_factor_of(value: object) -> float:
-    """Return the spectral shape factor of an argument.
-
-    Parameters
-    ----------
-    value : float or (float, float, str)
-        The factor, or period [s], ductility [-] and category for `spectral_shape_factor`.
-
-    Returns
-    -------
-    float
-        The factor [-].
-
-    Raises
-    ------
-    InputError
-        When it has neither form, or when a number is outside the tables.
-    """
+    """Return the spectral shape factor of an argument."""
     items = to_items(value)
     if items is not None and len(items) == 3:
         return spectral_shape_factor(items[0], items[1], str(items[2]))

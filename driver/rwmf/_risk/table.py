@@ -75,27 +75,7 @@ def table_of(
     attributes: Mapping[str, Any],
     lines: npt.NDArray[np.int64] | None = None,
 ) -> xr.Dataset:
-    """Make a table from its columns.
-
-    Parameters
-    ----------
-    columns : mapping of str to array_like, each shape (rows,)
-        The columns; ``intensity`` is required, missing texts get defaults.
-    attributes : mapping of str to object
-        Attributes of the dataset.
-    lines : numpy.ndarray of int, shape (rows,), optional
-        Lines of the rows in their file.
-
-    Returns
-    -------
-    xarray.Dataset
-        The table, over ``row``.
-
-    Raises
-    ------
-    InputError
-        When a column is missing, or when an intensity or a status is not acceptable.
-    """
+    """Make a table from its columns."""
     found = {str(name): np.asarray(values) for name, values in columns.items()}
     if "intensity" not in found:
         raise InputError(f"table: has no column intensity, only {', '.join(found) or 'none'}")
@@ -159,55 +139,17 @@ def _labels(name: str) -> dict[str, str]:
 
 
 def quantities_of(table: xr.Dataset) -> list[str]:
-    """List the demands of a table.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        From `table_of`.
-
-    Returns
-    -------
-    list of str
-        Names of its quantities.
-    """
+    """List the demands of a table."""
     return [str(name) for name in table.data_vars if name not in COLUMNS]
 
 
 def fallen(table: xr.Dataset) -> npt.NDArray[np.bool_]:
-    """Find the runs that ended by overturning or collapse.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        From `table_of`.
-
-    Returns
-    -------
-    numpy.ndarray of bool, shape (rows,)
-        True where the run ended so.
-    """
+    """Find the runs that ended by overturning or collapse."""
     return np.isin(table["status"].values.astype(str), ENDINGS)
 
 
 def read_table(source: Any) -> xr.Dataset:  # noqa: ANN401 (several forms)
-    """Read a table of rows.
-
-    Parameters
-    ----------
-    source : path, xarray.Dataset, mapping or pandas.DataFrame
-        CSV or NetCDF file, or the columns; several of them in a list are joined.
-
-    Returns
-    -------
-    xarray.Dataset
-        The table.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read, or when a column is missing or not acceptable.
-    """
+    """Read a table of rows."""
     if isinstance(source, list | tuple):
         return join([read_table(item) for item in source])
     if isinstance(source, str | os.PathLike):
@@ -268,52 +210,14 @@ def _read_file(path: Path) -> xr.Dataset:
 def read_columns(
     path: Path, texts: set[str], content: str
 ) -> tuple[dict[str, npt.NDArray[Any]], npt.NDArray[np.int64]]:
-    """Read the columns of a CSV file.
-
-    Parameters
-    ----------
-    path : path
-        The file: a line of names, then one line per row; lines with # are comments.
-    texts : set of str
-        Names of the columns of texts.
-    content : str
-        Content of the file, for messages.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray, each shape (rows,)
-        Columns by name.
-    numpy.ndarray, shape (rows,)
-        Line of each row in the file.
-
-    Raises
-    ------
-    InputError
-        When the file does not exist, cannot be read or is malformed.
-    """
+    """Read the columns of a CSV file."""
     if not Path(path_of(content, path)).is_file():
         raise InputError(f"{path}: the {content} does not exist, or is no regular file")
     return read_csv(path, lambda name: name not in texts)
 
 
 def join(tables: Sequence[xr.Dataset]) -> xr.Dataset:
-    """Join tables whose intensities have one measure.
-
-    Parameters
-    ----------
-    tables : sequence of xarray.Dataset
-        From `read_table`.
-
-    Returns
-    -------
-    xarray.Dataset
-        All rows; quantities that a table lacks are NaN there. Attributes that differ are dropped.
-
-    Raises
-    ------
-    InputError
-        When there is no table, or when the measures of intensity differ.
-    """
+    """Join tables whose intensities have one measure."""
     if not tables:
         raise InputError("table: the list is empty")
     first = tables[0]
@@ -351,18 +255,7 @@ def join(tables: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def warnings_of(dataset: xr.Dataset) -> list[str]:
-    """Return the warnings about a result.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The result.
-
-    Returns
-    -------
-    list of str
-        One line each; none without the attribute.
-    """
+    """Return the warnings about a result."""
     return str(dataset.attrs.get("warnings", "")).splitlines()
 
 
@@ -371,20 +264,7 @@ def _same(old: object, new: object) -> bool:
 
 
 def write_table(table: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a table as CSV or NetCDF; equal tables give equal bytes.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        From `table_of`.
-    path : str or path
-        File to write; its ending decides: ``.nc`` and others of NetCDF, otherwise CSV.
-
-    Raises
-    ------
-    OutputError
-        When the file cannot be written.
-    """
+    """Write a table as CSV or NetCDF; equal tables give equal bytes."""
     if is_netcdf(Path(path)):
         write_dataset(table, path)
         return
@@ -408,22 +288,7 @@ def _quoted(text: str) -> str:
 
 
 def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Write a dataset as NetCDF without a time stamp.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset.
-    path : str or path
-        File to write.
-
-    Raises
-    ------
-    InputError
-        When the packages for NetCDF are missing.
-    OutputError
-        When the file cannot be written.
-    """
+    """Write a dataset as NetCDF without a time stamp."""
     netcdf.check_package()
     texts = {
         str(name): item.copy(data=np.vectorize(readable, otypes="O")(item.values).astype(str))
@@ -437,23 +302,7 @@ def write_dataset(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
 
 
 def describe(path: Path) -> str:
-    """Return the request that made the table of a file.
-
-    Parameters
-    ----------
-    path : path
-        CSV or NetCDF file.
-
-    Returns
-    -------
-    str
-        JSON text.
-
-    Raises
-    ------
-    InputError
-        When the file is no table of this program.
-    """
+    """Return the request that made the table of a file."""
     try:
         return str(read_table(path).attrs["request"])
     except (InputError, KeyError):

@@ -110,13 +110,7 @@ class Scene:
     settings: tuple[tuple[Key, Value], ...] = ()
 
     def apply(self, entries: Entries) -> None:
-        """Insert record and settings into the groups of a case.
-
-        Parameters
-        ----------
-        entries : dict of str to dict
-            Groups of the case, modified in place.
-        """
+        """Insert record and settings into the groups of a case."""
         if self.record is not None:
             entries["motion"] = self.record.motion()
             solver = entries.get("solver", {})
@@ -171,34 +165,12 @@ class Axis:
         return settings | {key_of_column(name) for name in self.columns}
 
     def scene(self, position: int) -> Scene:
-        """Return the scene of a position.
-
-        Parameters
-        ----------
-        position : int
-            Position along the axis.
-
-        Returns
-        -------
-        Scene
-            One of `scenes`.
-        """
+        """Return the scene of a position."""
         return self.scenes[int(self.scene_of[position])]
 
 
 def record_axis(records: Sequence[RecordFile]) -> Axis:
-    """Make the axis of recorded ground motions.
-
-    Parameters
-    ----------
-    records : sequence of RecordFile
-        The records.
-
-    Returns
-    -------
-    Axis
-        An axis with one scene per position.
-    """
+    """Make the axis of recorded ground motions."""
     scenes = tuple(Scene(record) for record in records)
     labels = record_coordinates("record", records)
     return Axis("record", labels, scenes, _each(scenes), lambda i: f"record = {records[i].name}")
@@ -210,20 +182,7 @@ def _each(scenes: Sequence[Scene]) -> Scenes:
 
 
 def record_coordinates(dimension: str, records: Sequence[RecordFile]) -> tuple[Coordinate, ...]:
-    """Label records with names and checksums.
-
-    Parameters
-    ----------
-    dimension : str
-        Labelled dimension.
-    records : sequence of RecordFile
-        One per label.
-
-    Returns
-    -------
-    tuple of Coordinate
-        Name, checksum, format.
-    """
+    """Label records with names and checksums."""
     names = tuple(record.name for record in records)
     sums = tuple(record.crc32 for record in records)
     formats = tuple(record.format() for record in records)
@@ -235,25 +194,7 @@ def record_coordinates(dimension: str, records: Sequence[RecordFile]) -> tuple[C
 
 
 def grid_axis(name: str, values: object) -> Axis:
-    """Make an axis of a grid.
-
-    Parameters
-    ----------
-    name : str
-        From `name_axes`; for ``eta`` the values are pairs (eta_0, eta_alpha).
-    values : sequence
-        Numbers or texts.
-
-    Returns
-    -------
-    Axis
-        An axis of columns where the kernel accepts numbers, otherwise of scenes.
-
-    Raises
-    ------
-    InputError
-        When the values do not fit the axis.
-    """
+    """Make an axis of a grid."""
     parts = PAIRS.get(name, (name,))
     rows = _rows(name, values, len(parts))
     title = name.split(".")[-1]
@@ -285,24 +226,7 @@ def grid_axis(name: str, values: object) -> Axis:
 def column_coordinate(
     column: str, dimension: str, name: str, values: Array | tuple[Value, ...]
 ) -> Coordinate:
-    """Make the coordinate for the values of a column.
-
-    Parameters
-    ----------
-    column : str
-        Kernel name of the quantity.
-    dimension : str
-        Labelled dimension.
-    name : str
-        Name of the coordinate.
-    values : numpy.ndarray, shape (positions,), or tuple
-        Numbers of the column, or labels of scenes.
-
-    Returns
-    -------
-    Coordinate
-        Coordinate with unit and definition from the kernel's tables.
-    """
+    """Make the coordinate for the values of a column."""
     if column == SCALE:
         unit, meaning = "1", "factor on the ground motion"
     elif column in AXES:
@@ -318,26 +242,7 @@ def column_coordinate(
 
 
 def name_axes(grid: Mapping[str, _T], label: str = "grid") -> dict[str, _T]:
-    """Convert the names of a grid to canonical axis names.
-
-    Parameters
-    ----------
-    grid : mapping
-        Values by names: ``scale``, ``eta``, or keys of a case, with or without their group; upper
-        and lower case do not matter.
-    label : str
-        Beginning of messages.
-
-    Returns
-    -------
-    dict
-        The same values by ``T_s``, ``gamma``, ``b``, ``scale``, ``eta`` or ``group.key``.
-
-    Raises
-    ------
-    InputError
-        When a key does not exist, or when two axes set the same key.
-    """
+    """Convert the names of a grid to canonical axis names."""
     found: dict[str, _T] = {}
     words: dict[Key, str] = {}
     for word, values in grid.items():
@@ -351,27 +256,7 @@ def name_axes(grid: Mapping[str, _T], label: str = "grid") -> dict[str, _T]:
 
 
 def column_in(groups: Mapping[str, Mapping[str, object]], word: str, label: str) -> str:
-    """Return the column of a key; one of several groups means the only one that the case gives.
-
-    Parameters
-    ----------
-    groups : mapping
-        Groups of the case that may have it, with their keys.
-    word : str
-        A key, with or without its group.
-    label : str
-        Beginning of messages.
-
-    Returns
-    -------
-    str
-        As from `name_axes`.
-
-    Raises
-    ------
-    InputError
-        When the key does not exist, or several groups give it.
-    """
+    """Return the column of a key; one of several groups means the only one that the case gives."""
     try:
         (column,) = name_axes({word: None}, label)
     except InputError as error:
@@ -397,34 +282,12 @@ def _axis_name(word: str, label: str) -> str:
 
 
 def keys_of_axis(name: str) -> tuple[Key, ...]:
-    """Return the groups and keys that an axis sets.
-
-    Parameters
-    ----------
-    name : str
-        From `name_axes`.
-
-    Returns
-    -------
-    tuple of (group, key)
-        Canonical names; for ``scale`` a key that no case has.
-    """
+    """Return the groups and keys that an axis sets."""
     return tuple(key_of_column(part) for part in PAIRS.get(name, (name,)))
 
 
 def key_of_column(column: str) -> Key:
-    """Return the group and key that a column sets.
-
-    Parameters
-    ----------
-    column : str
-        Kernel name of the quantity.
-
-    Returns
-    -------
-    group, key : str
-        Canonical names; for ``scale`` a key that no case has.
-    """
+    """Return the group and key that a column sets."""
     if column == SCALE:
         return ("motion", "amplitude")
     group, _, key = column.partition(".")
@@ -432,51 +295,19 @@ def key_of_column(column: str) -> Key:
 
 
 def kind_of(name: str) -> str:
-    """Return the type of an axis's values.
-
-    Parameters
-    ----------
-    name : str
-        From `name_axes`.
-
-    Returns
-    -------
-    str
-        As in the kernel's table: 'real', 'integer', 'logical', 'choice', 'text' or '... list'.
-    """
+    """Return the type of an axis's values."""
     if name == SCALE or name in PAIRS:
         return "real"
     return _table()[key_of_column(name)].kind
 
 
 def is_number(name: str) -> bool:
-    """Check whether rows of one kernel call can differ in the key of an axis.
-
-    Parameters
-    ----------
-    name : str
-        From `name_axes`.
-
-    Returns
-    -------
-    bool
-        True for a number that does not define a scene.
-    """
+    """Check whether rows of one kernel call can differ in the key of an axis."""
     return kind_of(name) in NUMBERS and name not in _OF_SCENE
 
 
 def put_number(entries: Entries, column: str, value: float) -> None:
-    """Insert a number of a column into the groups of a case.
-
-    Parameters
-    ----------
-    entries : dict of str to dict
-        Groups of the case, modified in place.
-    column : str
-        Kernel name of the quantity; the factor ``scale`` is no key and is ignored.
-    value : float
-        The number.
-    """
+    """Insert a number of a column into the groups of a case."""
     kind = kind_of(column)
     if column != SCALE:
         types = {"integer": int, "logical": bool}
@@ -488,29 +319,7 @@ def put_number(entries: Entries, column: str, value: float) -> None:
 def take_numbers(
     name: str, values: object, where: Callable[[int], str], shown: str | None = None
 ) -> Array:
-    """Convert the values of a column to numbers.
-
-    Parameters
-    ----------
-    name : str
-        Kernel name of the quantity.
-    values : sequence or array, shape (n,)
-        The values.
-    where : callable
-        Describes a position in messages.
-    shown : str, optional
-        Name of the column in messages; `name` by default.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        Finite; whole where the key is an integer, 0 or 1 where it is a logical.
-
-    Raises
-    ------
-    InputError
-        When a value is not such a number.
-    """
+    """Convert the values of a column to numbers."""
     kind = kind_of(name)
     array = np.asarray(values)
     if isinstance(values, list) and any(isinstance(item, bool) for item in values):

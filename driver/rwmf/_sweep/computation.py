@@ -254,20 +254,7 @@ def _drop_store(path: Path, layout: Layout) -> None:
 
 
 def path_of_store(path: Path, part: tuple[int, int] = (1, 1)) -> Path:
-    """Return the path of the store for the chunks of a sweep or of one part.
-
-    Parameters
-    ----------
-    path : path
-        NetCDF file of the sweep.
-    part : (int, int)
-        (K, N): the K-th of N parts.
-
-    Returns
-    -------
-    path
-        Path of the store, beside the file.
-    """
+    """Return the path of the store for the chunks of a sweep or of one part."""
     suffix = "" if part[1] == 1 else f".part-{part[0]}-of-{part[1]}"
     return path.with_name(f"{path.name}{suffix}.journal")
 
@@ -322,18 +309,7 @@ def merge(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str])
 
 
 def open_result(path: Path) -> xr.Dataset:
-    """Open the file of a sweep.
-
-    Parameters
-    ----------
-    path : path
-        NetCDF file of the sweep.
-
-    Returns
-    -------
-    xarray.Dataset
-        Opened, but not yet read.
-    """
+    """Open the file of a sweep."""
     return xr.open_dataset(path, engine="h5netcdf")
 
 

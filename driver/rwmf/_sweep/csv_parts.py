@@ -29,22 +29,7 @@ class _Part:
 
 
 def merge_csv(parts: Sequence[str | os.PathLike[str]], file: str | os.PathLike[str]) -> None:
-    """Join the parts of a spectrum into the file of an undivided run, byte for byte.
-
-    Parameters
-    ----------
-    parts : sequence of str or path
-        Files of all parts, in any order.
-    file : str or path
-        CSV file to write.
-
-    Raises
-    ------
-    InputError
-        When a part is missing, repeated, or belongs to another case.
-    OutputError
-        When the file cannot be written.
-    """
+    """Join the parts of a spectrum into the file of an undivided run, byte for byte."""
     found = sorted((_read(os.fspath(path)) for path in parts), key=lambda part: part.k)
     first = found[0]
     for part in found:

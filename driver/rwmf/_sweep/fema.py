@@ -32,25 +32,7 @@ _SERIES = {"recorded": "RecordedAcceleration", "normalized": "NormalizedAccelera
 
 
 def export(word: str) -> list[tuple[Path, float]]:
-    """Write sets into the cache unless they are already there.
-
-    Parameters
-    ----------
-    word : str
-        Name of a set or ``all``, optionally followed by ``:normalized``.
-
-    Returns
-    -------
-    list of (path, dt)
-        One file per component, and its sampling interval [s].
-
-    Raises
-    ------
-    InputError
-        When the set does not exist, or the package is missing.
-    OutputError
-        When the cache cannot be written.
-    """
+    """Write sets into the cache unless they are already there."""
     name, _, variant = word.partition(":")
     variant = variant or "recorded"
     names = tuple(SETS) if name == "all" else (name,)

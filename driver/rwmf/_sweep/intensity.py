@@ -109,25 +109,7 @@ def _wave_of(word: _Record, g: float, unit: str | None, dt: float | None) -> Wav
 
 
 def waveform_of_record(record: RecordFile, g: float) -> Waveform:
-    """Return the samples of a record.
-
-    Parameters
-    ----------
-    record : RecordFile
-        The record.
-    g : float
-        Acceleration of the unit 'g' [m/s2].
-
-    Returns
-    -------
-    Waveform
-        Its accelerations times its factor.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read.
-    """
+    """Return the samples of a record."""
     motion = record.array
     if motion is None:
         path = Path(record.path)
@@ -143,34 +125,7 @@ def choose_intensity(
     varied: Sequence[Key] = (),
     periods: Sequence[float] | None = None,
 ) -> Intensity:
-    """Choose the intensity measure for a scene, or check the given one.
-
-    Parameters
-    ----------
-    case : Case
-        The structure.
-    kind : str, optional
-        A kind of `rwmf.intensity`. The default is ``pseudo_acceleration`` with a frame or a period,
-        and ``peak_acceleration`` for a wall alone, whose period depends on the amplitude.
-    period, damping : float, optional
-        Period [s] and damping ratio [-] of the oscillator; for a pseudo-acceleration otherwise
-        those of the frame, for storeys the first period.
-    varied : sequence of (group, key)
-        Keys that differ between the runs.
-    periods : sequence of float, optional
-        Periods of an average spectral acceleration [s].
-
-    Returns
-    -------
-    Intensity
-        The intensity measure.
-
-    Raises
-    ------
-    InputError
-        When the kind is unknown, or only one of period and damping is given. Also when neither is
-        given and the period of the runs is not unique.
-    """
+    """Choose the intensity measure for a scene, or check the given one."""
     if kind is None:
         kind = _PEAK if case.frame is None and period is None else _PSEUDO
     given = [
@@ -203,27 +158,7 @@ def choose_intensity(
 def scale_to_one(
     case: Case, records: Sequence[RecordFile], measure: Intensity
 ) -> tuple[RecordFile, ...]:
-    """Scale records to an intensity of one: 1 g for accelerations, otherwise one SI unit.
-
-    Parameters
-    ----------
-    case : Case
-        The structure; the factors depend on its `&model g` only.
-    records : sequence of RecordFile
-        The suite.
-    measure : Intensity
-        From `choose_intensity`.
-
-    Returns
-    -------
-    tuple of RecordFile
-        The same records with new factors.
-
-    Raises
-    ------
-    InputError
-        When a record cannot be read, or its intensity is zero or not finite.
-    """
+    """Scale records to an intensity of one: 1 g for accelerations, otherwise one SI unit."""
     g = float(case.model.g)
     found = []
     for record in records:

@@ -46,40 +46,12 @@ QUANTITIES = _Table(
 
 
 def default_quantity(case: Case) -> str:
-    """Return the name of the quantity that a sweep stores by default.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    str
-        The displacement of the frame; without a frame the rotation of the wall.
-    """
+    """Return the name of the quantity that a sweep stores by default."""
     return quantities.QUANTITIES[case.kernel.default_quantity()].names("ordinate")[0]
 
 
 def find_quantities(names: tuple[str, ...]) -> dict[str, quantities.Quantity]:
-    """Look up the quantities to store.
-
-    Parameters
-    ----------
-    names : tuple of str
-        Names in the dataset, or keys; upper and lower case do not matter.
-
-    Returns
-    -------
-    dict of str to Quantity
-        Quantities by their names in the dataset, in the given order. A quantity requested by both
-        of its names is returned under both.
-
-    Raises
-    ------
-    InputError
-        When the list is empty, or a name is unknown.
-    """
+    """Look up the quantities to store."""
     by_key = _Table((quantity.key, quantity) for quantity in QUANTITIES.values())
     requested: dict[str, quantities.Quantity] = {}
     unknown: list[str] = []
@@ -106,27 +78,7 @@ def _hint(word: str) -> str:
 
 
 def find_quantity(case: Case, names: Sequence[str] | None, study: str) -> str:
-    """Look up the quantity of a study; the default is that of the scene.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    names : sequence of str, optional
-        Its name, in a list of one.
-    study : str
-        Name of the study in messages.
-
-    Returns
-    -------
-    str
-        Its name in a dataset.
-
-    Raises
-    ------
-    InputError
-        When it is unknown, or when there are several.
-    """
+    """Look up the quantity of a study; the default is that of the scene."""
     found = find_quantities(tuple(names or (default_quantity(case),)))
     if len(found) > 1:
         raise InputError(f"{study}: quantities = {', '.join(found)}: must be one quantity")
@@ -134,22 +86,7 @@ def find_quantity(case: Case, names: Sequence[str] | None, study: str) -> str:
 
 
 def refuse_missing(found: xr.Dataset, names: Sequence[str], label: str) -> None:
-    """Refuse quantities that no complete run has.
-
-    Parameters
-    ----------
-    found : xarray.Dataset
-        Result of a sweep.
-    names : sequence of str
-        Its quantities.
-    label : str
-        Beginning of the message.
-
-    Raises
-    ------
-    InputError
-        When a quantity has no value in any run that reached its end.
-    """
+    """Refuse quantities that no complete run has."""
     words = found["status"].attrs["flag_meanings"].split()
     is_complete = found["status"].values == (words.index("ok") if "ok" in words else -1)
     for name in names:

@@ -115,34 +115,12 @@ class Layout:
         return np.concatenate([[0], np.cumsum(-(-sizes // self.block))])
 
     def chunk_size(self, number: int) -> int:
-        """Count the runs of a chunk.
-
-        Parameters
-        ----------
-        number : int
-            Number of the chunk.
-
-        Returns
-        -------
-        int
-            Their number.
-        """
+        """Count the runs of a chunk."""
         _, start, stop = self._part(number)
         return stop - start
 
     def rows(self, number: int) -> Rows:
-        """Find the runs of a chunk.
-
-        Parameters
-        ----------
-        number : int
-            Number of the chunk.
-
-        Returns
-        -------
-        Rows
-            In the order of the chunk.
-        """
+        """Find the runs of a chunk."""
         members, start, stop = self._part(number)
         rest = np.arange(start, stop)
         places = np.zeros(stop - start, dtype=np.int64)
@@ -172,31 +150,14 @@ class Layout:
         return members, start, stop
 
     def labels(self, item: Coordinate) -> npt.NDArray[Any]:
-        """Return the labels of all positions of a dimension.
-
-        Parameters
-        ----------
-        item : Coordinate
-            Coordinate of this layout.
-
-        Returns
-        -------
-        numpy.ndarray, shape (positions,)
-            Numbers, or texts with invalid bytes escaped.
-        """
+        """Return the labels of all positions of a dimension."""
         if isinstance(item.values, np.ndarray):
             return item.values
         values = np.array([readable(value) for value in item.values])
         return values[self.scene_of[item.dimension]]
 
     def to_text(self) -> str:
-        """Convert the layout to JSON; equal texts mean equal sweeps.
-
-        Returns
-        -------
-        str
-            The text, with a checksum instead of the columns of points.
-        """
+        """Convert the layout to JSON; equal texts mean equal sweeps."""
         found = {item.name: getattr(self, item.name) for item in fields(self)}
         found["coordinates"] = [_entry(item) for item in self.coordinates]
         del found["scene_of"]
@@ -218,29 +179,12 @@ class Layout:
         return found.hexdigest()
 
     def parts(self) -> list[bytes | memoryview]:
-        """Return the bytes of text and columns without copying them.
-
-        Returns
-        -------
-        list of bytes or memoryview
-            Arguments of `from_bytes`, to be concatenated.
-        """
+        """Return the bytes of text and columns without copying them."""
         return [self.to_text().encode(), _END, *self._arrays()]
 
     @classmethod
     def from_bytes(cls, content: bytes) -> Self:
-        """Read the bytes of `parts`.
-
-        Parameters
-        ----------
-        content : bytes
-            All parts, concatenated.
-
-        Returns
-        -------
-        Layout
-            The layout.
-        """
+        """Read the bytes of `parts`."""
         text, _, rest = content.partition(_END)
         found: dict[str, Any] = json.loads(text)
         del found["table"]
@@ -265,18 +209,7 @@ class Layout:
 
     @staticmethod
     def text_of(content: bytes) -> str:
-        """Extract the text from the bytes of `parts`.
-
-        Parameters
-        ----------
-        content : bytes
-            All parts, concatenated.
-
-        Returns
-        -------
-        str
-            As `to_text`.
-        """
+        """Extract the text from the bytes of `parts`."""
         return content.partition(_END)[0].decode()
 
 
@@ -289,18 +222,7 @@ def _entry(item: Coordinate) -> dict[str, Any]:
 
 
 def difference(old: str, new: str) -> str:
-    """Show the difference of two layouts.
-
-    Parameters
-    ----------
-    old, new : str
-        From `Layout.to_text`.
-
-    Returns
-    -------
-    str
-        Lines with '-' for the old and '+' for the new one, shortened.
-    """
+    """Show the difference of two layouts."""
     lines = difflib.unified_diff(_lines(old), _lines(new), lineterm="", n=0)
     changed = [line for line in lines if line[0] in "+-" and line[:3] not in ("---", "+++")]
     shown = list(itertools.islice(changed, _SHOWN_LINES))

@@ -99,20 +99,7 @@ class Plan:
     inputs: tuple[str | os.PathLike[str], ...] = ()
 
     def task(self, number: int, threads: int = 1) -> Task:
-        """Make the task of a chunk.
-
-        Parameters
-        ----------
-        number : int
-            Number of the chunk.
-        threads : int
-            Threads of the kernel.
-
-        Returns
-        -------
-        Task
-            Input of a worker.
-        """
+        """Make the task of a chunk."""
         rows = self.layout.rows(number)
         columns = {
             name: values[positions]
@@ -170,16 +157,6 @@ class Plan:
 
         The allowed values of a number form an interval. The other axes are at their first
         positions.
-
-        Returns
-        -------
-        Plan
-            The plan with the kernel's warnings about its cases.
-
-        Raises
-        ------
-        InputError
-            When the kernel refuses a case.
         """
         # reuse the record of the previous case
         known = self._check_one(tuple(0 for _ in self.axes), "")
@@ -222,23 +199,7 @@ def _telling_positions(axis: Axis) -> list[int]:
 
 
 def make_plan(request: Request) -> Plan:
-    """Plan a sweep.
-
-    Parameters
-    ----------
-    request : Request
-        The requested runs.
-
-    Returns
-    -------
-    Plan
-        Plan validated by the kernel.
-
-    Raises
-    ------
-    InputError
-        When an axis, a value, a record or a quantity is not acceptable.
-    """
+    """Plan a sweep."""
     case = case_of(request.case)
     records, points, intensity = _motions_of(request, case)
     named = [] if points is None else [scene.record for scene in points.scenes if scene.record]
@@ -315,18 +276,7 @@ def _motions_of(
 
 
 def united(warnings: Sequence[str]) -> list[str]:
-    """Merge the warnings of several cases; lines that differ only in numbers become one.
-
-    Parameters
-    ----------
-    warnings : sequence of str
-        The lines.
-
-    Returns
-    -------
-    list of str
-        In the order of their first occurrence.
-    """
+    """Merge the warnings of several cases; lines that differ only in numbers become one."""
     found: dict[str, str] = {}
     for line in warnings:
         found.setdefault(re.sub(r"[-+\d.]+(e[-+]?\d+)?", "", line), line)
@@ -334,22 +284,7 @@ def united(warnings: Sequence[str]) -> list[str]:
 
 
 def varied_keys(case: Case, grid: Mapping[str, object], points: Axis | None) -> list[Key]:
-    """List the keys whose numbers differ between the runs of a sweep.
-
-    Parameters
-    ----------
-    case : Case
-        Settings common to all runs; its `&spectrum` is part of the grid.
-    grid : mapping
-        Values of the axes by name.
-    points : Axis, optional
-        Rows of a table.
-
-    Returns
-    -------
-    list of (group, key)
-        In the order of the axes.
-    """
+    """List the keys whose numbers differ between the runs of a sweep."""
     spectrum: Mapping[str, Any] = case.groups.get("spectrum", {})
     own: dict[str, object] = {name: spectrum[name] for name in AXES if name in spectrum}
     if "n" in spectrum:

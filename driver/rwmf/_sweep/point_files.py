@@ -23,39 +23,12 @@ _ROWS = 65536
 
 
 def is_netcdf(path: Path) -> bool:
-    """Check by the name whether a file is NetCDF.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Returns
-    -------
-    bool
-        True for NetCDF, False for CSV.
-    """
+    """Check by the name whether a file is NetCDF."""
     return path.suffix.lower() in _NETCDF
 
 
 def read_netcdf(path: Path) -> xr.Dataset:
-    """Read a NetCDF file.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-
-    Returns
-    -------
-    xarray.Dataset
-        Its variables, in memory.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read.
-    """
+    """Read a NetCDF file."""
     _check(path)
     try:
         with xr.open_dataset(path, engine="h5netcdf") as found:
@@ -72,25 +45,6 @@ def read_csv(
 
     Commas, semicolons or tabs separate the values; beside the latter two a comma is a decimal
     point. Lines that begin with # are comments, except a row whose first column is a text.
-
-    Parameters
-    ----------
-    path : path
-        The file.
-    is_number : callable
-        Returns True for the name of a numeric column; the other columns are texts.
-
-    Returns
-    -------
-    dict of str to numpy.ndarray, each shape (rows,)
-        Columns by name.
-    numpy.ndarray, shape (rows,)
-        Line of each row in the file.
-
-    Raises
-    ------
-    InputError
-        When it cannot be read, or when a row does not match the names.
     """
     _check(path)
     try:

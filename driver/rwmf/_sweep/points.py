@@ -82,29 +82,7 @@ def point_axis(
     unit: str | None = None,
     dt: float | None = None,
 ) -> Axis:
-    """Make the axis for the rows of a table.
-
-    Parameters
-    ----------
-    points : mapping, pandas.DataFrame, xarray.Dataset, structured array, str or path
-        The table, or the CSV or NetCDF file that holds it.
-    pool : sequence of RecordFile
-        Records that the column ``record`` may name.
-    unit : str, optional
-        Unit of other records that are not AT2.
-    dt : float, optional
-        Sampling interval of other records of one column [s].
-
-    Returns
-    -------
-    Axis
-        Numbers as columns; each combination of record and texts is a scene.
-
-    Raises
-    ------
-    InputError
-        When the table cannot be read, or when a name or a value is not acceptable.
-    """
+    """Make the axis for the rows of a table."""
     table = _read(points)
     words = [word for word in table.values if str(word).lower() == _RECORD]
     named: dict[str, Column] = name_axes(

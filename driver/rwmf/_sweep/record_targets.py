@@ -53,26 +53,7 @@ _FORM = "must have two columns, as Period (s),Sa (g)"
 
 
 def read_target(path: Path, damping: float) -> _Array:
-    """Read a target spectrum.
-
-    Parameters
-    ----------
-    path : path
-        The file: a line with the names of two columns, then numbers. Names state period or
-        frequency and the units; without names the columns are periods [s] and accelerations [g].
-    damping : float
-        Damping ratio of the spectra [-].
-
-    Returns
-    -------
-    numpy.ndarray, shape (2, n)
-        Ascending periods [s], and pseudo-accelerations [g].
-
-    Raises
-    ------
-    InputError
-        When the file states another quantity, unit or damping, or a number is not acceptable.
-    """
+    """Read a target spectrum."""
     lines = read_bytes(path).decode("utf-8-sig", errors="surrogateescape").splitlines()
     first = next((i for i, line in enumerate(lines) if _begins_with_number(line)), len(lines))
     try:

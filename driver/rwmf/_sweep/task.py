@@ -79,20 +79,7 @@ class Chunk:
 
 
 def run_task(task: Task, progress: Progress | None = None) -> Chunk:
-    """Compute a chunk; refused rows get a status and do not stop the others.
-
-    Parameters
-    ----------
-    task : Task
-        The chunk.
-    progress : callable, optional
-        Called with the number of finished runs; an exception that it raises ends the computation.
-
-    Returns
-    -------
-    Chunk
-        The results.
-    """
+    """Compute a chunk; refused rows get a status and do not stop the others."""
     missing = np.full(len(task.rows), np.nan)
     try:
         found = _compute(task, progress)

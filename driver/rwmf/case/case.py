@@ -486,25 +486,7 @@ def _path_text(path: object) -> str:
 def kernel_for_host(
     case: CaseLike | Mapping[str, Mapping[str, object]],
 ) -> tuple[_library.KernelCase, str]:
-    """Read a case for an element, whose file may lack keys that only a run needs.
-
-    Parameters
-    ----------
-    case : Case, path, or mapping of str to mapping
-        The case, the path of its namelist, or its groups.
-
-    Returns
-    -------
-    KernelCase
-        The case in the kernel.
-    str
-        Path for messages and records, or ''.
-
-    Raises
-    ------
-    InputError
-        When the case is not acceptable.
-    """
+    """Read a case for an element, whose file may lack keys that only a run needs."""
     if isinstance(case, Case):
         return case.kernel, case.kernel_source()
     if not isinstance(case, Mapping):

@@ -18,22 +18,7 @@ __all__ = ["numbers_of"]
 def numbers_of(
     groups: Mapping[str, object],
 ) -> tuple[_library.Changes, npt.NDArray[np.float64]] | None:
-    """Split an edit into keys and numbers.
-
-    Parameters
-    ----------
-    groups : mapping
-        Arguments of `Case.replace`.
-
-    Returns
-    -------
-    Changes
-        The keys.
-    numpy.ndarray, shape (n,)
-        The numbers, lists concatenated.
-
-    Returns None when the edit changes more than numbers, or a value has the wrong type.
-    """
+    """Split an edit into keys and numbers."""
     kinds = _kinds()
     names: list[str] = []
     values: list[npt.NDArray[np.float64]] = []

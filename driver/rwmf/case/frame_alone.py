@@ -14,18 +14,7 @@ __all__ = ["changes_without_wall", "groups_of_wall"]
 
 
 def changes_without_wall(case: Case) -> dict[str, dict[str, object] | None]:
-    """Return the changes that remove the wall.
-
-    Parameters
-    ----------
-    case : Case
-        A case with a frame.
-
-    Returns
-    -------
-    dict
-        Arguments of `Case.replace`.
-    """
+    """Return the changes that remove the wall."""
     found: dict[str, dict[str, object] | None] = {
         name: None for name in case.groups if name in groups_of_wall()
     }
@@ -60,11 +49,5 @@ def _heights_of_wall(case: Case, gone: Mapping[str, object]) -> dict[str, dict[s
 
 
 def groups_of_wall() -> set[str]:
-    """Return the wall and the groups that require it.
-
-    Returns
-    -------
-    set of str
-        Names of groups.
-    """
+    """Return the wall and the groups that require it."""
     return {name for name, needs in _library.needs_of_groups().items() if {name, *needs} & {"wall"}}

@@ -23,27 +23,7 @@ def with_grid(
     b: Values | None = None,
     quantities: Sequence[str] | None = None,
 ) -> Case:
-    """Return the case with another grid, or other quantities, in its `&spectrum`.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    T_s, gamma, b : float or sequence of float, optional
-        As in `spectrum`; None keeps the values of the case.
-    quantities : sequence of str, optional
-        Likewise.
-
-    Returns
-    -------
-    Case
-        The edited case, or the same one when there is nothing to edit.
-
-    Raises
-    ------
-    InputError
-        When the grid is not acceptable.
-    """
+    """Return the case with another grid, or other quantities, in its `&spectrum`."""
     grid: dict[str, npt.NDArray[np.float64] | list[str] | None] = {}
     if T_s is not None:
         # the list replaces the uniform grid

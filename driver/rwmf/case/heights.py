@@ -11,20 +11,7 @@ __all__ = ["height_of_frame", "heights_of_storeys"]
 
 
 def heights_of_storeys(case: Case, n: int) -> list[float]:
-    """Return the height of each storey, from floor to floor; a frame without storeys has one.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    n : int
-        Number of storeys.
-
-    Returns
-    -------
-    list of float
-        Heights from the ground up [m]; empty when the case gives none.
-    """
+    """Return the height of each storey, from floor to floor; a frame without storeys has one."""
     if case.storeys is None:
         height = height_of_frame(case)
         return [] if height is None else [height]
@@ -33,18 +20,7 @@ def heights_of_storeys(case: Case, n: int) -> list[float]:
 
 
 def height_of_frame(case: Case) -> float | None:
-    """Return the height of a frame with one degree of freedom.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-
-    Returns
-    -------
-    float or None
-        Height [m]; None when the case gives none.
-    """
+    """Return the height of a frame with one degree of freedom."""
     if case.p_delta is not None and "h_f" in case.p_delta.given:
         return case.p_delta.h_f
     return None if case.wall is None else 2 * case.wall.h

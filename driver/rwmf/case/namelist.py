@@ -24,23 +24,7 @@ _HOLDS = "a namelist holds numbers, texts, true or false, and lists of them"
 
 
 def read_text(path: str) -> str:
-    """Read the text of a namelist file, with the messages of the batch program.
-
-    Parameters
-    ----------
-    path : str
-        The file.
-
-    Returns
-    -------
-    str
-        Its text; bytes that are not UTF-8 are unchanged when written again.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or when it cannot be read.
-    """
+    """Read the text of a namelist file, with the messages of the batch program."""
     try:
         status = Path(path).stat()
     except (OSError, ValueError):
@@ -55,18 +39,7 @@ def read_text(path: str) -> str:
 
 
 def compose(groups: Mapping[str, Mapping[str, object]]) -> str:
-    """Write groups as namelist text.
-
-    Parameters
-    ----------
-    groups : mapping of str to mapping
-        Keys and values of every group; None values are omitted.
-
-    Returns
-    -------
-    str
-        The groups in order, one line per key; numbers round-trip to the same bits.
-    """
+    """Write groups as namelist text."""
     return "\n".join(_compose_group(name, entries) for name, entries in groups.items())
 
 
@@ -100,23 +73,7 @@ def _wrap(line: str, value: object) -> list[str]:
 
 
 def format_value(value: object) -> str:
-    """Format one value for a namelist.
-
-    Parameters
-    ----------
-    value : bool, int, float, str, numpy scalar, or a sequence or array of these
-        The value.
-
-    Returns
-    -------
-    str
-        Namelist text of the value.
-
-    Raises
-    ------
-    InputError
-        When a namelist cannot hold the value.
-    """
+    """Format one value for a namelist."""
     if isinstance(value, Motion):
         return format_value(value.name)
     if isinstance(value, str):
@@ -138,20 +95,7 @@ def format_value(value: object) -> str:
 
 
 def parse_value(kind: str, text: str) -> Value:
-    """Convert a value of the kernel's description.
-
-    Parameters
-    ----------
-    kind : str
-        Type by the kernel's name; a list's name ends in ``list``.
-    text : str
-        The value; list items are separated by commas.
-
-    Returns
-    -------
-    bool, int, float, str, tuple of float or tuple of str
-        The typed value.
-    """
+    """Convert a value of the kernel's description."""
     if kind == "text list":
         return tuple(text.split(", "))
     if kind.endswith("list"):

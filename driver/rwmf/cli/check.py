@@ -23,23 +23,7 @@ _INVENTORY = (
 
 
 def run(options: argparse.Namespace) -> int:
-    """Validate a case and print its contents (``rwmf check``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Validate a case and print its contents (``rwmf check``)."""
     case = Case.from_namelist(options.case)
     found = case.kernel.inventory()
     if options.json:

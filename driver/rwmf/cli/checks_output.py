@@ -22,40 +22,14 @@ __all__ = ["check_words", "checks_if_limited", "print_checks", "write_checks"]
 
 
 def check_words(case: Case, paths: Sequence[str] | None) -> None:
-    """Check the option ``--checks`` before a computation.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    paths : sequence of str, optional
-        Files to write.
-
-    Raises
-    ------
-    InputError
-        When the case has no limits, or the format of a figure is unknown.
-    """
+    """Check the option ``--checks`` before a computation."""
     if paths and not case.kernel.limited_demands():
         raise InputError("--checks: the case has no &limits: a check needs limits of demands")
     figures.check_formats(*(path for path in paths or () if not _is_csv(path)))
 
 
 def checks_if_limited(case: Case, result: xr.Dataset | Mapping[str, Any]) -> Checks | None:
-    """Compare demands with the limits of a case.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    result : xarray.Dataset or mapping
-        As in `rwmf.checks`.
-
-    Returns
-    -------
-    Checks or None
-        None for a case without limits.
-    """
+    """Compare demands with the limits of a case."""
     if not case.kernel.limited_demands():
         return None
     from rwmf._checks.checks import checks
@@ -64,15 +38,7 @@ def checks_if_limited(case: Case, result: xr.Dataset | Mapping[str, Any]) -> Che
 
 
 def print_checks(found: Checks | None, *, is_all: bool = False) -> None:
-    """Print a table of checks.
-
-    Parameters
-    ----------
-    found : Checks, optional
-        The checks; None prints nothing.
-    is_all : bool
-        Show every floor and storey.
-    """
+    """Print a table of checks."""
     if found is not None:
         from rwmf._checks.check_table import text_of
 
@@ -80,20 +46,7 @@ def print_checks(found: Checks | None, *, is_all: bool = False) -> None:
 
 
 def write_checks(found: Checks | None, paths: Sequence[str] | None) -> None:
-    """Write checks as CSV or figure, by the endings of the files.
-
-    Parameters
-    ----------
-    found : Checks, optional
-        The checks.
-    paths : sequence of str, optional
-        Files to write.
-
-    Raises
-    ------
-    OutputError
-        When a file cannot be written.
-    """
+    """Write checks as CSV or figure, by the endings of the files."""
     if found is None or not paths:
         return
     from rwmf._checks.check_table import write_csv

@@ -18,18 +18,7 @@ __all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the cost of accuracy.
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-    """
+    """Print the cost of accuracy."""
     case = Case.from_namelist(options.case)
     files.check_outputs([options.plot], case.inputs)
     figures.check_formats(options.plot)

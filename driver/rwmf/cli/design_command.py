@@ -20,23 +20,7 @@ _T = TypeVar("_T")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Find and print a design (``rwmf design``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Find and print a design (``rwmf design``)."""
     case = Case.from_namelist(options.case)
     files.check_outputs([options.out, options.report], case.inputs)
     design_page.check_format_of_page(options.report)

@@ -16,13 +16,7 @@ _LIMITS = re.compile(r"limits@([^@x]+)(?:x([^@x]+))?")
 
 
 def add_design(commands: Subcommands) -> None:
-    """Add the subcommand ``design``.
-
-    Parameters
-    ----------
-    commands : Subcommands
-        Subcommands of the command line.
-    """
+    """Add the subcommand ``design``."""
     parser = commands.add(
         "design",
         "Find the cheapest design whose suite meets all targets; records left out judge it. Options"

@@ -15,23 +15,7 @@ __all__ = ["write_fmu", "write_opensees"]
 
 
 def write_fmu(options: argparse.Namespace) -> int:
-    """Write a case as a functional mock-up unit (``rwmf export fmu``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        As `export_fmu`.
-    """
+    """Write a case as a functional mock-up unit (``rwmf export fmu``)."""
     case = Case.from_namelist(options.case)
     path = Path(options.file)
     files.check_outputs([path], case.inputs)
@@ -45,23 +29,7 @@ def write_fmu(options: argparse.Namespace) -> int:
 
 
 def write_opensees(options: argparse.Namespace) -> int:
-    """Write a case as a script for OpenSeesPy (``rwmf export opensees``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files; InputError names a group that OpenSees lacks.
-    """
+    """Write a case as a script for OpenSeesPy (``rwmf export opensees``)."""
     case = Case.from_namelist(options.case)
     path = Path(options.file)
     files.check_outputs([path], case.inputs)

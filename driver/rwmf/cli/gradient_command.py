@@ -13,23 +13,7 @@ __all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print derivatives (``rwmf gradient``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, Interrupted
-        As the computation.
-    """
+    """Print derivatives (``rwmf gradient``)."""
     case = Case.from_namelist(options.case)
     found = gradient(
         case,

@@ -28,18 +28,7 @@ _ENDS = (signal.SIGTERM, signal.SIGHUP)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Words after the command's name; otherwise those of the process.
-
-    Returns
-    -------
-    int
-        Exit status: 0, 1 numerical failure, 2 input or output, 3 unexpected error, 130 interrupted.
-    """
+    """Run the command."""
     with guarded() as lost, _ended_by_signals():
         try:
             status = _run(arguments)

@@ -19,44 +19,19 @@ __all__ = ["print_json", "print_warnings", "print_written", "printed_warnings"]
 
 
 def print_json(value: dict[str, Any]) -> None:
-    """Print an object as JSON.
-
-    Parameters
-    ----------
-    value : dict
-        Numbers, texts, lists and arrays; values that are not finite become null.
-    """
+    """Print an object as JSON."""
     print(json.dumps(_plain(value), indent=1, allow_nan=False))
 
 
 def print_warnings(path: str, lines: Iterable[str]) -> None:
-    """Print the warnings about the results of a file on the error output.
-
-    Parameters
-    ----------
-    path : str
-        Path of the case's file.
-    lines : iterable of str
-        One line per warning.
-    """
+    """Print the warnings about the results of a file on the error output."""
     for line in lines:
         print(f"rwmf: {path}: warning: {line}", file=sys.stderr)
 
 
 @contextmanager
 def printed_warnings(path: str) -> Iterator[None]:
-    """Print the warnings about the inputs that a block reads.
-
-    Parameters
-    ----------
-    path : str
-        Path of the file, or name of the command.
-
-    Yields
-    ------
-    None
-        The block.
-    """
+    """Print the warnings about the inputs that a block reads."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RwmfWarning)
         yield
@@ -64,15 +39,7 @@ def printed_warnings(path: str) -> Iterator[None]:
 
 
 def print_written(paths: Iterable[str | Path | None], *, is_json: bool = False) -> None:
-    """Print the paths of written files.
-
-    Parameters
-    ----------
-    paths : iterable of str or path, optional
-        The files; None for a file that was not requested.
-    is_json : bool
-        True when the standard output is one JSON object; paths then go to the error output.
-    """
+    """Print the paths of written files."""
     for path in filter(None, paths):
         print(f"written: {path}", file=sys.stderr if is_json else sys.stdout)
 

@@ -27,14 +27,7 @@ __all__ = ["make_parser"]
 
 
 def make_parser() -> argparse.ArgumentParser:
-    """Build the parser of the command line.
-
-    Returns
-    -------
-    argparse.ArgumentParser
-        Parser whose result has the attribute ``run``: module of this package and function of the
-        subcommand.
-    """
+    """Build the parser of the command line."""
     parser = argparse.ArgumentParser(
         prog="rwmf",
         description="Dynamic response of post-tensioned rocking wall-moment frames.",

@@ -33,23 +33,7 @@ _KILO = 1e-3
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute a static curve (``rwmf pushover``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Compute a static curve (``rwmf pushover``)."""
     case = Case.from_namelist(options.case)
     written = [options.csv, options.plot, *(options.checks or ())]
     files.check_outputs(written, case.inputs)

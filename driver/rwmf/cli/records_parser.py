@@ -14,13 +14,7 @@ _MOST_RECORDS = 100_000
 
 
 def add_records(commands: Subcommands) -> None:
-    """Add the subcommand ``records`` and its actions.
-
-    Parameters
-    ----------
-    commands : Subcommands
-        Subcommands of the command line.
-    """
+    """Add the subcommand ``records`` and its actions."""
     parser = commands.add(
         "records",
         "Ground motions: peaks and intensities, formats, suites, sequences; records of a package.",

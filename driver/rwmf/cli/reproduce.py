@@ -21,18 +21,7 @@ _MARK = Path("plots", "reproduce", "command.py")
 
 
 def find_checkout() -> Path:
-    """Find the project's checkout.
-
-    Returns
-    -------
-    path
-        The checkout that contains the package, otherwise the one of the current folder.
-
-    Raises
-    ------
-    InputError
-        When there is none.
-    """
+    """Find the project's checkout."""
     package = Path(rwmf.__path__[0]).resolve()
     current = Path.cwd()
     for folder in (*package.parents, current, *current.parents):
@@ -45,23 +34,7 @@ def find_checkout() -> Path:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Draw figures and write tables (``rwmf reproduce``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError
-        When there is no checkout; computations raise further errors.
-    """
+    """Draw figures and write tables (``rwmf reproduce``)."""
     checkout = find_checkout()
     for name in ("inputs", "validation"):
         setattr(options, name, getattr(options, name) or checkout / name)

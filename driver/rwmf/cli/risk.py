@@ -36,23 +36,7 @@ _NOT_IN_MODEL = (
 
 
 def analyse(options: argparse.Namespace) -> int:
-    """Run an analysis of a suite (``rwmf ida``, ``rwmf stripes``, ``rwmf cloud``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the analysis and the writers of files.
-    """
+    """Run an analysis of a suite (``rwmf ida``, ``rwmf stripes``, ``rwmf cloud``)."""
     cases = [rwmf.Case.from_namelist(path) for path in options.cases]
     with printed_warnings(options.analysis):
         records = rwmf.find_records(options.records, unit=options.unit, dt=options.dt)
@@ -90,23 +74,7 @@ def analyse(options: argparse.Namespace) -> int:
 
 
 def fit(options: argparse.Namespace) -> int:
-    """Fit fragility curves (``rwmf fragility``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        As the fit and the writers of files.
-    """
+    """Fit fragility curves (``rwmf fragility``)."""
     _check_outputs(options, [*options.tables])
     factor = None if options.shape_factor is None else _shape_factor(options.shape_factor)
     curves = rwmf.fragility(
@@ -140,23 +108,7 @@ def fit(options: argparse.Namespace) -> int:
 
 
 def integrate(options: argparse.Namespace) -> int:
-    """Compute annual frequencies (``rwmf risk``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError
-        As the computation and the writers of files.
-    """
+    """Compute annual frequencies (``rwmf risk``)."""
     inputs = [word for word in (options.fragility, options.hazard) if Path(word).is_file()]
     _check_outputs(options, inputs)
     fragility = _read_fragility(options.fragility)

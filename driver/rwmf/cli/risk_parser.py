@@ -14,13 +14,7 @@ _LEVELS = "0.1:2:20"
 
 
 def add_risk(commands: Subcommands) -> None:
-    """Add the subcommands from records to annual frequencies.
-
-    Parameters
-    ----------
-    commands : Subcommands
-        Subcommands of the command line.
-    """
+    """Add the subcommands from records to annual frequencies."""
     suite = "inputs/study_one_sine.nml --records suite/*.csv"
     texts = {
         "ida": "Incremental dynamic analysis: common levels, then the capacity of each record.",

@@ -36,23 +36,7 @@ _LOOP_POINTS = 40000
 
 
 def run(options: argparse.Namespace) -> int:
-    """Simulate one case (``rwmf run``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Simulate one case (``rwmf run``)."""
     case = Case.from_namelist(options.case)
     names = _library.result_names(options.case) if options.out else ()
     found = [Path(options.out, name) for name in names]

@@ -22,23 +22,7 @@ __all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute a spectrum (``rwmf spectrum``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Compute a spectrum (``rwmf spectrum``)."""
     case = Case.from_namelist(options.case)
     case = with_grid(case, quantities=options.quantity)
     outputs = [options.csv, options.plot, *(options.checks or ())]

@@ -33,23 +33,7 @@ Report = Callable[[int, int], None]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compute, save and draw a study (``rwmf study``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, OutputError, NumericalError, Interrupted
-        As the study and the writers of files.
-    """
+    """Compute, save and draw a study (``rwmf study``)."""
     case = Case.from_namelist(options.case)
     words = getattr(options, "records", None) or ()
     records: Sequence[RecordFile] = ()

@@ -24,13 +24,7 @@ _QUANTITY = (
 
 
 def add_study(commands: Subcommands) -> None:
-    """Add the subcommand ``study`` and its studies.
-
-    Parameters
-    ----------
-    commands : Subcommands
-        Subcommands of the command line; the parsed result has the study's name as ``study``.
-    """
+    """Add the subcommand ``study`` and its studies."""
     parser = commands.add(
         "study",
         "A study from a case: overturning map, spectra of a suite, fragility and others.",

@@ -13,15 +13,7 @@ _MOST_WORKERS = 4096
 
 
 class Subcommands:
-    """Subcommands of a command.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        Parser of the command.
-    metavar : str
-        Their name in the help.
-    """
+    """Subcommands of a command."""
 
     def __init__(self, parser: argparse.ArgumentParser, metavar: str) -> None:
         self._prog = parser.prog
@@ -30,27 +22,7 @@ class Subcommands:
     def add(
         self, name: str, text: str, example: str, run: str = "", **defaults: object
     ) -> argparse.ArgumentParser:
-        """Add a subcommand.
-
-        Parameters
-        ----------
-        name : str
-            Name of the subcommand.
-        text : str
-            Description for the help.
-        example : str
-            Example of arguments for the help.
-        run : str
-            Module of this package and its function, for example ``'run.run'``, imported at use.
-            Empty for a subcommand with further subcommands.
-        **defaults
-            Attributes of the parsed result.
-
-        Returns
-        -------
-        argparse.ArgumentParser
-            Parser of the subcommand, without options.
-        """
+        """Add a subcommand."""
         parser = self._actions.add_parser(
             name,
             help=text,
@@ -62,24 +34,12 @@ class Subcommands:
 
 
 def add_case(parser: argparse.ArgumentParser) -> None:
-    """Add the argument of the case.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        Parser of the subcommand.
-    """
+    """Add the argument of the case."""
     parser.add_argument("case", metavar="CASE.nml", help="namelist file")
 
 
 def add_checks(parser: argparse.ArgumentParser) -> None:
-    """Add the option ``--checks``.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        Parser of a subcommand.
-    """
+    """Add the option ``--checks``."""
     parser.add_argument(
         "--checks",
         metavar="FILE",
@@ -90,41 +50,21 @@ def add_checks(parser: argparse.ArgumentParser) -> None:
 
 
 def add_plot(parser: argparse.ArgumentParser, content: str) -> None:
-    """Add the option for a figure.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        Parser of the subcommand.
-    content : str
-        Content of the figure.
-    """
+    """Add the option for a figure."""
     parser.add_argument(
         "--plot", metavar="FILE", type=written_file, help=f"draw {content} (png, svg, pdf)"
     )
 
 
 def add_threads(parser: argparse.ArgumentParser) -> None:
-    """Add the option for the number of threads.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        Parser of the subcommand.
-    """
+    """Add the option for the number of threads."""
     parser.add_argument(
         "--threads", metavar="N", type=thread_count, default=0, help="threads (0: all)"
     )
 
 
 def add_engine(parser: argparse.ArgumentParser) -> None:
-    """Add the options for processes, MPI ranks or Dask workers instead of threads.
-
-    Parameters
-    ----------
-    parser : argparse.ArgumentParser
-        Parser of the subcommand.
-    """
+    """Add the options for processes, MPI ranks or Dask workers instead of threads."""
     parser.add_argument(
         "--engine",
         metavar="NAME",

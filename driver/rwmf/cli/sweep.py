@@ -26,23 +26,7 @@ __all__ = ["merge_parts", "run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run a sweep (``rwmf sweep``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Run a sweep (``rwmf sweep``)."""
     request, path = read_sweep_file(options.sweep)
     if options.file:
         path = Path(options.file)
@@ -81,17 +65,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
-    """Print a summary of a sweep.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `sweep`.
-    path : path
-        Its file.
-    seconds : float
-        Duration [s].
-    """
+    """Print a summary of a sweep."""
     codes = dataset["status"].values
     names = dataset["status"].attrs["flag_meanings"].split()
     parts = [f"{np.count_nonzero(codes == i)} {name}" for i, name in enumerate(names)]
@@ -101,23 +75,7 @@ def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
 
 
 def merge_parts(options: argparse.Namespace) -> int:
-    """Join parts (``rwmf merge``).
-
-    Parameters
-    ----------
-    options : argparse.Namespace
-        As the parser of the command line makes them.
-
-    Returns
-    -------
-    int
-        Exit status.
-
-    Raises
-    ------
-    InputError, NumericalError, OutputError, Interrupted
-        As the computation and the writers of files.
-    """
+    """Join parts (``rwmf merge``)."""
     if Path(options.file).suffix.lower() == ".csv":
         merge_csv(options.parts, options.file)
     else:

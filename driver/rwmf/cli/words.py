@@ -16,18 +16,7 @@ _MOST_NUMBERS = 1_000_000
 
 
 def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str], float]:
-    """Make the type of an option with a finite number.
-
-    Parameters
-    ----------
-    above, below : float
-        Ends of the range, excluded.
-
-    Returns
-    -------
-    callable
-        A type for `argparse`.
-    """
+    """Make the type of an option with a finite number."""
     texts = {
         (False, False): "a finite number",
         (True, False): f"a finite number > {above:g}",
@@ -49,18 +38,7 @@ def number(above: float = -math.inf, below: float = math.inf) -> Callable[[str],
 
 
 def whole(lowest: int, highest: int) -> Callable[[str], int]:
-    """Make the type of an option with a whole number.
-
-    Parameters
-    ----------
-    lowest, highest : int
-        Ends of the range, included.
-
-    Returns
-    -------
-    callable
-        A type for `argparse`.
-    """
+    """Make the type of an option with a whole number."""
 
     def read(word: str) -> int:
         try:
@@ -76,23 +54,7 @@ def whole(lowest: int, highest: int) -> Callable[[str], int]:
 
 
 def numbers(word: str) -> list[float]:
-    """Read ``FIRST:LAST:N`` with both ends, or comma-separated numbers.
-
-    Parameters
-    ----------
-    word : str
-        Text in one of these forms.
-
-    Returns
-    -------
-    list of float
-        The numbers.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        When the text has neither form, or when there are too many numbers.
-    """
+    """Read ``FIRST:LAST:N`` with both ends, or comma-separated numbers."""
     # imported here so that help and other error messages need not wait for it
     import numpy as np
 
@@ -111,25 +73,7 @@ def numbers(word: str) -> list[float]:
 
 
 def key_with_numbers(word: str) -> tuple[str, list[float]]:
-    """Read ``KEY=LIST``.
-
-    Parameters
-    ----------
-    word : str
-        A key of the case, and numbers as for `numbers`.
-
-    Returns
-    -------
-    str
-        The key.
-    list of float
-        The numbers.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        When the text has another form.
-    """
+    """Read ``KEY=LIST``."""
     key, sign, values = word.partition("=")
     if not key or not sign:
         raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=LIST")
@@ -137,44 +81,12 @@ def key_with_numbers(word: str) -> tuple[str, list[float]]:
 
 
 def thread_count(word: str) -> int:
-    """Read a number of threads, 0 for all; the kernel enforces the limit.
-
-    Parameters
-    ----------
-    word : str
-        The number.
-
-    Returns
-    -------
-    int
-        The number.
-
-    Raises
-    ------
-    argparse.ArgumentTypeError
-        When it is no whole number, or a negative one.
-    """
+    """Read a number of threads, 0 for all; the kernel enforces the limit."""
     return whole(0, _MOST_THREADS)(word)
 
 
 def written_file(word: str) -> str:
-    """Read the name of a file to write.
-
-    Parameters
-    ----------
-    word : str
-        The name, with folders or without.
-
-    Returns
-    -------
-    str
-        The name.
-
-    Raises
-    ------
-    OutputError
-        When no file can have that name.
-    """
+    """Read the name of a file to write."""
     problem = problem_of_name(word)
     if problem is None and is_name_of_folder(word):
         problem = "is a folder, not a file"

@@ -21,26 +21,12 @@ _SAME_MASS = 1e-2
 class LinkedFrame:
     """A host as its links show it.
 
-    Parameters
-    ----------
-    host : Host
-        The frame.
-    dt : float
-        Step [s].
-    force : float
-        Force that shows the flexibility [N].
-
     Attributes
     ----------
     by_force : numpy.ndarray, shape (dofs, links)
         Accelerations of the frame by unit forces at the links [1/kg].
     mass : numpy.ndarray, shape (links, links)
         Mass of the frame at the links [kg].
-
-    Raises
-    ------
-    InputError
-        When a link has no mass.
     """
 
     def __init__(self, host: Host, dt: float, force: float) -> None:
@@ -67,30 +53,11 @@ class LinkedFrame:
         return np.array(columns).T
 
     def motion(self) -> Reals:
-        """Return the committed motion of the links.
-
-        Returns
-        -------
-        numpy.ndarray, shape (3, links)
-            Displacements [m], velocities [m/s], accelerations [m/s2].
-        """
+        """Return the committed motion of the links."""
         return np.array([values[self._host.links] for values in self._host.motion()])
 
     def flexibility(self, h: float, is_new: bool) -> Reals:
-        """Return the displacements of the links by unit forces at the end of a step.
-
-        Parameters
-        ----------
-        h : float
-            Length of the step [s].
-        is_new : bool
-            Whether to compute them anew.
-
-        Returns
-        -------
-        numpy.ndarray, shape (links, links)
-            Displacements [m/N].
-        """
+        """Return the displacements of the links by unit forces at the end of a step."""
         # whole steps differ by the rounding of the times
         part = round(h / self._dt, _DIGITS)
         if is_new or part not in self._flexibilities:
@@ -100,18 +67,7 @@ class LinkedFrame:
         return self._flexibilities[part]
 
     def with_link_velocities(self, at_links: Reals) -> Reals:
-        """Return the velocities of the frame after impulses at the links.
-
-        Parameters
-        ----------
-        at_links : numpy.ndarray, shape (links,)
-            Velocities of the links after them [m/s].
-
-        Returns
-        -------
-        numpy.ndarray, shape (dofs,)
-            Velocities [m/s].
-        """
+        """Return the velocities of the frame after impulses at the links."""
         links = self._host.links
         _, velocities, _ = self._host.motion()
         change = at_links - velocities[links]
@@ -120,18 +76,7 @@ class LinkedFrame:
         )
 
     def free_accelerations(self, velocities: Reals) -> Reals:
-        """Return the accelerations without forces at the links, and set the velocities.
-
-        Parameters
-        ----------
-        velocities : numpy.ndarray, shape (dofs,)
-            Velocities [m/s].
-
-        Returns
-        -------
-        numpy.ndarray, shape (dofs,)
-            Accelerations [m/s2].
-        """
+        """Return the accelerations without forces at the links, and set the velocities."""
         host, h = self._host, self._instant
         _, _, accelerations = host.motion()
         host.set_rates(velocities, accelerations)

@@ -148,21 +148,6 @@ class IteratedHost(Host):
 
 
 def end_rates(increment: Reals, h: float, v: Reals, a: Reals) -> tuple[Reals, Reals]:
-    """Return the rates at the end of a step of average acceleration.
-
-    Parameters
-    ----------
-    increment : numpy.ndarray, shape (dofs,)
-        Increments of displacement [m].
-    h : float
-        Length of the step [s].
-    v, a : numpy.ndarray, shape (dofs,)
-        Velocities [m/s] and accelerations [m/s2] at its beginning.
-
-    Returns
-    -------
-    v_end, a_end : numpy.ndarray, shape (dofs,)
-        Velocities [m/s] and accelerations [m/s2] at its end.
-    """
+    """Return the rates at the end of a step of average acceleration."""
     mean = increment / h
     return 2 * mean - v, 4 * (mean - v) / h - a

@@ -50,21 +50,6 @@ class _Step(NamedTuple):
 class Pair:
     """A wall and a frame that step together.
 
-    Parameters
-    ----------
-    wall : CoupledWall
-        The wall.
-    host : Host
-        The frame.
-    ground : callable
-        Ground acceleration [m/s2] at a time [s].
-    dt : float
-        Step [s].
-    weight : float
-        Weight of the wall [N].
-    tolerance : float
-        Difference between the forces of wall and frame, over the weight [-].
-
     Attributes
     ----------
     run : CoupledRun
@@ -97,18 +82,7 @@ class Pair:
         self._note()
 
     def advance(self, t: float) -> None:
-        """Step to a time, with stops at impacts and lift-offs.
-
-        Parameters
-        ----------
-        t : float
-            The time [s].
-
-        Raises
-        ------
-        NumericalError
-            When an iteration does not converge, or the wall overturns.
-        """
+        """Step to a time, with stops at impacts and lift-offs."""
         least = _NOTHING * self._dt
         for _ in range(_MOST_STOPS):
             h = t - self._host.time()

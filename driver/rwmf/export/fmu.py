@@ -28,30 +28,7 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def export_fmu(case: Case, path: Path, link: bool = False) -> list[Variable]:
-    """Write a case as a functional mock-up unit.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case; its records become part of the file.
-    path : pathlib.Path
-        File to write.
-    link : bool, optional
-        Take the motion of the link as input and give the force of the wall, for an importer that
-        owns the frame. Otherwise wall and frame follow a ground acceleration.
-
-    Returns
-    -------
-    list of Variable
-        The variables of the unit.
-
-    Raises
-    ------
-    InputError
-        When such a wall cannot step, or cannot be an element.
-    OutputError
-        When the file cannot be written.
-    """
+    """Write a case as a functional mock-up unit."""
     if link and case.wall is None:
         raise InputError("no FMU of this case: an element needs the group &wall")
     kind = "ground"

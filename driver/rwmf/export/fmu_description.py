@@ -30,22 +30,7 @@ _BASE = {
 
 
 def model_description(case: Case, variables: list[Variable], token: str) -> bytes:
-    """Write ``modelDescription.xml``.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case.
-    variables : list of Variable
-        Its variables, in the order of their value references from 1.
-    token : str
-        The instantiation token.
-
-    Returns
-    -------
-    bytes
-        The text of the file.
-    """
+    """Write ``modelDescription.xml``."""
     name = xml_text(Path(case.source).stem) if case.source else "case"
     root = Xml.Element(
         "fmiModelDescription",

@@ -67,36 +67,12 @@ class Variable:
         return self.kind in "or"
 
     def line(self) -> str:
-        """Return its line of ``variables.txt``.
-
-        Returns
-        -------
-        str
-            Kind, type, key, count and start value, with a line feed.
-        """
+        """Return its line of ``variables.txt``."""
         return f"{self.kind} {self.type} {self.key} {self.count} {self.start!r}\n"
 
 
 def variables_of(case: Case, link: bool) -> list[Variable]:
-    """List the variables of a unit.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case.
-    link : bool
-        The motion of the link is the input.
-
-    Returns
-    -------
-    list of Variable
-        Inputs, outputs and parameters.
-
-    Raises
-    ------
-    InputError
-        When the case has neither wall nor frame to move.
-    """
+    """List the variables of a unit."""
     force = "N"
     if case.wall is None or case.wall.get("m_w") is None:
         force = "N/kg"

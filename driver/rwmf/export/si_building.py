@@ -190,23 +190,7 @@ class Building:
 
 
 def read_building(case: Case) -> Building:
-    """Read a case.
-
-    Parameters
-    ----------
-    case : rwmf.Case
-        The case.
-
-    Returns
-    -------
-    Building
-        Its numbers. A case without masses has those over the wall's.
-
-    Raises
-    ------
-    InputError
-        When the case has an effect that finite elements of OpenSees lack: names the group.
-    """
+    """Read a case."""
     _refuse(case)
     wall, g = case.wall, case.model.g
     m_w = 0.0 if wall is None else _number(wall.get("m_w")) or 1.0

@@ -119,18 +119,7 @@ def envelope(
 
 
 def has_envelopes(dataset: xr.Dataset) -> bool:
-    """Tell whether a run has the envelopes of wall and links.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.simulate`.
-
-    Returns
-    -------
-    bool
-        It has envelopes of a wall beside a frame.
-    """
+    """Tell whether a run has the envelopes of wall and links."""
     return "wall_shear_1_max_over_m_w_g" in dataset
 
 

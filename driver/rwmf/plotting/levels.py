@@ -41,22 +41,7 @@ class Levels:
 
 
 def levels_of_storeys(dataset: xr.Dataset, case: Case, n: int) -> Levels:
-    """Determine the levels of the storeys' drifts.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Its response, from `rwmf.simulate`.
-    case : Case
-        The simulated case.
-    n : int
-        Number of storeys.
-
-    Returns
-    -------
-    Levels
-        Drifts over the heights of the storeys [-].
-    """
+    """Determine the levels of the storeys' drifts."""
     law = case.yielding
     first: Array = np.empty(0)
     # given, or derived from forces, whichever key the case uses
@@ -70,20 +55,7 @@ def levels_of_storeys(dataset: xr.Dataset, case: Case, n: int) -> Levels:
 
 
 def levels_of_frame(dataset: xr.Dataset, case: Case) -> Levels:
-    """Determine the levels of displacement for a frame with one degree of freedom.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        Its response, from `rwmf.simulate`.
-    case : Case
-        The simulated case.
-
-    Returns
-    -------
-    Levels
-        Displacements [m], one value each.
-    """
+    """Determine the levels of displacement for a frame with one degree of freedom."""
     first: Array = np.empty(0)
     if case.yielding is not None:
         first = np.array([float(dataset["u_s_max"]) * _first_share(dataset)])
@@ -107,20 +79,7 @@ def _with_limits(first: Array, case: Case, n: int, height: float) -> Levels:
 
 
 def draw_levels(ax: Axes, levels: Levels, factor: float, unit: str) -> None:
-    """Draw labelled levels on both sides of zero behind the lines of axes.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Axes with the response over time.
-    levels : Levels
-        Its levels; for differing storeys the lowest and the highest. Levels far beyond the response
-        are labelled but not drawn, because the response would look flat.
-    factor : float
-        Ratio of the units of levels and axes.
-    unit : str
-        Unit of the axes.
-    """
+    """Draw labelled levels on both sides of zero behind the lines of axes."""
     from matplotlib.lines import Line2D
 
     lines = []

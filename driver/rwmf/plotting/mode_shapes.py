@@ -18,25 +18,7 @@ _SHEAR_FACTOR = 5 / 6
 
 
 def mode_shapes(case: Case, share: npt.ArrayLike) -> Array:
-    """Compute the deflections of the modes of a wall at heights.
-
-    Parameters
-    ----------
-    case : Case
-        The case.
-    share : array_like, shape (n,)
-        Heights over the height of the wall [-].
-
-    Returns
-    -------
-    numpy.ndarray, shape (n, modes)
-        Deflections, 1 at the tip [-]; no column without ``&bending``. The deflection of the wall is
-        their product with ``q_i`` [m].
-
-    Notes
-    -----
-    Equations in ``src/rwmf/math/cantilever.f90``.
-    """
+    """Compute the deflections of the modes of a wall at heights."""
     x = np.asarray(share, dtype=float)
     modes = 0 if case.bending is None else int(case.bending.modes)
     columns = [_shape(number, _shear_flexibility(case), x) for number in range(1, modes + 1)]

@@ -97,18 +97,7 @@ def profile(
 
 
 def demands_of(dataset: xr.Dataset) -> list[str]:
-    """Return the panels of `profile` for a dataset.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.simulate`.
-
-    Returns
-    -------
-    list of str
-        Names from `DEMANDS` that the dataset has; empty without storeys.
-    """
+    """Return the panels of `profile` for a dataset."""
     found = [name for name in DEMANDS if members(dataset, name)]
     if "storey_{i}_shear_max" in found:
         found.remove("storey_{i}_shear_max_over_m_w_g")

@@ -53,18 +53,7 @@ _KILO = 1e-3
 
 
 def words_of_mark(name: str) -> str:
-    """Return a mark in plain words.
-
-    Parameters
-    ----------
-    name : str
-        Name of the mark, such as ``storey_2_yield``.
-
-    Returns
-    -------
-    str
-        The words, such as ``storey 2 yields``; an unknown name without its underscores.
-    """
+    """Return a mark in plain words."""
     if name.startswith(LIMIT):
         return f"limit of {name.removeprefix(LIMIT)}"
     place, _, verb = name.rpartition("_")

@@ -25,15 +25,7 @@ _HISTORIES = {
 
 
 def draw_records(figure: Figure, records: Mapping[str, Mapping[str, _Array]]) -> None:
-    """Draw acceleration, velocity, displacement, spectrum and build-up of energy.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        Empty figure.
-    records : mapping of str to curves
-        Curves by name, from `rwmf._records.facts.curves`.
-    """
+    """Draw acceleration, velocity, displacement, spectrum and build-up of energy."""
     parts: Any = figure.subfigures(1, 2, width_ratios=[1.5, 1.0])
     left, right = parts
     panels = dict(zip(_HISTORIES, left.subplots(3, 1, sharex=True), strict=True))
@@ -57,21 +49,7 @@ def draw_records(figure: Figure, records: Mapping[str, Mapping[str, _Array]]) ->
 def draw_selection(
     figure: Figure, periods: _Array, target: _Array, spectra: _Array, label: str
 ) -> None:
-    """Draw the scaled spectra of a suite, their geometric mean and the target.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        Empty figure.
-    periods : array, shape (n,)
-        Periods [s].
-    target : array, shape (n,)
-        Target spectrum [g].
-    spectra : array, shape (components, n)
-        Scaled spectra [g].
-    label : str
-        Text of the vertical axis.
-    """
+    """Draw the scaled spectra of a suite, their geometric mean and the target."""
     ax = figure.subplots()
     for i, spectrum in enumerate(spectra):
         ax.loglog(periods, spectrum, color=GREY, lw=0.8, label="components" if i == 0 else None)

@@ -315,18 +315,7 @@ def _condition(dataset: xr.Dataset) -> str:
 
 
 def intensity_label(attributes: dict[Any, Any]) -> str:
-    """Return the label of an intensity axis.
-
-    Parameters
-    ----------
-    attributes : dict
-        Attributes of the dataset.
-
-    Returns
-    -------
-    str
-        Symbol of the measure, over g.
-    """
+    """Return the label of an intensity axis."""
     kind, period = (attributes.get(key) for key in ("intensity", "intensity_period_s"))
     if kind is None:
         return "intensity"

@@ -10,18 +10,7 @@ __all__ = ["origin_of"]
 
 
 def origin_of(case: Case) -> dict[str, str]:
-    """Return the attributes that a study shares with a sweep.
-
-    Parameters
-    ----------
-    case : Case
-        Case of the study.
-
-    Returns
-    -------
-    dict of str to str
-        Version of the kernel, text of the case, and its warnings.
-    """
+    """Return the attributes that a study shares with a sweep."""
     return {
         "version": _library.version(),
         "case": readable(case.to_namelist()),

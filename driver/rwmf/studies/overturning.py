@@ -51,23 +51,7 @@ class Wall:
 
     @classmethod
     def of(cls, case: Case) -> Wall:
-        """Return the wall of a case.
-
-        Parameters
-        ----------
-        case : Case
-            A case with a wall.
-
-        Returns
-        -------
-        Wall
-            Its wall.
-
-        Raises
-        ------
-        InputError
-            When the case has no wall, or a hinged one.
-        """
+        """Return the wall of a case."""
         if case.wall is None:
             raise InputError("overturning: the case has no &wall")
         if case.wall.get("base") == "pinned":

@@ -19,21 +19,7 @@ USUAL_PERCENTILES = (16.0, 50.0, 84.0)
 
 
 def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
-    """Return a quantity of a sweep, infinite for overturning or collapse.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.sweep` or `rwmf.spectrum`.
-    name : str
-        The quantity.
-
-    Returns
-    -------
-    xarray.DataArray
-        The quantity, infinite where the wall overturned or the frame collapsed (failures, whatever
-        the earlier peaks), NaN where the run failed.
-    """
+    """Return a quantity of a sweep, infinite for overturning or collapse."""
     status = dataset["status"]
     # a sweep has numbers, a spectrum names
     names = str(status.attrs.get("flag_meanings", "")).split()
