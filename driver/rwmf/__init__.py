@@ -16,27 +16,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rwmf import coupling, loops, plot, records, studies
+    from rwmf import coupling, hosts, loops, plot, records, studies
     from rwmf._base_section import base_section, ufp_force, ufp_stiffness
     from rwmf._checks.checks import Checks, LimitCheck, checks
     from rwmf._cost import Cost, cost
     from rwmf._design.design import Design, design
     from rwmf._explore import explore
     from rwmf._gradient.gradient import gradient
-    from rwmf._hosts import (
-        Element,
-        ElementEvent,
-        ElementResponse,
-        ElementSnapshot,
-        Wall,
-        WallEvent,
-        WallEvents,
-        WallForces,
-        WallMaxima,
-        Walls,
-        WallSnapshot,
-        WallState,
-    )
+    from rwmf._hosts import Element, Wall, Walls
     from rwmf._paper import paper_coefficients
     from rwmf._pushover import pushover
     from rwmf._response import Response
@@ -64,9 +51,6 @@ __all__ = [
     "Cost",
     "Design",
     "Element",
-    "ElementEvent",
-    "ElementResponse",
-    "ElementSnapshot",
     "InputError",
     "Interrupted",
     "LimitCheck",
@@ -78,12 +62,6 @@ __all__ = [
     "RwmfError",
     "RwmfWarning",
     "Wall",
-    "WallEvent",
-    "WallEvents",
-    "WallForces",
-    "WallMaxima",
-    "WallSnapshot",
-    "WallState",
     "Walls",
     "__version__",
     "base_section",
@@ -96,6 +74,7 @@ __all__ = [
     "find_records",
     "fragility",
     "gradient",
+    "hosts",
     "ida",
     "intensity",
     "loops",
@@ -122,9 +101,6 @@ _HOMES = {
     "Cost": "_cost",
     "Design": "_design.design",
     "Element": "_hosts",
-    "ElementEvent": "_hosts",
-    "ElementResponse": "_hosts",
-    "ElementSnapshot": "_hosts",
     "InputError": "errors",
     "Interrupted": "errors",
     "LimitCheck": "_checks.checks",
@@ -138,12 +114,6 @@ _HOMES = {
     "base_section": "_base_section",
     "checks": "_checks.checks",
     "Wall": "_hosts",
-    "WallEvent": "_hosts",
-    "WallEvents": "_hosts",
-    "WallForces": "_hosts",
-    "WallMaxima": "_hosts",
-    "WallSnapshot": "_hosts",
-    "WallState": "_hosts",
     "Walls": "_hosts",
     "cloud": "_risk",
     "cost": "_cost",
@@ -177,7 +147,7 @@ def __getattr__(name: str) -> object:
     elif name in __all__:
         found = import_module(f"rwmf.{name}")
     else:
-        raise AttributeError(f"module 'rwmf' has no attribute {name!r}")
+        raise AttributeError(import_module("rwmf._renamed").moved(name))
     globals()[name] = found
     return found
 

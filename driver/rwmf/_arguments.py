@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import inspect
 import os
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
@@ -248,14 +247,10 @@ def checked(function: Callable[_P, _R]) -> Callable[_P, _R]:
     defaults = {name: item.default for name, item in signature.parameters.items()}
     further = {name for name, item in signature.parameters.items() if item.kind is item.VAR_KEYWORD}
 
-    takes_one = "quantities" in signature.parameters and "quantity" not in signature.parameters
-
     @functools.wraps(function)
     def call(*args: _P.args, **kwargs: _P.kwargs) -> _R:
-        if takes_one and "quantity" in kwargs:
-            text = f"{function.__name__}: quantity is now quantities; it goes with the next version"
-            warnings.warn(text, DeprecationWarning, stacklevel=2)
-            kwargs["quantities"] = kwargs.pop("quantity")
+        if "quantity" in kwargs and "quantity" not in signature.parameters:
+            raise TypeError(f"{function.__name__}: quantity is now quantities")
         bound = signature.bind(*args, **kwargs)
         for name, value in bound.arguments.items():
             if name in _CHECKS and value is not defaults[name]:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["Loop", "check_springs", "draw", "find_loops", "group_by_kind", "springs_of"]
+__all__ = ["Loop", "draw", "find_loops"]
 
 Array = npt.NDArray[np.float64]
 

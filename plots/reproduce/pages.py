@@ -107,7 +107,7 @@ _READING = """## Conclusions
   wall amplifies frames of medium stiffness, and only heavy walls reduce u_s,max.
 * **Benefit of the wall.** In the exact formulation a light wall changes next to nothing. A heavy
   wall helps flexible frames in El Centro, but harms frames of medium stiffness there and flexible
-  frames under the one-cosine pulse. The figure `benefit` of `rwmf reproduce` shows these ratios.
+  frames under the one-cosine pulse. `tools/run reproduce benefit` draws these ratios.
 """
 
 
@@ -153,8 +153,8 @@ _RESTITUTION = """The table gives the constant e with which the exact form is cl
 """
 _FIGURES = """## Figures
 
-`rwmf reproduce 4 free block g5 disc six_storeys` draws the comparisons into `build/plots/`. After
-an impact the deformable wall vibrates in bending; the model is rigid and does not.
+`tools/run reproduce 4 free block g5 disc six_storeys` draws the comparisons. After an impact
+the deformable wall vibrates in bending; the model is rigid and does not.
 """
 _CONTACT = """u_s hardly depends on the contact; the rotation and the instants of the impacts depend
 on it a little. Without damping the foundation returns the blow, and the wall slides in the air.

@@ -194,7 +194,7 @@ def design(
     left_out : sequence of str, path or Motion, optional
         Records that judge the design; by default every fourth record of the suite is left out.
     guess : mapping, optional
-        A design to begin with, such as that of `rwmf.studies.displacement_based_prestress`; it is
+        A design to begin with; it is
         moved to the bounds.
     designs : int, optional
         Number of designs that the first stage may visit; 300 without `&design`.

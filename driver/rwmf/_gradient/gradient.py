@@ -68,8 +68,8 @@ def gradient(
         As in `rwmf.sweep`; each run has a gradient.
     statistic : float or callable, optional
         Differentiate a statistic over the records instead. A number is the share of a quantile, by
-        ranks. A function takes an array of one value a record, infinite after a collapse, such as
-        that of `rwmf.studies.fragility_median`. The steps are five times larger.
+        ranks. A function takes an array of one value a record, infinite after a collapse. The
+        steps are five times larger.
     over : str or sequence of str
         Dimensions of the array that the statistic takes, ``record`` first.
     threads, unit, dt

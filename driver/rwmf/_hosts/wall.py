@@ -21,7 +21,7 @@ from rwmf._hosts.states import (
     WallState,
 )
 from rwmf._library import check_threads
-from rwmf._library.hosts import KernelWalls, Saved, event_names
+from rwmf._library.stepping import KernelWalls, Saved, event_names
 from rwmf._numbers import show, to_array, to_items, to_number, to_shaped, to_whole
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError, warn

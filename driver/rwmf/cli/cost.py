@@ -23,7 +23,7 @@ def run(options: argparse.Namespace) -> int:
     files.check_outputs([options.plot], case.inputs)
     figures.check_formats(options.plot)
     with progress() as report:
-        found = cost(case, options.target, report, options.quantity)
+        found = cost(case, options.target, report, options.quantities)
     if options.plot:
         with new_figure(4.2) as figure:
             left, right = figure.subplots(1, 2, sharey=True)

@@ -35,7 +35,7 @@ _KILO = 1e-3
 def run(options: argparse.Namespace) -> int:
     """Compute a static curve (``rwmf pushover``)."""
     case = Case.from_namelist(options.case)
-    written = [options.csv, options.plot, *(options.checks or ())]
+    written = [options.out, options.plot, *(options.checks or ())]
     files.check_outputs(written, case.inputs)
     figures.check_formats(options.plot)
     check_words(case, options.checks)
@@ -44,8 +44,8 @@ def run(options: argparse.Namespace) -> int:
     pattern = options.pattern or ("floors" if options.forces else None)
     wanted = {} if options.drifts is None else {"drifts": options.drifts}
     curve = pushover(case, pattern=pattern, forces=options.forces, steps=options.steps, **wanted)
-    if options.csv:
-        files.write_bytes(options.csv, _table(curve).encode())
+    if options.out:
+        files.write_bytes(options.out, _table(curve).encode())
     if options.plot:
         history = _history(case) if options.run_too else None
         with new_figure(3.8) as figure:

@@ -12,12 +12,12 @@ from rwmf._records.facts import Described, curves, describe
 from rwmf._sweep.intensity import G
 from rwmf.case import Motion
 from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
-from rwmf.errors import OutputError
+from rwmf.errors import InputError, OutputError
 from rwmf.plotting import image_files as figures
 from rwmf.plotting.record_figure import draw_records, draw_selection
 from rwmf.plotting.style import new_figure
 
-__all__ = ["convert", "export", "info", "join", "select", "show"]
+__all__ = ["convert", "export", "info", "join", "select"]
 
 # facts of a table: key, title, width and format
 _COLUMNS = (
@@ -32,15 +32,14 @@ _COLUMNS = (
 )
 
 
-def show(_: argparse.Namespace) -> int:
-    """List the records (``rwmf records list``)."""
-    print("\n".join(records.list_records()))
-    return 0
-
-
 def export(options: argparse.Namespace) -> int:
-    """Write a record into a file (``rwmf records export``)."""
-    print(records.export(options.name, options.file, force=options.force))
+    """Write a record into a file, or list the records (``rwmf records export``)."""
+    if options.name is None:
+        print("\n".join(records.list_records()))
+    elif options.out is None:
+        raise InputError("records export: needs --out FILE")
+    else:
+        print(records.export(options.name, options.out, force=options.force))
     return 0
 
 
@@ -108,7 +107,7 @@ def join(options: argparse.Namespace) -> int:
 
 def _write(motion: Motion, options: argparse.Namespace, inputs: list[str]) -> None:
     """Write a motion, and print the keys that read it."""
-    target = Path(options.file)
+    target = Path(options.out)
     files.check_outputs([target], inputs)
     if target.exists() and not options.force:
         raise OutputError(f"{target}: is there already; --force replaces it")

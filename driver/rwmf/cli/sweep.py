@@ -1,4 +1,4 @@
-"""Subcommands ``rwmf sweep`` and ``rwmf merge``."""
+"""Subcommand ``rwmf sweep``."""
 
 from __future__ import annotations
 
@@ -22,14 +22,18 @@ from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks,
 from rwmf.cli.output import print_warnings, print_written
 from rwmf.errors import InputError, Interrupted
 
-__all__ = ["merge_parts", "run"]
+__all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run a sweep (``rwmf sweep``)."""
+    """Run a sweep, or join its parts (``rwmf sweep``)."""
+    if options.merge:
+        return _merge(options)
+    if options.sweep is None:
+        raise InputError("sweep: needs SWEEP.nml, or --merge PART ...")
     request, path = read_sweep_file(options.sweep)
-    if options.file:
-        path = Path(options.file)
+    if options.out:
+        path = Path(options.out)
     part = _parse_part(options.part)
     files.check_outputs([path, *(options.checks or ())], [options.sweep, str(request.case)])
     case = case_of(request.case)
@@ -74,13 +78,15 @@ def _print_counts(dataset: xr.Dataset, path: Path, seconds: float) -> None:
     print(f"written: {path}")
 
 
-def merge_parts(options: argparse.Namespace) -> int:
-    """Join parts (``rwmf merge``)."""
-    if Path(options.file).suffix.lower() == ".csv":
-        merge_csv(options.parts, options.file)
+def _merge(options: argparse.Namespace) -> int:
+    """Join parts into one file."""
+    if options.out is None or options.sweep is not None:
+        raise InputError("sweep: --merge needs --out FILE, and no SWEEP.nml")
+    if Path(options.out).suffix.lower() == ".csv":
+        merge_csv(options.merge, options.out)
     else:
-        merge(_stores(options.parts), options.file).close()
-    print(f"written: {options.file}")
+        merge(_stores(options.merge), options.out).close()
+    print(f"written: {options.out}")
     return 0
 
 

@@ -4,13 +4,25 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from collections.abc import Callable
 
 from rwmf._files.names import is_name_of_folder, problem_of_name, shorten
 from rwmf.errors import OutputError
 
-__all__ = ["key_with_numbers", "number", "numbers", "thread_count", "whole", "written_file"]
+__all__ = [
+    "bounds",
+    "number",
+    "numbers",
+    "target",
+    "thread_count",
+    "weight",
+    "whole",
+    "written_file",
+]
 
+_TARGET = re.compile(r"(\w+)=([^@x]+)(?:@([^@x]+))?(?:x([^@x]+))?")
+_LIMITS = re.compile(r"limits@([^@x]+)(?:x([^@x]+))?")
 _MOST_THREADS = 2**31 - 1
 _MOST_NUMBERS = 1_000_000
 
@@ -72,14 +84,6 @@ def numbers(word: str) -> list[float]:
         ) from None
 
 
-def key_with_numbers(word: str) -> tuple[str, list[float]]:
-    """Read ``KEY=LIST``."""
-    key, sign, values = word.partition("=")
-    if not key or not sign:
-        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=LIST")
-    return key, numbers(values)
-
-
 def thread_count(word: str) -> int:
     """Read a number of threads, 0 for all; the kernel enforces the limit."""
     return whole(0, _MOST_THREADS)(word)
@@ -93,3 +97,41 @@ def written_file(word: str) -> str:
     if problem is not None:
         raise OutputError(f"{shorten(word)}: {problem}")
     return word
+
+
+def bounds(word: str) -> tuple[str, tuple[float, float]]:
+    """Read ``KEY=LOW:HIGH``."""
+    key, _, ends = word.partition("=")
+    low, _, high = ends.partition(":")
+    try:
+        return key, (number()(low), number()(high))
+    except argparse.ArgumentTypeError:
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=LOW:HIGH") from None
+
+
+def weight(word: str) -> tuple[str, float]:
+    """Read ``KEY=NUMBER``."""
+    key, sign, value = word.partition("=")
+    try:
+        return key, number()(value if key and sign else "")
+    except argparse.ArgumentTypeError:
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be KEY=NUMBER") from None
+
+
+def target(word: str) -> dict[str, object]:
+    """Read a target: a percentile of a quantity, or a probability of collapse."""
+    read = number()
+    if limits := _LIMITS.fullmatch(word):
+        scale = {"scale": read(limits[2])} if limits[2] else {}
+        return {"quantity": "limits", "percentile": read(limits[1])} | scale
+    parts = _TARGET.fullmatch(word)
+    is_collapse = parts is not None and parts[1] == "collapse"
+    if parts is None or (parts[3] is None) != is_collapse:
+        wanted = "KEY=LIMIT@PERCENTILE, limits@PERCENTILE or collapse=PROBABILITY, and xFACTOR"
+        raise argparse.ArgumentTypeError(f"{shorten(word)}: must be {wanted}")
+    found: dict[str, object] = {"quantity": parts[1]}
+    if is_collapse:
+        found["probability"] = read(parts[2])
+    else:
+        found |= {"limit": read(parts[2]), "percentile": read(parts[3])}
+    return found | ({"scale": read(parts[4])} if parts[4] else {})

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["draw_overturning"]
+__all__ = ["overturning_map"]
 
 # outcome, lower and upper amplitude
 Region = tuple[int, float, float]
@@ -24,7 +24,7 @@ _REGION = 0.5
 
 
 @checked
-def draw_overturning(dataset: xr.Dataset, ax: Axes) -> Axes:
+def overturning_map(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw an overturning map: regions by the number of impacts, bisected boundaries as lines.
 
     Parameters

@@ -1,16 +1,14 @@
 """Figures of the studies.
 
-``draw_X(dataset, ax)`` draws the ``xarray.Dataset`` of the study X into ``matplotlib`` axes and
+A function draws the ``xarray.Dataset`` of the study of the same name into ``matplotlib`` axes and
 returns these.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import product
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from rwmf._arguments import checked, dataset_of
 from rwmf.plotting.style import (
@@ -18,24 +16,16 @@ from rwmf.plotting.style import (
     label_in_large_units,
     label_plainly,
     legend_above,
-    make_panels,
     period_label,
     plain,
     series,
 )
-from rwmf.studies.friction import CABLE, DEMAND
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = [
-    "draw_bands",
-    "draw_equal_response",
-    "draw_friction",
-    "draw_suite",
-    "draw_wall_effect",
-]
+__all__ = ["equal_response", "wall_effect"]
 
 _LINES = ("-", "--", ":", "-.")
 _SYMBOLS = {
@@ -48,68 +38,10 @@ _SYMBOLS = {
     "u_s_max": r"$u_{s,\max}$",
     "theta_max_over_alpha": r"$\theta_{\max}/\alpha$",
 }
-# opacity of a band, and of the hatching of a band without upper end
-_BAND, _OPEN = 0.25, 0.5
 
 
 @checked
-def draw_suite(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw percentiles of a suite: the median as a line, the outer ones as a band.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.studies.suite_spectra`.
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
-    dataset_of(dataset, "rwmf.studies.suite_spectra", "percentile")
-    name = next(str(key) for key in dataset if str(key).endswith("_percentiles"))
-    values = dataset[name.removesuffix("_percentiles")]
-    bands = []
-    for label, curve in _curves(dataset[name], ("percentile", "T_s")):
-        low, middle, high = (curve.isel(percentile=k) for k in (0, curve.percentile.size // 2, -1))
-        bands.append((label or "median", low, middle, high))
-    first, last = (float(dataset["percentile"][k]) for k in (0, -1))
-    _draw_bands(ax, bands, f"{first:g} to {last:g} % of {values.sizes['record']} records")
-    _finish(ax, values)
-    return ax
-
-
-@checked
-def draw_bands(dataset: xr.Dataset, ax: Axes) -> Axes:
-    """Draw sensitivity bands: the nominal spectrum within its range.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `rwmf.studies.sensitivity_bands`.
-    ax : matplotlib.axes.Axes
-        Axes to draw in.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        The axes.
-    """
-    dataset_of(dataset, "rwmf.studies.sensitivity_bands", "lowest", "nominal", "highest")
-    pairs = [_curves(dataset[name], ("T_s",)) for name in ("lowest", "nominal", "highest")]
-    bands = [
-        (label or "nominal", low, nominal, high)
-        for (_, low), (label, nominal), (_, high) in zip(*pairs, strict=True)
-    ]
-    _draw_bands(ax, bands, "range over the uncertain values")
-    _finish(ax, dataset["nominal"])
-    return ax
-
-
-@checked
-def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
+def wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw the ratios of responses with and without the wall; medians over a suite.
 
     Parameters
@@ -152,35 +84,7 @@ def draw_wall_effect(dataset: xr.Dataset, ax: Axes) -> Axes:
 
 
 @checked
-def draw_friction(dataset: xr.Dataset, axes: Sequence[Axes]) -> Sequence[Axes]:
-    """Draw required friction, and cable force or base shear without a cable; suite medians.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        From `friction_spectra`.
-    axes : sequence of matplotlib.axes.Axes
-        Two axes to draw in.
-
-    Returns
-    -------
-    sequence of matplotlib.axes.Axes
-        The axes.
-    """
-    dataset_of(dataset, "rwmf.studies.friction_spectra", "T_s", DEMAND)
-    panels = make_panels(axes, 2)
-    second = CABLE if CABLE in dataset else "base_shear_max_over_weight"
-    for ax, name in zip(panels, (DEMAND, second), strict=True):
-        values = dataset[name]
-        if "record" in values.dims:
-            values = values.median("record", keep_attrs=True)
-        _draw_lines(ax, values)
-        _finish(ax, dataset[name], from_zero=False)
-    return axes
-
-
-@checked
-def draw_equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
+def equal_response(dataset: xr.Dataset, ax: Axes) -> Axes:
     """Draw the amplitudes of pulses that give the same response.
 
     Parameters
@@ -232,44 +136,12 @@ def _text(value: object) -> str:
     return plain(value) if isinstance(value, str) else f"{value:g}"
 
 
-def _draw_lines(ax: Axes, values: xr.DataArray) -> None:
-    curves = _curves(values, ("T_s",))
-    for i, (label, curve) in enumerate(curves):
-        ax.plot(curve["T_s"], curve, label=label or None, **series(i, len(curves)))
-
-
-def _draw_bands(
-    ax: Axes, bands: Sequence[tuple[str, xr.DataArray, xr.DataArray, xr.DataArray]], interval: str
-) -> None:
-    """Draw lines with their bands: label, lower end, line, upper end."""
-    ends = [values.values[np.isfinite(values.values)] for band in bands for values in band[1:]]
-    top = 1.05 * max((float(values.max()) for values in ends if values.size), default=1.0)
-    is_told = False
-    for i, (label, low, middle, high) in enumerate(bands):
-        line_style = series(i, len(bands))
-        x, colour = middle["T_s"], line_style["color"]
-        ax.plot(x, middle, label=label, **line_style)
-        closed = np.isfinite(high.values)
-        ax.fill_between(x, low, high.where(closed), color=colour, alpha=_BAND, linewidth=0,
-                        label=f"{label}: {interval}" if len(bands) > 1 else interval)  # fmt: skip
-        # from the last period with an upper end: the hatched region extends beyond the figure
-        rest = ~closed & np.isfinite(low.values)
-        rest[:-1] |= rest[1:] & closed[:-1]
-        if rest.any():
-            ax.fill_between(x, low, top, where=rest, facecolor="none", edgecolor=colour,
-                            alpha=_OPEN, hatch="///", linewidth=0,
-                            label=None if is_told else "no upper end: overturns")  # fmt: skip
-            is_told = True
-    ax.set_ylim(0, top)
-
-
-def _finish(ax: Axes, values: xr.DataArray, from_zero: bool = True) -> None:
+def _finish(ax: Axes, values: xr.DataArray) -> None:
     ax.set_xlabel(period_label(values["T_s"]))
     unit = label_in_large_units(ax.yaxis, values.attrs.get("units", "1"))
     text = values.attrs.get("long_name", "") + ("" if unit == "1" else f" ({unit})")
     ax.set_ylabel(plain(text))
-    if from_zero:
-        ax.set_ylim(bottom=0)
+    ax.set_ylim(bottom=0)
     ax.margins(x=0)
     if ax.get_legend_handles_labels()[1]:
         legend_above(ax, columns=2)

@@ -18,31 +18,10 @@ from rwmf.case.frame_alone import groups_of_wall
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
 
-__all__ = ["wall_effect", "without_wall"]
+__all__ = ["wall_effect"]
 
 # responses of storeys; the first one applies to any frame
 _RESPONSES = ("u_s_max", "storey_drift_max", "floor_acceleration_max_g")
-
-
-def without_wall(case: CaseLike) -> Case:
-    """Return the case of the frame alone.
-
-    Parameters
-    ----------
-    case : Case or path
-        A case with a frame.
-
-    Returns
-    -------
-    Case
-        As `Case.without_wall`.
-
-    Raises
-    ------
-    InputError
-        When the case has no frame.
-    """
-    return case_of(case).without_wall()
 
 
 @checked
@@ -88,14 +67,14 @@ def wall_effect(
     if case.frame is None:
         raise InputError(
             "wall effect: the case has no &frame whose displacement the wall could change. For the "
-            "rotation of a free-standing wall use rwmf spectrum or rwmf study spectra"
+            "rotation of a free-standing wall use rwmf spectrum or rwmf sweep"
         )
     names = tuple(find_quantities(tuple(quantities or _usual_responses(case))))
     of_wall = [name for name in names if QUANTITIES[name].group in groups_of_wall()]
     if of_wall:
         raise InputError(f"wall effect: {of_wall[0]}: the frame alone has no such response")
     both = sweep(case, grid, records, quantities=names, **sweep_options)
-    frame = without_wall(case)
+    frame = case.without_wall()
     joined, free = (item.kernel.axes()["T_s"].value for item in (case, frame))
     # a period in the grid is that of the frame restrained by the wall
     factor = free / joined if free and joined else 1.0

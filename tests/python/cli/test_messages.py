@@ -179,8 +179,6 @@ def test_functions_take_a_path(tmp_path: Path) -> None:
         lambda x: rwmf.spectrum(x, T_s=[0.5]),
         lambda x: rwmf.sweep(x, grid),
         lambda x: rwmf.studies.wall_effect(x, grid),
-        lambda x: rwmf.studies.sensitivity_bands(x, grid, {"e": [0.9]}),
-        lambda x: rwmf.studies.friction_spectra(x, grid),
         lambda x: rwmf.studies.overturning_map(x, [5.0], [1.0, 9.0], tolerance=1.0),
         lambda x: rwmf.studies.equal_response(x, [0.5], 0.05, tolerance=0.5),
     ):

@@ -360,11 +360,14 @@ def test_channels_and_commands(tmp_path: Path, capsys: pytest.CaptureFixture[str
         records.read(path)
     up = records.read(path, channel=3)
     out = tmp_path / "up.txt"
-    assert cli.main(["records", "convert", str(path), str(out), "--channel", "3"]) == 0
+    assert cli.main(["records", "convert", str(path), "--out", str(out), "--channel", "3"]) == 0
     printed = capsys.readouterr().out
     assert f"unit = 'g', dt = {up.dt!r} /" in printed
     same = records.read(out, unit="g", dt=up.dt)
     assert np.array_equal(same.values, up.values)
-    assert cli.main(["records", "convert", str(path), str(out), "--channel", "3"]) == 2
+    assert cli.main(["records", "convert", str(path), "--out", str(out), "--channel", "3"]) == 2
     assert "is there already; --force replaces it" in capsys.readouterr().err
-    assert cli.main(["records", "convert", str(path), str(path), "--channel", "3", "--force"]) == 2
+    assert (
+        cli.main(["records", "convert", str(path), "--out", str(path), "--channel", "3", "--force"])
+        == 2
+    )
