@@ -32,7 +32,7 @@ class Row:
     rtol: float
     """[-]; nan where there is none."""
     gamma: float
-    """[-]; nan for the bare frame."""
+    """[-]."""
     ordinates: int
     """Solved, of all periods."""
     seconds: float

@@ -57,8 +57,6 @@ class Peer:
     """Name under which that is installed, if it is another one."""
     per_band: int = 0
     """Periods of each band that it is measured on, 0 for all: a slow one."""
-    linear: bool = False
-    """Solves the bare frame, not the wall."""
 
     @property
     def is_installed(self) -> bool:
@@ -90,16 +88,6 @@ def case(record: Record, method: str, rtol: float, **groups: object) -> rwmf.Cas
             "spectrum": {"T_s": [1.0]},
             **groups,
         }
-    )
-
-
-def bare_frame(record: Record, method: str, rtol: float) -> rwmf.Case:
-    """State the frame without wall, whose equation is linear, to the kernel."""
-    return rwmf.Case(
-        frame={"xi_s": XI},
-        motion={"kind": "record", "file": str(record.path), "unit": "g"},
-        solver={"method": method, "rtol": rtol},
-        spectrum={"T_s": [1.0]},
     )
 
 

@@ -2,8 +2,7 @@
 
 The headers are those of published records, shortened, and the samples are made up. K-NET is AKT013
 of 11 August 1996 from the tests of obspy. The others are from the tests of gmprocess: ESM HI.ARS1
-of 28 July 2019, COSMOS AK.BMR of 30 November 2018, CGS 89146 of 13 February 2012. For whole records
-see bench/record_files.py.
+of 28 July 2019, COSMOS AK.BMR of 30 November 2018, CGS 89146 of 13 February 2012.
 """
 
 from __future__ import annotations
