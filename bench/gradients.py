@@ -30,8 +30,7 @@ import numpy.typing as npt
 import rwmf
 from rwmf import records
 from rwmf._gradient.held_keys import allowed_changes, find_parameters, scale_of
-from rwmf._gradient.lanes import Lanes, Request
-from rwmf._gradient.scenes import Scenes
+from rwmf._gradient.lanes import Lanes, Request, Scenes
 from rwmf._library.measure import solve_reference
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))

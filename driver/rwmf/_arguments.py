@@ -20,15 +20,6 @@ from rwmf.errors import InputError, call_depth, warn
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "array_of",
-    "case_of",
-    "checked",
-    "dataset_of",
-    "function_of",
-    "path_of",
-    "texts_of",
-]
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")

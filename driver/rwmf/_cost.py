@@ -16,11 +16,9 @@ from rwmf._arguments import case_of, checked
 from rwmf._library import measure as _measure
 from rwmf._library.measure import Measurement, Reference
 from rwmf._progress import Progress, Reports, reporting
-from rwmf._sweep.kept_quantities import find_quantities
+from rwmf._sweep.intensity import find_quantities
 from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError, NumericalError
-
-__all__ = ["METHODS", "PAPER", "PRACTICES", "TOLERANCES", "Cost", "Row", "cheapest", "cost"]
 
 METHODS = ("adams", "bdf", "taylor", "dop853")
 # the procedure of the paper, for its scenes only

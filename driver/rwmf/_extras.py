@@ -6,8 +6,6 @@ import importlib.metadata
 import shlex
 import sys
 
-__all__ = ["PACKAGES", "how_to_install"]
-
 # optional dependencies, with the names of pyproject.toml
 PACKAGES = {
     "plot": ("matplotlib>=3.8",),

@@ -9,17 +9,6 @@ from typing import Any, NamedTuple
 from rwmf.case import Case
 from rwmf.quantities import SENSITIVITY, Quantity, find_numbered
 
-__all__ = [
-    "Row",
-    "grouped",
-    "headline",
-    "headline_rows",
-    "is_complete",
-    "rows_by_title",
-    "tendon_yield_of",
-    "value_text",
-]
-
 _ASK = "not in the result (&output reactions = .false.)"
 _PARTS = {"frame": "u_s_max_m", "wall": "theta_max_over_alpha"}
 _SCALAR_OF_EFFECT = {

@@ -9,8 +9,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-__all__ = ["Labelled", "dataset"]
-
 _Made = TypeVar("_Made", bound=xr.Dataset)
 # dimensions, values and attributes of a variable, as xarray takes them
 Labelled = tuple[tuple[str, ...], Any, Mapping[str, Any]]

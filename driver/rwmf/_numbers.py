@@ -18,18 +18,6 @@ import numpy.typing as npt
 from rwmf._files.names import shorten
 from rwmf.errors import InputError
 
-__all__ = [
-    "first_masked",
-    "float_of",
-    "is_whole",
-    "show",
-    "to_array",
-    "to_items",
-    "to_number",
-    "to_shaped",
-    "to_whole",
-]
-
 Array = npt.NDArray[np.float64]
 _NUMBERS = int | float | np.integer | np.floating
 # types of integers in Python and NumPy

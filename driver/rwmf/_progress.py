@@ -9,8 +9,6 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
-__all__ = ["Progress", "Reports", "in_notebook", "progress", "progress_bar", "reporting"]
-
 Progress = Callable[[int, int], None]
 # the argument `progress` of public functions
 Reports = Progress | bool | None

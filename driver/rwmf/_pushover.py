@@ -19,8 +19,6 @@ from rwmf.case import Case, CaseLike
 from rwmf.errors import InputError
 from rwmf.quantities import INSTANT, QUANTITIES, find_numbered
 
-__all__ = ["PATTERNS", "columns_by_key", "mark_crossings", "pushover"]
-
 PATTERNS = ("first_mode", "floors", "roof")
 
 # drift of the roof without a protocol: beyond the limits of design codes and the range of tests
@@ -112,7 +110,7 @@ def pushover(
     curve = _library.compute_curve(case.kernel, case.label, name, loads, legs, n)
     found = _to_dataset(curve, case, name)
     if case.kernel.limited_demands():
-        from rwmf._checks.static_demands import crossings_of
+        from rwmf._checks.checks import crossings_of
 
         return _with_marks(found, crossings_of(case, found))
     return found

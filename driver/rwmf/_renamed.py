@@ -1,7 +1,5 @@
 """Earlier spellings of public names and of words of the command line, with the new ones."""
 
-__all__ = ["NAMES", "WORDS", "moved"]
-
 _RECIPE = "a recipe of the page Studies"
 _OF_HOSTS = (
     *("ElementEvent", "ElementResponse", "ElementSnapshot", "WallEvent", "WallEvents"),

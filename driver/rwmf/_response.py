@@ -15,8 +15,6 @@ from rwmf._headline import grouped, headline, is_complete
 from rwmf.errors import InputError
 from rwmf.quantities import QUANTITIES, Quantity
 
-__all__ = ["LEVELS", "Response", "as_response"]
-
 # dimensions of quantities with a number
 LEVELS = ("storey", "floor", "mode")
 

@@ -14,23 +14,12 @@ from rwmf._arguments import case_of, checked
 from rwmf._headline import tendon_yield_of
 from rwmf._numbers import to_number
 from rwmf.case import Case, CaseLike
-from rwmf.case.heights import heights_of_storeys
+from rwmf.case.grid import heights_of_storeys
 from rwmf.quantities import Quantity, find_numbered
 
 if TYPE_CHECKING:
     from rwmf._labels import Labelled
     from rwmf._response import Response
-
-__all__ = [
-    "by_quantity",
-    "label",
-    "level_coordinates",
-    "simulate",
-    "sizes_of",
-    "start",
-    "to_dataset",
-    "with_history",
-]
 
 
 @checked

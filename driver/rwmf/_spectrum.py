@@ -17,8 +17,6 @@ from rwmf.case.grid import Values, with_grid
 from rwmf.errors import InputError
 from rwmf.quantities import AXES, QUANTITIES, find, keys_of
 
-__all__ = ["spectrum", "start", "to_dataset"]
-
 
 @checked
 def spectrum(

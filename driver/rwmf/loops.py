@@ -14,7 +14,7 @@ import numpy.typing as npt
 from rwmf._arguments import case_of, checked, dataset_of
 from rwmf._numbers import show, to_array, to_items
 from rwmf.case import Case, CaseLike
-from rwmf.case.heights import heights_of_storeys
+from rwmf.case.grid import heights_of_storeys
 from rwmf.errors import InputError
 from rwmf.plotting.style import LEVEL, Panels, make_panels, series, storey
 

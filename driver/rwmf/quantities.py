@@ -9,20 +9,6 @@ from typing import Any
 
 from rwmf import _library
 
-__all__ = [
-    "AXES",
-    "ENDINGS",
-    "INSTANT",
-    "QUANTITIES",
-    "SENSITIVITY",
-    "Quantity",
-    "ending_of",
-    "find",
-    "find_numbered",
-    "keys_of",
-    "names_by_key",
-]
-
 # beginning of the key of a peak's sensitivity to the motion
 SENSITIVITY = "sensitivity_"
 # endings of a motion before its planned time, as statuses; they are results, not errors. The

@@ -14,8 +14,6 @@ from rwmf._checks.checks import PERCENTILES, Checks, LimitCheck
 from rwmf._files import files
 from rwmf.quantities import find_numbered
 
-__all__ = ["text_of", "write_csv"]
-
 # ratios from here on have four digits
 _LONG = 1e4
 

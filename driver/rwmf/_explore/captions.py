@@ -9,8 +9,6 @@ from typing import Any
 from rwmf.case import Case
 from rwmf.quantities import Quantity
 
-__all__ = ["captions_of", "compare_with_frame", "uplift_acceleration"]
-
 # with these, the acceleration at uplift is no constant of the case
 _CHANGING_UPLIFT = ("storeys", "bending", "vertical", "initial")
 # energies that are dissipated, and their names

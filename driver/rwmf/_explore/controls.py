@@ -12,8 +12,6 @@ from typing import Any
 
 from rwmf import _library
 
-__all__ = ["describe", "editable"]
-
 # usual range of values: low, high, and True for a logarithmic slider
 _RANGES: dict[str, tuple[float, float, bool]] = {
     "wall.h": (0.5, 10.0, False),

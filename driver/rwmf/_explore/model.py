@@ -28,14 +28,11 @@ from rwmf._explore.presets import PRESETS, case_of_preset
 from rwmf._explore.questions import BadQuestionError, Question, case_of, given
 from rwmf._headline import headline_rows, rows_by_title, tendon_yield_of
 from rwmf.case import Case
-from rwmf.case.heights import heights_of_storeys
+from rwmf.case.grid import heights_of_storeys
 from rwmf.errors import InputError, NumericalError, RwmfError
 from rwmf.plotting.animation import ground_displacement
-from rwmf.plotting.levels import levels_of_frame, levels_of_storeys
-from rwmf.plotting.mode_shapes import mode_shapes
+from rwmf.plotting.levels import levels_of_frame, levels_of_storeys, mode_shapes
 from rwmf.quantities import ENDINGS, find
-
-__all__ = ["Model", "as_files", "encode", "start"]
 
 Poll = Callable[[int], None]
 Array = npt.NDArray[np.float64]

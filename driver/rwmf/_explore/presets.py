@@ -8,8 +8,6 @@ from typing import NamedTuple
 
 from rwmf.case import Case
 
-__all__ = ["FIRST", "PRESETS", "Preset", "case_of_preset"]
-
 _FOLDER = Path(__file__).parent / "presets"
 
 

@@ -10,8 +10,6 @@ from typing import Any, NamedTuple
 from rwmf._explore.controls import editable
 from rwmf.case import Case
 
-__all__ = ["BadQuestionError", "Question", "case_of", "given", "read"]
-
 _MOST_POINTS = 2000
 _WORD = re.compile(r"\w{1,60}", re.ASCII)
 _NUMBER = re.compile(r"([0-9]{1,9})?", re.ASCII)

@@ -41,8 +41,6 @@ from rwmf._progress import in_notebook
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError, RwmfError
 
-__all__ = ["PageServer", "explore"]
-
 _HOST = "127.0.0.1"
 _PAGE = Path(__file__).parent / "page"
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css"}

@@ -19,8 +19,6 @@ from rwmf._explore.model import Model, encode
 from rwmf._explore.questions import BadQuestionError
 from rwmf.errors import RwmfError
 
-__all__ = ["serve"]
-
 
 class _StoppedError(Exception):
     """The server no longer needs the answer."""

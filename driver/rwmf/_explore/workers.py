@@ -19,8 +19,6 @@ from rwmf._explore.questions import BadQuestionError
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["BrokenError", "BusyError", "Workers"]
-
 # largest number of concurrent computations; a page needs one, and a second for its cost chart
 _MOST = max(4, min(8, os.cpu_count() or 4))
 # time after which a computation may be stopped when requests wait and no process is free [s]

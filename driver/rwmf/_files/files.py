@@ -28,16 +28,6 @@ from typing import BinaryIO, cast
 
 from rwmf.errors import InputError, OutputError
 
-__all__ = [
-    "check_outputs",
-    "is_regular_or_new",
-    "remove",
-    "replacing",
-    "reported",
-    "sync_folder",
-    "write_bytes",
-]
-
 _TEMPORARY = re.compile(r"\.rwmf-[0-9a-f]{16}\.tmp(\.\w+)?")
 _DESCRIPTOR = re.compile(r"/(?:dev|proc/(?:self|thread-self))/fd/(\d+)")
 _NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC

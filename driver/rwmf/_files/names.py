@@ -7,8 +7,6 @@ import re
 from pathlib import Path
 from typing import TypeVar
 
-__all__ = ["is_name_of_folder", "problem_of_name", "readable", "shorten", "xml_text"]
-
 _T = TypeVar("_T")
 
 # Linux limits of a part of a path and of a path [bytes]

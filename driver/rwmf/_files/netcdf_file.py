@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from typing_extensions import Buffer
 
 
-__all__ = ["new_file"]
-
-
 @contextmanager
 def new_file(path: Path) -> Iterator[tuple[File, Callable[[], None]]]:
     """Open an empty NetCDF file that appears when the block ends without an error."""

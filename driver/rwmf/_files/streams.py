@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from typing_extensions import Buffer
 
-__all__ = ["ReaderGoneError", "guarded"]
 
 _STANDARD_ERROR = 2
 # error handler for letters that a stream cannot encode

@@ -11,17 +11,13 @@ import xarray as xr
 from rwmf import _library
 from rwmf._arguments import case_of, checked, texts_of
 from rwmf._gradient.held_keys import Parameter, find_parameters
-from rwmf._gradient.lanes import Lanes
-from rwmf._gradient.scenes import RECORD, Scenes
-from rwmf._gradient.steps import Steps
-from rwmf._gradient.suite_statistics import Statistic, SuiteStatistic
-from rwmf._sweep.kept_quantities import QUANTITIES, default_quantity, find_quantities
+from rwmf._gradient.lanes import RECORD, Lanes, Scenes
+from rwmf._gradient.steps import Statistic, Steps, SuiteStatistic
+from rwmf._sweep.intensity import QUANTITIES, default_quantity, find_quantities
 from rwmf._sweep.points import Points
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case, CaseLike, Motion
 from rwmf.errors import InputError
-
-__all__ = ["gradient", "requested"]
 
 
 def requested(case: Case) -> tuple[tuple[str, ...], tuple[str, ...]]:

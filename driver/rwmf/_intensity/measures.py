@@ -10,13 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from rwmf._intensity.extrema import Array
 from rwmf._intensity.oscillator import pseudo_accelerations, rotated_pseudo_accelerations
-from rwmf._intensity.waveform import Waveform, aligned, rotated
+from rwmf._intensity.waveform import Array, Waveform, aligned, rotated
 from rwmf._numbers import show, to_array, to_number
 from rwmf.errors import InputError, did_you_mean
-
-__all__ = ["DAMPING", "KINDS", "Intensity", "choose_measure"]
 
 DAMPING = 0.05
 # periods of the Housner intensity [s], and the relative tolerance of its quadrature

@@ -13,10 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rwmf._intensity.extrema import Array, Places, largest
-from rwmf._intensity.waveform import Waveform
-
-__all__ = ["pseudo_accelerations", "rotated_pseudo_accelerations"]
+from rwmf._intensity.waveform import Array, Places, Waveform, largest
 
 # numbers of one array; longer lists of periods are computed in parts
 _PART = 400_000

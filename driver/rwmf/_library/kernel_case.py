@@ -11,19 +11,15 @@ import numpy.typing as npt
 
 from rwmf._kernel import rwmf_bindings_python_cases as _cases
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
-from rwmf._library.marshalling import encode, fetch_text, message_buffer, raise_for, split_table
-from rwmf._library.memory import Memory
+from rwmf._library.marshalling import (
+    Memory,
+    encode,
+    fetch_text,
+    message_buffer,
+    raise_for,
+    split_table,
+)
 from rwmf.errors import InputError, without_lines
-
-__all__ = [
-    "Changes",
-    "KernelCase",
-    "Samples",
-    "SceneAxis",
-    "keep_samples",
-    "read_case",
-    "read_host_case",
-]
 
 
 class SceneAxis(NamedTuple):

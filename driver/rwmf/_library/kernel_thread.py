@@ -14,8 +14,6 @@ import numpy.typing as npt
 from rwmf._library.marshalling import raise_for
 from rwmf.errors import Interrupted
 
-__all__ = ["NoResult", "Progress", "wait_for", "write"]
-
 Progress = Callable[[int], None]
 _T = TypeVar("_T")
 

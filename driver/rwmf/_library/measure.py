@@ -19,15 +19,6 @@ if TYPE_CHECKING:
     from rwmf.case import Case
 
 
-__all__ = [
-    "Measurement",
-    "Reference",
-    "measure_fixed_steps",
-    "measure_method",
-    "requested_peak",
-    "solve_reference",
-]
-
 # number of stored impact times; only chatter exceeds it
 _MOST_IMPACTS = 20000
 

@@ -20,12 +20,9 @@ from rwmf._kernel import rwmf_bindings_python_hosts as _hosts
 from rwmf._kernel import rwmf_bindings_python_kernel as _kernel
 from rwmf._library.kernel_case import KernelCase
 from rwmf._library.kernel_thread import NoResult, wait_for
-from rwmf._library.marshalling import fetch_text, message_buffer, raise_for
-from rwmf._library.memory import Memory
+from rwmf._library.marshalling import Memory, fetch_text, message_buffer, raise_for
 from rwmf._numbers import float_of, show
 from rwmf.errors import InputError
-
-__all__ = ["KernelMember", "KernelWalls", "Saved", "event_names"]
 
 _Reals = npt.NDArray[np.float64]
 _Counts = npt.NDArray[np.int64]

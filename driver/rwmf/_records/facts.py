@@ -10,10 +10,8 @@ import numpy as np
 
 from rwmf._intensity import DAMPING, Array, Waveform, pseudo_accelerations, waveform_of
 from rwmf._library import unusual_record
-from rwmf._records.channels import Channel
+from rwmf._records.networks import Channel
 from rwmf._records.reader import read_bytes, read_channels
-
-__all__ = ["Described", "curves", "describe"]
 
 # accepted rounding of printed times, over the interval [-]
 _PRINTED = 1e-4

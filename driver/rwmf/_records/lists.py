@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rwmf._files.names import shorten
-from rwmf._records.channels import header_number
-from rwmf._records.components import is_left_behind
+from rwmf._records.networks import header_number
+from rwmf._records.reader import is_left_behind
 from rwmf.errors import InputError
-
-__all__ = ["SUITE_HEADER", "Entry", "decimal_point", "read_list", "separator_of"]
 
 SUITE_HEADER = "file,factor,set"
 _HEADER_BYTES = 200_000

@@ -8,8 +8,6 @@ import numpy.typing as npt
 from rwmf.case import Motion
 from rwmf.errors import InputError
 
-__all__ = ["join"]
-
 _IN_SI = {"m/s2": 1.0, "cm/s2": 0.01}
 # rounding of times that still fit a common interval, over the interval [-]
 _ROUNDING = 1e-6

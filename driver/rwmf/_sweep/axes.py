@@ -17,32 +17,6 @@ from rwmf.case.namelist import Value
 from rwmf.errors import InputError, did_you_mean
 from rwmf.quantities import AXES
 
-__all__ = [
-    "NUMBERS",
-    "PAIRS",
-    "POINT",
-    "SCALE",
-    "SETTINGS",
-    "Axis",
-    "Coordinate",
-    "Entries",
-    "Key",
-    "Scene",
-    "Scenes",
-    "column_coordinate",
-    "column_in",
-    "grid_axis",
-    "is_number",
-    "key_of_column",
-    "keys_of_axis",
-    "kind_of",
-    "name_axes",
-    "put_number",
-    "record_axis",
-    "record_coordinates",
-    "take_numbers",
-]
-
 _T = TypeVar("_T")
 Array = npt.NDArray[np.float64]
 Scenes = npt.NDArray[np.uint32]

@@ -21,10 +21,8 @@ import numpy as np
 
 from rwmf._files import files
 from rwmf._sweep.layout import Layout, difference
-from rwmf._sweep.task import Chunk
+from rwmf._sweep.plan import Chunk
 from rwmf.errors import InputError, OutputError
-
-__all__ = ["ChunkStore", "read_layout"]
 
 _MAGIC = b"rwmf sweep journal 3\n"
 # number of the chunk, length of the payload, CRC-32 of both and the payload

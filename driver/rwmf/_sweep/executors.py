@@ -17,10 +17,8 @@ from contextlib import contextmanager
 
 from rwmf._extras import how_to_install
 from rwmf._library import check_threads
-from rwmf._sweep.task import Chunk, Task, run_task
+from rwmf._sweep.plan import Chunk, Task, run_task
 from rwmf.errors import InputError
-
-__all__ = ["EXECUTORS", "count_threads", "open_executor", "run_in_threads", "run_on"]
 
 EXECUTORS = ("threads", "processes", "mpi", "dask")
 Report = Callable[[int], None]

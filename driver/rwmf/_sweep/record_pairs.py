@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rwmf._arguments import checked
-from rwmf._records.components import VERTICAL, component_of
+from rwmf._records.reader import VERTICAL, component_of
 from rwmf._sweep.record_sets import RecordFile, components
 from rwmf.case import Motion
 from rwmf.errors import InputError
-
-__all__ = ["RecordPair", "pairs"]
 
 
 @dataclass(frozen=True)

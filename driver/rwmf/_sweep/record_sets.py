@@ -11,22 +11,22 @@ from pathlib import Path
 from rwmf._arguments import checked
 from rwmf._files.names import problem_of_name, shorten
 from rwmf._numbers import show, to_number
-from rwmf._records.components import VERTICAL, is_left_behind, verticals_beside
 from rwmf._records.lists import read_list
 from rwmf._records.reader import (
     RECORD_SUFFIXES,
+    VERTICAL,
     VERTICAL_SUFFIXES,
     is_at2,
+    is_left_behind,
     read_bytes,
     read_channels,
     unit_of_header,
+    verticals_beside,
 )
 from rwmf._sweep import fema
 from rwmf.case import Motion
 from rwmf.case.namelist import Value
 from rwmf.errors import InputError, warn
-
-__all__ = ["Component", "RecordFile", "components", "find_records"]
 
 _FEMA_PREFIX = "fema:"
 

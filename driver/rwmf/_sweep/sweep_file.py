@@ -17,8 +17,6 @@ from rwmf._sweep.plan import Request
 from rwmf.case.namelist import read_text
 from rwmf.errors import InputError
 
-__all__ = ["located", "read_sweep_file"]
-
 Item = float | str
 _TOKEN = re.compile(
     r"""\s*(?:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +12,25 @@ from rwmf._numbers import to_array
 from rwmf.case.case import Case
 from rwmf.quantities import keys_of
 
-__all__ = ["Values", "with_grid"]
+if TYPE_CHECKING:
+    from rwmf.case.case import Case
+
+
+def heights_of_storeys(case: Case, n: int) -> list[float]:
+    """Return the height of each storey, from floor to floor; a frame without storeys has one."""
+    if case.storeys is None:
+        height = height_of_frame(case)
+        return [] if height is None else [height]
+    given = case.storeys.height
+    return list(given) * (n if len(given) == 1 else 1)
+
+
+def height_of_frame(case: Case) -> float | None:
+    """Return the height of a frame with one degree of freedom."""
+    if case.p_delta is not None and "h_f" in case.p_delta.given:
+        return case.p_delta.h_f
+    return None if case.wall is None else 2 * case.wall.h
+
 
 Values = Sequence[float] | npt.NDArray[np.float64] | float
 

@@ -13,8 +13,6 @@ from rwmf import _library
 from rwmf._numbers import show
 from rwmf.case.namelist import Value, format_value, parse_value
 
-__all__ = ["Group"]
-
 
 class Group(Mapping[str, Value]):
     """The values of one namelist group, by attribute or by key; keys match in any case.

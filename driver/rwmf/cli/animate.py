@@ -13,8 +13,6 @@ from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.plotting.animation import animate, in_words
 
-__all__ = ["run"]
-
 
 def run(options: argparse.Namespace) -> int:
     """Make the film."""

@@ -9,8 +9,6 @@ from rwmf.case import Case
 from rwmf.case.group import Group
 from rwmf.cli.output import print_json
 
-__all__ = ["run"]
-
 # lines of `rwmf check`: word of the kernel's inventory, label, and text for an empty list
 _INVENTORY = (
     ("effects", "effects", "none"),

@@ -19,8 +19,6 @@ from rwmf.cli.words import (
     written_file,
 )
 
-__all__ = ["COMMANDS", "GROUPS", "Command", "Word"]
-
 GROUPS = {
     "one": "One case",
     "many": "Many cases",

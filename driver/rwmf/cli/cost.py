@@ -14,8 +14,6 @@ from rwmf.plotting import cost_figure as plot_cost
 from rwmf.plotting import image_files as figures
 from rwmf.plotting.style import new_figure
 
-__all__ = ["run"]
-
 
 def run(options: argparse.Namespace) -> int:
     """Print the cost of accuracy."""

@@ -15,8 +15,6 @@ from rwmf.cli.output import print_json, print_warnings, print_written
 from rwmf.errors import InputError
 from rwmf.plotting import design_page
 
-__all__ = ["run"]
-
 _T = TypeVar("_T")
 
 

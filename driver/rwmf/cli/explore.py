@@ -6,8 +6,6 @@ import argparse
 
 from rwmf._explore import explore
 
-__all__ = ["run"]
-
 
 def run(options: argparse.Namespace) -> int:
     """Show a case in the browser."""

@@ -12,8 +12,6 @@ from rwmf.export.fmu import export_fmu
 from rwmf.export.opensees import opensees_script
 from rwmf.export.opensees_run import compare_with_opensees, run_opensees
 
-__all__ = ["run"]
-
 
 def run(options: argparse.Namespace) -> int:
     """Write a case for another program, by the suffix of the file (``rwmf export``)."""

@@ -9,8 +9,6 @@ from rwmf.case import Case
 from rwmf.cli.gradient_output import print_gradient
 from rwmf.cli.output import print_json
 
-__all__ = ["run"]
-
 
 def run(options: argparse.Namespace) -> int:
     """Print derivatives (``rwmf gradient``)."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["derivatives_by_name", "print_gradient"]
 
 _WIDTH = 14
 

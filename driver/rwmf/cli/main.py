@@ -15,9 +15,6 @@ from rwmf._files.streams import ReaderGoneError, guarded
 from rwmf.cli.parser import make_parser
 from rwmf.errors import OutputError, RwmfError, RwmfWarning
 
-__all__ = ["main"]
-
-
 # exit status of unexpected errors
 _UNFORESEEN = 3
 # 128 and the number of SIGINT, as shells report it

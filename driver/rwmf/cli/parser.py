@@ -11,8 +11,6 @@ from rwmf._files.names import shorten
 from rwmf._renamed import WORDS
 from rwmf.cli.command_table import COMMANDS, GROUPS, Command
 
-__all__ = ["make_parser"]
-
 _DESCRIPTION = "Dynamic response of post-tensioned rocking wall-moment frames."
 _EXAMPLE = "example: rwmf spectrum inputs/fig12_one_cosine.nml --plot cosine.png"
 _FAMILIES = {

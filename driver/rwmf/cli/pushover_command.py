@@ -14,8 +14,15 @@ from rwmf._files import files
 from rwmf._pushover import columns_by_key, pushover
 from rwmf._simulation import simulate
 from rwmf.case import Case
-from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
-from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.output import (
+    check_words,
+    checks_if_limited,
+    print_checks,
+    print_json,
+    print_warnings,
+    print_written,
+    write_checks,
+)
 from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
 from rwmf.plotting.pushover_figure import LIMIT, words_of_mark
@@ -25,7 +32,6 @@ from rwmf.plotting.style import new_figure
 if TYPE_CHECKING:
     from rwmf._checks.checks import Checks
 
-__all__ = ["run"]
 
 # points of a dynamic hysteresis
 _POINTS = 8000

@@ -14,10 +14,8 @@ from rwmf.case import Motion
 from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
 from rwmf.errors import InputError, OutputError
 from rwmf.plotting import image_files as figures
-from rwmf.plotting.record_figure import draw_records, draw_selection
+from rwmf.plotting.ground import draw_records, draw_selection
 from rwmf.plotting.style import new_figure
-
-__all__ = ["convert", "export", "info", "join", "select"]
 
 # facts of a table: key, title, width and format
 _COLUMNS = (

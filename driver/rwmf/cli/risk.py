@@ -14,21 +14,18 @@ import xarray as xr
 import rwmf
 from rwmf._files import files
 from rwmf._progress import progress
-from rwmf._risk.annual import unit_of
-from rwmf._risk.hazard import hazard_of
+from rwmf._risk.annual import hazard_of, unit_of
 from rwmf._risk.loss import loss_quantities, nrml_text, write_pelicun
 from rwmf._risk.table import fallen, quantities_of, write_dataset
 from rwmf._sweep.executors import open_executor
 from rwmf._sweep.netcdf import check_package
-from rwmf._sweep.point_files import is_netcdf
+from rwmf._sweep.points import is_netcdf
 from rwmf.cli.output import print_json, print_warnings, print_written, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
 from rwmf.plotting import risk_figures as plots
 from rwmf.plotting.style import new_figure
-
-__all__ = ["cloud", "fit", "ida", "integrate", "stripes"]
 
 _SHARED = ("intensity", "period", "damping", "periods", "restart", "threads")
 _NOT_IN_MODEL = (

@@ -15,9 +15,16 @@ from rwmf import _simulation as simulation
 from rwmf._files import files
 from rwmf._headline import grouped, headline, tendon_yield_of, value_text
 from rwmf.case import Case
-from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
 from rwmf.cli.gradient_output import derivatives_by_name, print_gradient
-from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.output import (
+    check_words,
+    checks_if_limited,
+    print_checks,
+    print_json,
+    print_warnings,
+    print_written,
+    write_checks,
+)
 from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
 from rwmf.quantities import SENSITIVITY, find
@@ -25,7 +32,6 @@ from rwmf.quantities import SENSITIVITY, find
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["run"]
 
 # digits of a printed number without an estimate of its error
 _MOST_DIGITS = 10

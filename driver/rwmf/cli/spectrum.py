@@ -13,12 +13,17 @@ from rwmf._files import files
 from rwmf._progress import progress_bar
 from rwmf.case import Case
 from rwmf.case.grid import with_grid
-from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
-from rwmf.cli.output import print_json, print_warnings, print_written
+from rwmf.cli.output import (
+    check_words,
+    checks_if_limited,
+    print_checks,
+    print_json,
+    print_warnings,
+    print_written,
+    write_checks,
+)
 from rwmf.plotting import image_files as figures
 from rwmf.quantities import ENDINGS, names_by_key
-
-__all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:

@@ -20,10 +20,8 @@ from rwmf.cli.output import print_warnings, print_written, printed_warnings
 from rwmf.cli.words import numbers
 from rwmf.plotting import image_files as figures
 from rwmf.plotting import studies as plots
-from rwmf.plotting.overturning_map import overturning_map
+from rwmf.plotting.studies import overturning_map
 from rwmf.plotting.style import new_figure
-
-__all__ = ["equal_response", "overturning", "wall"]
 
 _PERIODS = "0.1:3:59"
 

@@ -14,15 +14,18 @@ import xarray as xr
 from rwmf._arguments import case_of
 from rwmf._files import files
 from rwmf._progress import progress
-from rwmf._sweep.computation import merge, path_of_store, sweep
-from rwmf._sweep.csv_parts import merge_csv
+from rwmf._sweep.computation import merge, merge_csv, path_of_store, sweep
 from rwmf._sweep.executors import open_executor
 from rwmf._sweep.sweep_file import read_sweep_file
-from rwmf.cli.checks_output import check_words, checks_if_limited, print_checks, write_checks
-from rwmf.cli.output import print_warnings, print_written
+from rwmf.cli.output import (
+    check_words,
+    checks_if_limited,
+    print_checks,
+    print_warnings,
+    print_written,
+    write_checks,
+)
 from rwmf.errors import InputError, Interrupted
-
-__all__ = ["run"]
 
 
 def run(options: argparse.Namespace) -> int:

@@ -10,17 +10,6 @@ from collections.abc import Callable
 from rwmf._files.names import is_name_of_folder, problem_of_name, shorten
 from rwmf.errors import OutputError
 
-__all__ = [
-    "bounds",
-    "number",
-    "numbers",
-    "target",
-    "thread_count",
-    "weight",
-    "whole",
-    "written_file",
-]
-
 _TARGET = re.compile(r"(\w+)=([^@x]+)(?:@([^@x]+))?(?:x([^@x]+))?")
 _LIMITS = re.compile(r"limits@([^@x]+)(?:x([^@x]+))?")
 _MOST_THREADS = 2**31 - 1

@@ -12,8 +12,6 @@ from rwmf.case import Case
 from rwmf.coupling.host import Reals, Wholes
 from rwmf.errors import InputError
 
-__all__ = ["CoupledWall", "Split", "WallResponse"]
-
 # groups of the frame, which the host owns
 _FRAME = ("frame", "storeys", "yielding", "p_delta")
 

@@ -12,8 +12,6 @@ import numpy as np
 from rwmf.case import Case
 from rwmf.export.si_building import BentWall, Building, Frame, Law, read_building
 
-__all__ = ["opensees_script"]
-
 # angular frequency of the wall on both its corners [rad/s], and the step that resolves it [s]
 _CORNER_RATE = 8000.0
 _STEP_OF_WALL, _STEP_OF_FRAME = 2.5e-5, 2e-4

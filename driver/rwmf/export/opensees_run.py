@@ -18,8 +18,6 @@ from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.errors import InputError, NumericalError
 
-__all__ = ["Demand", "compare_with_opensees", "run_opensees"]
-
 _COMPARED_IMPACTS = 10
 
 

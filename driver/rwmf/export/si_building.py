@@ -13,8 +13,6 @@ from rwmf._simulation import simulate
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["BentWall", "Building", "Frame", "Law", "Tendon", "read_building"]
-
 Array = npt.NDArray[np.float64]
 
 # interval at which a record is read, before samples on straight lines are left out [s]

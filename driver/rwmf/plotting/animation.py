@@ -16,7 +16,7 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError
 from rwmf.plotting.building import Building, BuildingLines, find_building
-from rwmf.plotting.mode_shapes import mode_shapes
+from rwmf.plotting.levels import mode_shapes
 from rwmf.plotting.style import COLOURS, GREY, INK, PALE, new_figure
 
 if TYPE_CHECKING:
@@ -25,16 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from PIL.Image import Image
 
-__all__ = [
-    "FORMATS",
-    "Scale",
-    "animate",
-    "corners",
-    "ground_displacement",
-    "in_words",
-    "magnification",
-    "scale_of",
-]
 
 Array = npt.NDArray[np.float64]
 

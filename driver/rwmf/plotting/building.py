@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rwmf.case import Case
-from rwmf.case.heights import height_of_frame
+from rwmf.case.grid import height_of_frame
 from rwmf.plotting.levels import levels_of_frame, levels_of_storeys
 from rwmf.plotting.response import members
 from rwmf.plotting.style import COLOURS, INK
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["Building", "BuildingLines", "find_building"]
 
 Array = npt.NDArray[np.float64]
 

@@ -20,7 +20,6 @@ from rwmf.quantities import find_numbered
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["checks", "save_checks"]
 
 # longest drawn ratio; larger ones end at an arrow
 _LONGEST = 3.0

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
     from rwmf._cost import Cost, Row
 
-__all__ = ["work_precision"]
 
 _METHODS = ("adams", "bdf", "taylor", "dop853", "paper")
 # procedures of practice: marker, and True for filled (dt), False for open (dt/10)

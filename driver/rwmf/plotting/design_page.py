@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
     from rwmf._design.design import Design
 
-__all__ = ["check_format_of_page", "draw_checks", "write"]
 
 _STYLE = (
     "body{font-family:sans-serif;max-width:60em;margin:2em auto}"

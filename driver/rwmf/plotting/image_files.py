@@ -12,8 +12,7 @@ from rwmf._files import files
 from rwmf.case import Case
 from rwmf.errors import InputError
 from rwmf.plotting import response as plot
-from rwmf.plotting.envelope import envelope, has_envelopes
-from rwmf.plotting.profile import demands_of, profile
+from rwmf.plotting.profile import demands_of, envelope, has_envelopes, profile
 from rwmf.plotting.style import make_panels, new_figure, plain
 from rwmf.quantities import names_by_key
 
@@ -22,14 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
     from matplotlib.transforms import BboxBase
 
-__all__ = [
-    "check_format",
-    "check_formats",
-    "save",
-    "save_history",
-    "save_loops",
-    "save_spectrum",
-]
 
 # height of the panel of demands over the height of a building [inch]
 _PROFILE = 2.6

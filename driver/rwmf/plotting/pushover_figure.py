@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["LIMIT", "pushover", "words_of_mark"]
 
 _PLACES = {"fuse_left": "left fuse", "fuse_right": "right fuse"}
 _VERBS = {

@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["PANELS", "history", "members", "panels_of", "spectrum"]
 
 # default panels of `history` from top to bottom; {i} means every floor or storey
 PANELS = (

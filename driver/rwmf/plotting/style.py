@@ -24,36 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.typing import RcKeyType
 
-__all__ = [
-    "ALONE",
-    "COLOURS",
-    "DOTS",
-    "FAINT",
-    "GREY",
-    "INK",
-    "LEVEL",
-    "LIMIT",
-    "MARKERS",
-    "NESTED",
-    "PALE",
-    "PAPER",
-    "WIDTH",
-    "YIELD",
-    "Panels",
-    "label_in_large_units",
-    "label_plainly",
-    "legend_above",
-    "legend_below",
-    "legend_beside",
-    "make_panels",
-    "new_figure",
-    "period_label",
-    "plain",
-    "series",
-    "storey",
-    "style",
-    "tint",
-]
 
 # axes of the panels of a figure
 Panels = np.ndarray[tuple[int], np.dtype[np.object_]]

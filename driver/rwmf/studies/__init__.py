@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from rwmf._renamed import moved
-from rwmf._risk.level_statistics import demand_percentiles
+from rwmf._risk.table import demand_percentiles
 from rwmf.studies.equal_response import equal_response
 from rwmf.studies.overturning import overturning_map
 from rwmf.studies.wall_effect import wall_effect

@@ -6,10 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import Self
 
+from rwmf import _library
+from rwmf._files.names import readable
 from rwmf.case import Case
 from rwmf.errors import InputError
 
-__all__ = ["Pulse"]
+
+def origin_of(case: Case) -> dict[str, str]:
+    """Return the attributes that a study shares with a sweep."""
+    return {
+        "version": _library.version(),
+        "case": readable(case.to_namelist()),
+        "warnings": "\n".join(case.kernel.motion_warnings()),
+    }
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,6 @@ from rwmf._numbers import show, to_array, to_items
 from rwmf.errors import InputError
 from rwmf.quantities import ENDINGS
 
-__all__ = ["quantile", "with_overturning"]
-
 
 def with_overturning(dataset: xr.Dataset, name: str = "u_s_max") -> xr.DataArray:
     """Return a quantity of a sweep, infinite for overturning or collapse."""

@@ -11,14 +11,12 @@ import xarray as xr
 from rwmf._arguments import case_of, checked
 from rwmf._sweep.axes import keys_of_axis, name_axes
 from rwmf._sweep.computation import SweepOptions, sweep
-from rwmf._sweep.kept_quantities import QUANTITIES, find_quantities
+from rwmf._sweep.intensity import QUANTITIES, find_quantities
 from rwmf._sweep.record_sets import RecordFile
 from rwmf.case import Case, CaseLike
-from rwmf.case.frame_alone import groups_of_wall
+from rwmf.case.case import groups_of_wall
 from rwmf.errors import InputError
 from rwmf.studies.statistics import with_overturning
-
-__all__ = ["wall_effect"]
 
 # responses of storeys; the first one applies to any frame
 _RESPONSES = ("u_s_max", "storey_drift_max", "floor_acceleration_max_g")

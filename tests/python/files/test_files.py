@@ -62,7 +62,7 @@ def test_where_files_go_and_what_goes(writer: Writer, start: Run, tmp_path: Path
     place.mkdir()
     for name in writer.targets:
         (tmp_path / name).symlink_to(f"place/{name}")
-    named = {"rwmf-batch", "--out"} & {*writer.words} and "animate" not in writer.words
+    named = "rwmf-batch" in writer.words or {"run", "--out"} <= {*writer.words}
     dead, others = _make_leftovers(tmp_path if named else place)
     alive = dead.with_name(".rwmf-fedcba9876543210.tmp")
     with alive.open("wb") as file:
@@ -138,7 +138,7 @@ def test_a_full_disk(writer: Writer, start: Run, tmp_path: Path) -> None:
     """A file-size limit simulates a full disk: one message, earlier files, no others."""
     for name in writer.targets:
         (tmp_path / name).write_bytes(EARLIER)
-    if "sweep" in writer.words:
+    if "sweep.nml" in writer.words:
         (tmp_path / "out.nc").unlink()
     before = {path.name for path in tmp_path.iterdir()}
 
@@ -223,7 +223,7 @@ def test_the_order_of_a_power_cut(writer: Writer, start: Run, tmp_path: Path) ->
         removed = [i for i, event in enumerate(events) if event[0] == "remove"]
         kept = [i for i in removed if events[i][1].endswith(".journal")]
         assert all(i > synced for i in kept)
-        assert len(kept) == ("sweep" in writer.words)
+        assert len(kept) == ("sweep.nml" in writer.words)
 
 
 def _events(log: Path, folder: Path) -> Iterator[tuple[str, ...]]:

@@ -12,8 +12,13 @@ import pytest
 import rwmf
 from random_cases import random_cases
 from rwmf._gradient import held_keys
-from rwmf._gradient.differences import derivative_at, offsets_of, resolution, valid_range
-from rwmf._gradient.held_keys import find_parameters
+from rwmf._gradient.held_keys import (
+    derivative_at,
+    find_parameters,
+    offsets_of,
+    resolution,
+    valid_range,
+)
 from scenes import bare_frame, coupled
 
 SIX_STOREYS = Path(__file__).parents[3] / "inputs" / "six_storeys_by_dimensions.nml"
