@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 
 from rwmf._renamed import moved
 from rwmf.plotting.checks_figure import checks
-from rwmf.plotting.cost_figure import work_precision
 from rwmf.plotting.ground import ground_motion
 from rwmf.plotting.profile import envelope, envelope_quantities, profile
-from rwmf.plotting.pushover_figure import pushover
 from rwmf.plotting.response import PANELS, history, spectrum
+from rwmf.plotting.result_figures import pushover, work_precision
 from rwmf.plotting.risk_figures import cloud, deaggregation, fragility, hazard, ida
 from rwmf.plotting.studies import equal_response, overturning_map, wall_effect
 from rwmf.plotting.style import make_panels, style

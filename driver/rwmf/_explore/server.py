@@ -10,6 +10,7 @@ Without the token the frame answers nothing.
 from __future__ import annotations
 
 import atexit
+import fcntl
 import hmac
 import json
 import math
@@ -20,6 +21,7 @@ import shutil
 import signal
 import socket
 import sys
+import tempfile
 import threading
 import time
 import traceback
@@ -32,7 +34,6 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from rwmf._arguments import case_of, checked
-from rwmf._explore.folder import Folder
 from rwmf._explore.model import as_files, encode, start
 from rwmf._explore.presets import FIRST, case_of_preset
 from rwmf._explore.questions import BadQuestionError, read
@@ -40,6 +41,55 @@ from rwmf._explore.workers import BrokenError, BusyError, Workers
 from rwmf._progress import in_notebook
 from rwmf.case import Case
 from rwmf.errors import InputError, OutputError, RwmfError
+
+_PREFIX = "rwmf-explore-"
+
+
+class Folder:
+    """A new temporary folder, locked until this process ends.
+
+    The operating system releases the lock of the folder with the process. A folder without a lock
+    therefore belongs to a terminated server.
+    """
+
+    def __init__(self) -> None:
+        self._lock: int | None = None
+        for left in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+            lock = _locked(left)
+            if lock is not None:
+                _remove(left, lock)
+        while self._lock is None:
+            # between creation and lock another server may take the folder for an abandoned one
+            self.path = Path(tempfile.mkdtemp(prefix=_PREFIX))
+            self._lock = _locked(self.path)
+
+    def remove(self) -> None:
+        """Remove the folder with its contents; further calls have no effect."""
+        if self._lock is not None:
+            _remove(self.path, self._lock)
+            self._lock = None
+
+
+def _locked(path: Path) -> int | None:
+    """Lock a folder of this user."""
+    try:
+        found = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    except OSError:
+        return None
+    with suppress(OSError):
+        if os.fstat(found).st_uid == os.geteuid():
+            fcntl.flock(found, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # another process may have removed it before the lock
+            if os.path.samestat(os.fstat(found), os.lstat(path)):
+                return found
+    os.close(found)
+    return None
+
+
+def _remove(path: Path, lock: int) -> None:
+    shutil.rmtree(path, ignore_errors=True)
+    os.close(lock)
+
 
 _HOST = "127.0.0.1"
 _PAGE = Path(__file__).parent / "page"

@@ -20,7 +20,7 @@ from typing import BinaryIO, Self
 import numpy as np
 
 from rwmf._files import files
-from rwmf._sweep.layout import Layout, difference
+from rwmf._sweep.axes import Layout, difference
 from rwmf._sweep.plan import Chunk
 from rwmf.errors import InputError, OutputError
 

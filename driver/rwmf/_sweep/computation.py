@@ -17,10 +17,10 @@ from rwmf._arguments import checked, path_of
 from rwmf._files import files
 from rwmf._progress import Progress, Reports, reporting
 from rwmf._sweep import netcdf
+from rwmf._sweep.axes import Layout, difference
 from rwmf._sweep.chunk_store import ChunkStore, read_layout
 from rwmf._sweep.executors import count_threads, run_in_threads, run_on
 from rwmf._sweep.intensity import QUANTITIES
-from rwmf._sweep.layout import Layout, difference
 from rwmf._sweep.plan import Chunk, Plan, Request, make_plan
 from rwmf._sweep.points import Points
 from rwmf._sweep.record_sets import RecordFile

@@ -19,9 +19,8 @@ from rwmf import quantities
 from rwmf._extras import how_to_install
 from rwmf._files.names import readable
 from rwmf._files.netcdf_file import new_file
-from rwmf._sweep.axes import POINT, Coordinate, Scenes
+from rwmf._sweep.axes import POINT, Coordinate, Layout, Scenes
 from rwmf._sweep.intensity import QUANTITIES
-from rwmf._sweep.layout import Layout
 from rwmf._sweep.plan import Chunk
 from rwmf.errors import InputError
 

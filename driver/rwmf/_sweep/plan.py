@@ -23,6 +23,7 @@ from rwmf._sweep.axes import (
     Coordinate,
     Entries,
     Key,
+    Layout,
     grid_axis,
     keys_of_axis,
     name_axes,
@@ -36,7 +37,6 @@ from rwmf._sweep.intensity import (
     find_quantities,
     scale_to_one,
 )
-from rwmf._sweep.layout import Layout
 from rwmf._sweep.points import Points, point_axis
 from rwmf._sweep.record_sets import RecordFile, find_records
 from rwmf.case import Case, CaseLike, Motion

@@ -10,8 +10,8 @@ from rwmf._files import files
 from rwmf._progress import progress
 from rwmf.case import Case
 from rwmf.cli.output import print_json, print_warnings, print_written
-from rwmf.plotting import cost_figure as plot_cost
 from rwmf.plotting import image_files as figures
+from rwmf.plotting import result_figures as plot_cost
 from rwmf.plotting.style import new_figure
 
 

@@ -25,8 +25,8 @@ from rwmf.cli.output import (
 )
 from rwmf.errors import InputError
 from rwmf.plotting import image_files as figures
-from rwmf.plotting.pushover_figure import LIMIT, words_of_mark
-from rwmf.plotting.pushover_figure import pushover as draw
+from rwmf.plotting.result_figures import LIMIT, words_of_mark
+from rwmf.plotting.result_figures import pushover as draw
 from rwmf.plotting.style import new_figure
 
 if TYPE_CHECKING:
